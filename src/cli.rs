@@ -1,0 +1,92 @@
+//! The command line: arguments, files opened and saved, printing, exit status. The rooms below know nothing of it.
+//!
+//! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
+
+mod completions;
+mod ui;
+
+use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+pub use ui::Ui;
+
+/// How a command that did not fail ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Finished, and good.
+    Done,
+    /// Finished and written, but rejected: the exit status is 3.
+    Rejected,
+}
+
+/// Calibrate the torque map of a vehicle that pivots on its driven front wheel.
+#[derive(Debug, Parser)]
+#[command(
+    name = "pivot-cal",
+    version,
+    about,
+    max_term_width = 120,
+    after_help = "\
+Example: from logs to a verified map in ./maps
+  pivot-cal fit logs.mcap
+  pivot-cal invert
+  pivot-cal verify"
+)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options of every command.
+#[derive(Debug, Clone, Args)]
+struct Global {
+    /// Print one JSON document instead of a summary for people
+    #[arg(long, global = true)]
+    json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print more detail
+    #[arg(short, long, global = true)]
+    verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Print a completion script for a shell
+    Completions(completions::Arguments),
+}
+
+/// Runs the program with `args`, the first being its name; returns the process's exit status.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // help and version are "errors" of status 0; usage errors have status 2
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
+    let outcome = match cli.command {
+        Command::Completions(arguments) => completions::run(&arguments, &ui),
+    };
+    match outcome {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Rejected) => ExitCode::from(3),
+        Err(error) => {
+            ui.error(&error);
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Runs one stage under its own program name: `pivot-cal-fit ARGS` is `pivot-cal fit ARGS`.
+pub fn run_stage(stage: &str, args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let mut args = args.into_iter();
+    let program = args.next().unwrap_or_else(|| "pivot-cal".into());
+    run([program, stage.into()].into_iter().chain(args))
+}

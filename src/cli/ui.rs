@@ -1,0 +1,80 @@
+//! What a command says, and where: summaries and JSON on standard output, errors, warnings and progress on standard error.
+
+use std::io::{IsTerminal, Write};
+use std::time::Duration;
+
+/// Where a command prints.
+#[derive(Debug, Clone, Copy)]
+pub struct Ui {
+    json: bool,
+    quiet: bool,
+    verbose: bool,
+}
+
+impl Ui {
+    /// `json`: one JSON document instead of text. `quiet`: errors only. `verbose`: more detail.
+    pub fn new(json: bool, quiet: bool, verbose: bool) -> Self {
+        Self { json, quiet, verbose }
+    }
+
+    /// Whether a machine reads standard output.
+    pub fn is_json(self) -> bool {
+        self.json
+    }
+
+    /// A line of the summary for people; silent with `--json` or `-q`.
+    pub fn say(self, text: impl AsRef<str>) {
+        if !self.json && !self.quiet {
+            let _ = writeln!(anstream::stdout(), "{}", text.as_ref());
+        }
+    }
+
+    /// A line of detail, with `-v` only.
+    pub fn detail(self, text: impl AsRef<str>) {
+        if self.verbose {
+            self.say(text);
+        }
+    }
+
+    /// Text that is the command's very product (a completion script), printed whatever the options.
+    pub fn product(self, text: impl AsRef<str>) {
+        let _ = writeln!(anstream::stdout(), "{}", text.as_ref());
+    }
+
+    /// The JSON document of `--json`; silent without it.
+    ///
+    /// # Errors
+    /// A value that cannot be serialised.
+    pub fn document(self, value: &impl serde::Serialize) -> anyhow::Result<()> {
+        if self.json {
+            self.product(serde_json::to_string_pretty(value)?);
+        }
+        Ok(())
+    }
+
+    /// Something that the user should know although the command goes on.
+    pub fn warn(self, text: impl AsRef<str>) {
+        if !self.quiet {
+            let _ = writeln!(anstream::stderr(), "warning: {}", text.as_ref());
+        }
+    }
+
+    /// Why the command failed: the error and its causes on one line.
+    pub fn error(self, error: &anyhow::Error) {
+        let _ = writeln!(anstream::stderr(), "error: {error:#}");
+    }
+
+    /// A bar that counts up to `total` of `unit`: drawn on a terminal, silent in a pipe.
+    pub fn progress(self, total: u64, what: &str) -> indicatif::ProgressBar {
+        if self.quiet || self.json || !std::io::stderr().is_terminal() {
+            return indicatif::ProgressBar::hidden();
+        }
+        let bar = indicatif::ProgressBar::new(total);
+        if let Ok(style) = indicatif::ProgressStyle::with_template("{msg:14} {bar:32} {bytes}/{total_bytes} {bytes_per_sec} {eta}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(100));
+        bar
+    }
+}

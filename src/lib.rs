@@ -1,0 +1,18 @@
+//! From MCAP logs of torque-step runs to a torque map that has been proven in closed loop.
+//!
+//! A low-speed vehicle with one steerable, driven front wheel pivots on the spot when that wheel is turned by 90°. Its controller asks
+//! for an acceleration; a torque map says which torque gives it at the present wheel speed. This library makes that map:
+//!
+//! ```text
+//!  MCAP logs ──► signals ──► runs ──► Table 1 ──► Table 2 ──► verdict
+//!   record /       log        campaign    fit       invert       verify
+//!   any vehicle
+//! ```
+//!
+//! Table 1 is a(v, τ), the acceleration over front-wheel speed and torque; Table 2 is τ(v, a), the torque over front-wheel speed and
+//! desired acceleration. Rooms import only rooms further down this list: `report`, `verify`, `record`, `sim`, `control`, `fit` and
+//! `invert`, `campaign`, `signal`, `log`, `map`, `units`.
+
+pub mod cli;
+pub mod map;
+pub mod units;

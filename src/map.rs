@@ -1,0 +1,36 @@
+//! Torque maps: the numbers, their look-up, and the files that hold them.
+//!
+//! In: arrays of numbers, or files. Out: [`AccelTable`] (Table 1) and [`TorqueTable`] (Table 2), whose constructors have checked axis
+//! order, finiteness and shape, and [`Table1File`] and [`Table2File`], the JSON artefacts with everything that a table alone does not tell.
+
+mod accel_table;
+mod axis;
+mod cell;
+mod csv_matrix;
+mod error;
+mod gear;
+mod json_text;
+pub mod lookup;
+mod save;
+mod table1_file;
+mod table2_file;
+mod torque_table;
+mod vehicle;
+
+pub use accel_table::AccelTable;
+pub use axis::Axis;
+pub use cell::CellStatus;
+pub use csv_matrix::Matrix;
+pub use error::{Error, Result};
+pub use gear::Gear;
+pub use save::{sha256_hex, write_whole};
+pub use table1_file::{
+    AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
+    Table1File, Units, Witness,
+};
+pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
+pub use torque_table::TorqueTable;
+pub use vehicle::Vehicle;
+
+/// Version of the JSON artefacts that this library writes, and the only one that it reads.
+pub const FORMAT_VERSION: u32 = 1;

@@ -1,0 +1,45 @@
+//! What can be wrong with a table or its file.
+
+use std::path::PathBuf;
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What can be wrong with a table or its file. Rows and columns in messages count from 1, as a spreadsheet does, the header included.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("axis {axis} has {found} break(s); at least 2 are needed")]
+    AxisTooShort { axis: &'static str, found: usize },
+    #[error("axis {axis}: break {} is {value}; it must be a finite number", index + 1)]
+    AxisNotFinite { axis: &'static str, index: usize, value: f64 },
+    #[error("axis {axis}: break {} is {value}, not above the one before it ({previous}); breaks must increase strictly", index + 1)]
+    AxisNotIncreasing { axis: &'static str, index: usize, previous: f64, value: f64 },
+    #[error("{table} has {found} values; its axes ask for {rows} × {columns}")]
+    WrongShape { table: &'static str, rows: usize, columns: usize, found: usize },
+    #[error("{table}: the value in row {}, column {} is {value}; it must be a finite number", row + 2, column + 2)]
+    NotFinite { table: &'static str, row: usize, column: usize, value: f64 },
+    #[error("the corner cell says {found:?}; it must be {expected:?} (rows\\columns)")]
+    WrongAxes { found: String, expected: String },
+    #[error("the file is empty; a table has a header row of column breaks and a row per row break")]
+    EmptyCsv,
+    #[error("line {line} has {found} cells; the header has {expected}")]
+    RaggedCsv { line: u64, found: usize, expected: usize },
+    #[error("line {line}, column {column}: {text:?} is not a number")]
+    NotANumber { line: u64, column: usize, text: String },
+    #[error("not a table that can be read as CSV: {0}")]
+    Csv(#[from] csv::Error),
+    #[error("{field} is {value}; allowed: {allowed}")]
+    BadVehicle { field: &'static str, value: f64, allowed: &'static str },
+    #[error("this is not a {expected} file: its \"format\" is {found:?}")]
+    WrongFormat { found: String, expected: &'static str },
+    #[error(
+        "format version {found} is not known to this program, which reads version {known}; use the pivot-cal that wrote the file, or make it anew"
+    )]
+    UnknownVersion { found: u64, known: u32 },
+    #[error("the JSON cannot be read: {0}")]
+    Json(#[from] serde_json::Error),
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+}

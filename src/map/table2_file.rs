@@ -1,0 +1,143 @@
+//! `table2.json`: Table 2 with everything that its CSV does not tell.
+
+use super::table1_file::expect_format;
+use super::torque_table::ACCEL_AXIS;
+use super::{Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle, accel_table::SPEED_AXIS};
+use serde::{Deserialize, Serialize};
+
+/// What the `format` field of a `table2.json` says.
+pub const FORMAT: &str = "pivot-cal/table2";
+
+/// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table2File {
+    /// Always [`FORMAT`].
+    pub format: String,
+    /// Version of this layout, [`super::FORMAT_VERSION`].
+    pub format_version: u32,
+    /// Version of the program that wrote the file.
+    pub tool_version: String,
+    /// Units of every number whose name does not tell.
+    pub units: Units,
+    /// The vehicle.
+    pub vehicle: Vehicle,
+    /// The logs behind Table 1.
+    pub logs: Vec<LogRef>,
+    /// The `table1.json` that was inverted.
+    pub table1: CsvRef,
+    /// Settings of the inversion, as used.
+    pub settings: serde_json::Value,
+    /// Dead time of the drive [s].
+    pub dead_time_s: f64,
+    /// Time constant of the drive's lag [s].
+    pub lag_s: f64,
+    /// The tables.
+    pub maps: Vec<TorqueMap>,
+}
+
+/// Table 2 of one gear and wheel angle. Rows are speeds, columns desired accelerations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TorqueMap {
+    /// Gear, in whose frame all numbers are.
+    pub gear: Gear,
+    /// Wheel angle [°], left positive.
+    pub wheel_angle_deg: f64,
+    /// The CSV with the same numbers.
+    pub csv: CsvRef,
+    /// Speed breaks [m/s].
+    pub speed_mps: Vec<f64>,
+    /// Breaks of the desired acceleration [m/s²].
+    pub accel_mps2: Vec<f64>,
+    /// Torque [N·m].
+    pub torque_nm: Vec<Vec<f64>>,
+    /// Standard error of the torque [N·m]; null where the cell is unreachable.
+    pub std_err_nm: Vec<Vec<Option<f64>>>,
+    /// Where the value comes from.
+    pub status: Vec<Vec<CellStatus>>,
+    /// Per speed break the lowest and highest acceleration [m/s²] that the torque limits allow.
+    pub reachable_accel_mps2: Vec<[f64; 2]>,
+    /// Torques at which a resting wheel stays at rest.
+    pub dead_band: DeadBand,
+    /// How the row at speed 0 was made: `moving` or `hold`.
+    pub zero_row: String,
+    /// What is lost by the grid: A(v, Table 2(v, a)) − a over what was measured.
+    pub round_trip: RoundTrip,
+}
+
+/// Torques [N·m] at which a resting wheel stays at rest, gear frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DeadBand {
+    /// Lower end, negative.
+    pub low_nm: f64,
+    /// Upper end: the breakaway torque.
+    pub high_nm: f64,
+    /// Standard error of the upper end; absent when only bounds are known.
+    pub std_err_nm: Option<f64>,
+}
+
+/// A(v, Table 2(v, a)) − a [m/s²].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RoundTrip {
+    /// Root mean square at the nodes.
+    pub node_rms_mps2: f64,
+    /// Largest at the nodes.
+    pub node_max_mps2: f64,
+    /// Where the largest one at the nodes is.
+    pub node_max_at: Place,
+    /// Root mean square over a dense grid between the nodes.
+    pub between_rms_mps2: f64,
+    /// Largest between the nodes.
+    pub between_max_mps2: f64,
+    /// Where the largest one between the nodes is.
+    pub between_max_at: Place,
+}
+
+/// A place in Table 2.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Place {
+    /// Speed [m/s].
+    pub speed_mps: f64,
+    /// Desired acceleration [m/s²].
+    pub accel_mps2: f64,
+}
+
+impl Table2File {
+    /// Reads the JSON text.
+    ///
+    /// # Errors
+    /// Not JSON, another format, an unknown version, a missing or misplaced field, or tables that [`TorqueTable::new`] refuses.
+    pub fn from_json(text: &str) -> Result<Self> {
+        let value = expect_format(text, FORMAT)?;
+        let file: Self = serde_json::from_value(value)?;
+        file.vehicle.checked()?;
+        for map in &file.maps {
+            map.table()?;
+        }
+        Ok(file)
+    }
+
+    /// The JSON text, indented, with arrays of numbers on one line and a final line end.
+    ///
+    /// # Errors
+    /// None in practice; serialisation is fallible by its signature.
+    pub fn to_json(&self) -> Result<String> {
+        super::json_text::to_text(self)
+    }
+
+    /// The map of a gear at a wheel angle within `tolerance_deg` of `wheel_angle_deg`.
+    pub fn map(&self, gear: Gear, wheel_angle_deg: f64, tolerance_deg: f64) -> Option<&TorqueMap> {
+        self.maps.iter().find(|m| m.gear == gear && (m.wheel_angle_deg - wheel_angle_deg).abs() <= tolerance_deg)
+    }
+}
+
+impl TorqueMap {
+    /// The table itself.
+    ///
+    /// # Errors
+    /// As [`Axis::new`] and [`TorqueTable::new`].
+    pub fn table(&self) -> Result<TorqueTable> {
+        let speed = Axis::new(SPEED_AXIS, self.speed_mps.clone())?;
+        let accel = Axis::new(ACCEL_AXIS, self.accel_mps2.clone())?;
+        TorqueTable::new(speed, accel, self.torque_nm.concat())
+    }
+}

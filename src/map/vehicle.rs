@@ -1,0 +1,43 @@
+//! What the map must know of the vehicle.
+
+use super::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// Geometry of a vehicle with one steered, driven front wheel, and the angle that its map belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Vehicle {
+    /// Distance from the rear axle to the front wheel's centre [m].
+    pub wheelbase_m: f64,
+    /// Rolling radius of the front wheel [m], which turns wheel rotation into speed.
+    pub wheel_radius_m: f64,
+    /// Wheel angle of the test [°], left positive. Default 90.
+    #[serde(default = "default_test_angle_deg")]
+    pub test_angle_deg: f64,
+    /// Largest torque that may be commanded [N·m]; without it the largest commanded in the logs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_limit_nm: Option<f64>,
+}
+
+fn default_test_angle_deg() -> f64 {
+    90.0
+}
+
+impl Vehicle {
+    /// Checks that every number is finite and possible.
+    ///
+    /// # Errors
+    /// The first field that is not, with what is allowed.
+    pub fn checked(self) -> Result<Self> {
+        let check = |field, value: f64, allowed, good: bool| {
+            if good { Ok(()) } else { Err(Error::BadVehicle { field, value, allowed }) }
+        };
+        check("wheelbase_m", self.wheelbase_m, "0.05 to 20", (0.05..=20.0).contains(&self.wheelbase_m))?;
+        check("wheel_radius_m", self.wheel_radius_m, "0.005 to 2", (0.005..=2.0).contains(&self.wheel_radius_m))?;
+        check("test_angle_deg", self.test_angle_deg, "-120 to 120", (-120.0..=120.0).contains(&self.test_angle_deg))?;
+        if let Some(limit) = self.torque_limit_nm {
+            check("torque_limit_nm", limit, "above 0 to 1e5", limit > 0.0 && limit <= 1e5)?;
+        }
+        Ok(self)
+    }
+}
