@@ -72,7 +72,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
-        Command::Completions(arguments) => completions::run(&arguments, &ui),
+        Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -34,3 +34,9 @@ pub use vehicle::Vehicle;
 
 /// Version of the JSON artefacts that this library writes, and the only one that it reads.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// What the `format` field of a `table1.json` says.
+pub const TABLE1_FORMAT: &str = table1_file::FORMAT;
+
+/// What the `format` field of a `table2.json` says.
+pub const TABLE2_FORMAT: &str = table2_file::FORMAT;

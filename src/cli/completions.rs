@@ -11,7 +11,7 @@ pub(super) struct Arguments {
     shell: clap_complete::Shell,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: &Ui) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "pivot-cal", &mut script);
     ui.product(String::from_utf8(script)?);

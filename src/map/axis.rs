@@ -35,7 +35,7 @@ impl Axis {
     /// As [`Axis::new`]; a step that is not positive gives an axis that is too short.
     pub fn uniform(name: &'static str, start: f64, step: f64, stop: f64) -> Result<Self> {
         let steps = ((stop - start) / step + 1e-6).floor();
-        if !(step > 0.0) || !(1.0..1e6).contains(&steps) {
+        if step <= 0.0 || !(1.0..1e6).contains(&steps) {
             return Err(Error::AxisTooShort { axis: name, found: 1 });
         }
         Self::new(name, (0..=steps as usize).map(|k| ((start + k as f64 * step) * 1e9).round() / 1e9).collect())

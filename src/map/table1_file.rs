@@ -4,12 +4,12 @@ use super::{AccelTable, Axis, CellStatus, Error, FORMAT_VERSION, Gear, Result, V
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `table1.json` says.
-pub const FORMAT: &str = "pivot-cal/table1";
+pub(super) const FORMAT: &str = "pivot-cal/table1";
 
 /// `table1.json`: one [`AccelMap`] per gear and wheel angle, and where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table1File {
-    /// Always [`FORMAT`].
+    /// Always `pivot-cal/table1`.
     pub format: String,
     /// Version of this layout, [`FORMAT_VERSION`].
     pub format_version: u32,

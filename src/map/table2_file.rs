@@ -6,12 +6,12 @@ use super::{Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, 
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `table2.json` says.
-pub const FORMAT: &str = "pivot-cal/table2";
+pub(super) const FORMAT: &str = "pivot-cal/table2";
 
 /// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table2File {
-    /// Always [`FORMAT`].
+    /// Always `pivot-cal/table2`.
     pub format: String,
     /// Version of this layout, [`super::FORMAT_VERSION`].
     pub format_version: u32,
