@@ -14,5 +14,10 @@
 //! `invert`, `campaign`, `signal`, `log`, `map`, `units`.
 
 pub mod cli;
+pub mod campaign;
+pub mod fit;
+pub mod invert;
+pub mod log;
 pub mod map;
+pub mod signal;
 pub mod units;

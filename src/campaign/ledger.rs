@@ -1,0 +1,38 @@
+//! The ledger: how many samples and seconds each verdict has.
+
+use super::Verdict;
+use crate::map::LedgerRow;
+use crate::signal::Series;
+
+/// The time that each sample stands for [s]: half of the way to both neighbours, and at most two periods where messages are missing.
+pub fn sample_seconds(series: &Series) -> Vec<f64> {
+    let period = series.median_period_s().min(1.0);
+    let n = series.len();
+    (0..n)
+        .map(|i| {
+            let before = if i > 0 { series.t_s[i] - series.t_s[i - 1] } else { period };
+            let after = if i + 1 < n { series.t_s[i + 1] - series.t_s[i] } else { period };
+            0.5 * (before.min(2.0 * period) + after.min(2.0 * period))
+        })
+        .collect()
+}
+
+/// Samples and seconds per verdict, in the order of [`Verdict::ALL`], verdicts without samples left out.
+pub fn ledger(samples: impl IntoIterator<Item = (Verdict, f64)>) -> Vec<LedgerRow> {
+    let mut counts = [(0u64, 0.0f64); Verdict::ALL.len()];
+    for (verdict, seconds) in samples {
+        let row = &mut counts[Verdict::ALL.iter().position(|v| *v == verdict).unwrap_or(0)];
+        row.0 += 1;
+        row.1 += seconds;
+    }
+    Verdict::ALL
+        .iter()
+        .zip(counts)
+        .filter(|(_, (samples, _))| *samples > 0)
+        .map(|(verdict, (samples, seconds))| LedgerRow {
+            verdict: verdict.to_string(),
+            samples,
+            seconds: (seconds * 1e3).round() / 1e3,
+        })
+        .collect()
+}

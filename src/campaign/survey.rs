@@ -1,0 +1,270 @@
+//! The survey of one log: a verdict on every sample, the stretches that a fit may use, the runs.
+
+use super::gates::{self, within};
+use super::hold::{Hold, holds};
+use super::{Error, Result, Settings, Verdict, ledger, sample_seconds, slip};
+use crate::map::Gear;
+use crate::signal::{Alignment, RestDetector, Series, Track};
+use crate::units::RAD_PER_DEG;
+
+/// A stretch of motion without interruption, every sample of which may be used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// Gear.
+    pub gear: Gear,
+    /// First usable moment [s]. For a start from rest this lies a little before the motion, which begins when the torque breaks away.
+    pub from_s: f64,
+    /// Last usable moment [s].
+    pub to_s: f64,
+    /// Whether the vehicle rested just before, so that the speed is known to start from 0.
+    pub from_rest: bool,
+}
+
+/// A held torque at rest, and whether it set the vehicle in motion: what bounds the breakaway torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StartTrial {
+    /// Gear.
+    pub gear: Gear,
+    /// Held torque [N·m], gear frame, positive.
+    pub torque_nm: f64,
+    /// Whether the vehicle moved.
+    pub moved: bool,
+}
+
+/// What the signals of one log alone tell about its samples.
+#[derive(Debug, Clone)]
+pub struct Survey {
+    /// The signals.
+    pub track: Track,
+    /// One verdict per encoder sample.
+    pub verdicts: Vec<Verdict>,
+    /// The time that each encoder sample stands for [s].
+    pub seconds: Vec<f64>,
+    /// Usable stretches, in order.
+    pub stretches: Vec<Stretch>,
+    /// Stretches of constant command, in order.
+    pub holds: Vec<Hold>,
+    /// Starts from rest, successful or not.
+    pub start_trials: Vec<StartTrial>,
+    /// How the encoder compares with the yaw rate, where there is one.
+    pub alignment: Option<Alignment>,
+    /// Resting bias of the yaw speed [m/s], where there is one.
+    pub yaw_bias_mps: f64,
+    /// Range of the wheel angle while the vehicle moved: lowest, median, highest [°].
+    pub moving_angle_deg: Option<[f64; 3]>,
+}
+
+impl Survey {
+    /// Judges every sample of `track`.
+    ///
+    /// # Errors
+    /// A gate that removes everything, with its threshold, what was seen and what would pass.
+    pub fn new(track: Track, settings: &Settings) -> Result<Self> {
+        let encoder = &track.encoder_mps;
+        let n = encoder.len();
+        let rest = RestDetector::new(track.witnesses());
+        let at_rest: Vec<bool> = encoder.t_s.iter().map(|t| rest.is_at_rest(*t)).collect();
+        let angle = gates::clean_angle(&track.angle_rad);
+        let off_angle = gates::off_angle(&angle, track.vehicle.test_angle_deg, settings);
+        let steering = gates::steering(&angle, settings);
+        let stops = track.estop.as_ref().map(gates::emergency_stops).unwrap_or_default();
+        let command_gaps = gates::command_gaps(&track.command_nm, settings);
+        let outliers = gates::outliers(encoder, settings.hampel_mads);
+        let holds = holds(&track.command_nm, settings);
+        let at_angle = |t: f64| !within(&off_angle, t) && !within(&steering, t);
+        let alignment = track.yaw_speed_mps.as_ref().and_then(|yaw| Alignment::of(encoder, yaw, at_angle));
+        let slips = match (&track.yaw_speed_mps, alignment) {
+            (Some(yaw), Some(alignment)) => slip::slips(encoder, yaw, alignment, settings),
+            _ => Vec::new(),
+        };
+        let speed = smoothed_speed(&track, alignment.unwrap_or(Alignment::SAME));
+        let gears: Vec<Option<Gear>> = (0..n).map(|i| gear_at(&track, encoder.t_s[i], speed[i])).collect();
+        let moving_angle_deg = moving_angle(&angle, encoder, &at_rest);
+        let commanded = largest(&track.command_nm.value);
+
+        let mut verdicts: Vec<Verdict> = (0..n)
+            .map(|i| {
+                let t = encoder.t_s[i];
+                let idle = track.command_nm.held(t).is_none_or(|c| c.abs() <= settings.hold_tolerance * commanded);
+                if within(&stops, t) {
+                    Verdict::EmergencyStop
+                } else if at_rest[i] && idle {
+                    Verdict::NoTorque
+                } else if within(&steering, t) {
+                    Verdict::SteeringMoving
+                } else if within(&off_angle, t) {
+                    Verdict::WheelNotAtAngle
+                } else if at_rest[i] {
+                    Verdict::AtRest
+                } else if gears[i].is_none_or(|g| g.sign() * speed[i] < -settings.stopping_mps) {
+                    Verdict::WrongGear
+                } else if within(&command_gaps, t) {
+                    Verdict::Gap
+                } else if within(&slips, t) {
+                    Verdict::Slip
+                } else if outliers[i] {
+                    Verdict::Outlier
+                } else {
+                    Verdict::Used
+                }
+            })
+            .collect();
+        mark_aborted(encoder, &stops, &holds, &at_rest, &mut verdicts);
+        mark_stopping(encoder, &speed, &at_rest, settings, &mut verdicts);
+        let stretches = stretches(encoder, &gears, &at_rest, settings, &mut verdicts);
+        let start_trials = start_trials(encoder, &gears, &holds, &verdicts, commanded * settings.hold_tolerance);
+        let seconds = sample_seconds(encoder);
+        let yaw_bias_mps = rest.biases_mps().get(1).copied().unwrap_or(0.0);
+        let survey = Self { verdicts, seconds, stretches, holds, start_trials, alignment, yaw_bias_mps, moving_angle_deg, track };
+        survey.check(settings, &at_rest, commanded)?;
+        Ok(survey)
+    }
+
+    /// Says which gate removed everything, if one did.
+    fn check(&self, settings: &Settings, at_rest: &[bool], commanded: f64) -> Result<()> {
+        let values = &self.track.command_nm.value;
+        let (low_nm, high_nm) = (values.iter().fold(f64::INFINITY, |m, v| m.min(*v)), values.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)));
+        if high_nm - low_nm <= 1e-6 * commanded.max(1e-9) || commanded == 0.0 {
+            return Err(Error::NoTorqueStep { low_nm, high_nm });
+        }
+        if !self.stretches.is_empty() {
+            return Ok(());
+        }
+        let wanted_deg = self.track.vehicle.test_angle_deg;
+        let near = |d: f64| (d - wanted_deg).abs() <= settings.angle_tolerance_deg;
+        let at_angle = self.track.angle_rad.value.iter().any(|a| near(a / RAD_PER_DEG));
+        if let Some([low_deg, median_deg, high_deg]) = self.moving_angle_deg
+            && (!at_angle || (low_deg > wanted_deg && !near(low_deg)) || (high_deg < wanted_deg && !near(high_deg)))
+        {
+            return Err(Error::NothingAtAngle { tolerance_deg: settings.angle_tolerance_deg, wanted_deg, low_deg, high_deg, median_deg });
+        }
+        if at_rest.iter().all(|r| *r) {
+            return Err(Error::NoMotion { largest_mps: largest(&self.track.encoder_mps.value), torque_nm: commanded });
+        }
+        let rows = ledger(self.verdicts.iter().copied().zip(self.seconds.iter().copied()));
+        let reasons = rows.iter().map(|r| format!("{} {:.1} s", r.verdict, r.seconds)).collect::<Vec<_>>().join(", ");
+        Err(Error::NothingLeft { reasons })
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0f64, |m, v| m.max(v.abs()))
+}
+
+/// The encoder's mean over ±0.04 s, with its scale taken out [m/s].
+fn smoothed_speed(track: &Track, alignment: Alignment) -> Vec<f64> {
+    track.encoder_mps.smoothed(0.04).iter().map(|v| v / alignment.scale).collect()
+}
+
+/// The gear engaged at `t_s`; by the direction of travel where the log has no gear. `None` in neutral.
+fn gear_at(track: &Track, t_s: f64, speed_mps: f64) -> Option<Gear> {
+    let direction = match &track.gear {
+        Some(gear) => gear.held(t_s)?,
+        None if speed_mps.abs() > 0.01 => speed_mps,
+        None => track.command_nm.held(t_s)?,
+    };
+    if direction > 0.0 {
+        Some(Gear::Forward)
+    } else if direction < 0.0 {
+        Some(Gear::Reverse)
+    } else {
+        None
+    }
+}
+
+fn moving_angle(angle: &Series, encoder: &Series, at_rest: &[bool]) -> Option<[f64; 3]> {
+    let mut degrees: Vec<f64> =
+        (0..encoder.len()).filter(|i| !at_rest[*i]).filter_map(|i| angle.interpolated(encoder.t_s[i])).map(|a| a / RAD_PER_DEG).collect();
+    if degrees.is_empty() {
+        return None;
+    }
+    degrees.sort_unstable_by(f64::total_cmp);
+    Some([degrees[0], degrees[degrees.len() / 2], degrees[degrees.len() - 1]])
+}
+
+/// A run that an emergency stop cuts off is lost from its torque step on, and what follows until the vehicle rests.
+fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest: &[bool], verdicts: &mut [Verdict]) {
+    for (from, to) in stops {
+        // the command may fall to zero a moment before the stop's own message
+        let before = from - 0.05;
+        let run_from = holds.iter().rev().find(|h| h.from_s <= before).map_or(*from, |h| h.from_s);
+        for i in encoder.range(run_from, *from) {
+            if verdicts[i] == Verdict::Used {
+                verdicts[i] = Verdict::Aborted;
+            }
+        }
+        for i in encoder.count_until(*to)..encoder.len() {
+            if at_rest[i] {
+                break;
+            }
+            verdicts[i] = Verdict::EmergencyStop;
+        }
+    }
+}
+
+/// The last moments before rest, where a mean already holds samples at rest.
+fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &Settings, verdicts: &mut [Verdict]) {
+    for i in 1..encoder.len() {
+        if !at_rest[i] || at_rest[i - 1] {
+            continue;
+        }
+        let mut k = i;
+        while k > 0 && !at_rest[k - 1] && (encoder.t_s[i] - encoder.t_s[k - 1] < 0.045 || speed[k - 1].abs() < settings.stopping_mps) {
+            k -= 1;
+            if verdicts[k] == Verdict::Used {
+                verdicts[k] = Verdict::Stopping;
+            }
+        }
+    }
+}
+
+/// Joins used samples into stretches; what is too short is marked so.
+fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], settings: &Settings, verdicts: &mut [Verdict]) -> Vec<Stretch> {
+    let longest_step = settings.gap_s.max(4.0 * encoder.median_period_s().min(1.0));
+    let mut found = Vec::new();
+    let mut i = 0;
+    while i < encoder.len() {
+        let Some(gear) = gears[i].filter(|_| verdicts[i] == Verdict::Used) else {
+            i += 1;
+            continue;
+        };
+        let (first, mut last) = (i, i);
+        let mut k = i + 1;
+        while k < encoder.len() && gears[k] == Some(gear) && encoder.t_s[k] - encoder.t_s[last] <= longest_step {
+            match verdicts[k] {
+                Verdict::Used => last = k,
+                Verdict::Outlier => {}
+                _ => break,
+            }
+            k += 1;
+        }
+        i = last + 1;
+        if encoder.t_s[last] - encoder.t_s[first] < settings.shortest_stretch_s {
+            (first..=last).filter(|s| verdicts[*s] == Verdict::Used).collect::<Vec<_>>().into_iter().for_each(|s| verdicts[s] = Verdict::TooShort);
+            continue;
+        }
+        let rested = |s: usize| at_rest[s] && matches!(verdicts[s], Verdict::AtRest | Verdict::NoTorque);
+        let from_rest = first >= 3 && (first - 3..first).all(rested) && encoder.t_s[first] - encoder.t_s[first - 1] <= longest_step;
+        found.push(Stretch { gear, from_s: encoder.t_s[first], to_s: encoder.t_s[last], from_rest });
+    }
+    found
+}
+
+/// Torque steps that met the vehicle at rest, long enough (0.5 s) to tell whether it moves.
+fn start_trials(encoder: &Series, gears: &[Option<Gear>], holds: &[Hold], verdicts: &[Verdict], least_nm: f64) -> Vec<StartTrial> {
+    holds
+        .iter()
+        .filter(|h| h.steady && h.torque_nm.abs() > least_nm && h.to_s - h.from_s >= 0.5)
+        .filter_map(|h| {
+            let samples = encoder.range(h.from_s, h.to_s);
+            let first = samples.start;
+            let gear = (*gears.get(first)?)?;
+            let torque_nm = h.torque_nm * gear.sign();
+            let starts_at_rest = matches!(verdicts.get(first)?, Verdict::AtRest | Verdict::NoTorque);
+            let moving = samples.clone().filter(|i| verdicts[*i] == Verdict::Used).count();
+            let resting = samples.clone().filter(|i| verdicts[*i] == Verdict::AtRest).count();
+            (starts_at_rest && torque_nm > 0.0 && moving + resting > samples.len() / 2)
+                .then_some(StartTrial { gear, torque_nm, moved: moving > resting })
+        })
+        .collect()
+}

@@ -1,0 +1,31 @@
+//! From surveyed logs to Table 1.
+//!
+//! In: [`Survey`](crate::campaign::Survey)s of the logs of one vehicle. Out: a [`Fit`]: `table1.json` and its CSVs, and the final verdict on
+//! every sample. The method is a prediction-error identification: the speed is integrated, never differentiated; what is random is
+//! whitened by a Kalman filter; the surface a(v, τ) is a penalised lattice whose smoothness the data choose; dead time and lag are
+//! estimated with it.
+
+mod actuator;
+mod anova;
+mod coarse;
+mod error;
+mod estimate;
+mod feedback;
+mod gram;
+mod hyper;
+mod kalman;
+mod lattice;
+mod monotone;
+mod penalised;
+mod product;
+mod regressors;
+mod robust;
+mod runs;
+mod segment;
+mod settings;
+mod tables;
+mod uncertainty;
+
+pub use error::{Error, Result};
+pub use product::{Fit, fit};
+pub use settings::Settings;

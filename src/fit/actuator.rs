@@ -1,0 +1,102 @@
+//! The drive between commanded and effective torque: a dead time T_d, then a first-order lag T_c.
+//!
+//! T_c·u̇ = c(t − T_d) − u, with the command c held between its samples. Between two changes of the command the solution is exact:
+//! u(t) = c + (u₀ − c)·e^(−s/T_c), with s the time since the change. The derivatives follow:
+//! ∂u/∂T_d = −u̇ and ∂u/∂T_c = w₀·e^(−s/T_c) + (u₀ − c)·e^(−s/T_c)·s/T_c².
+
+use crate::signal::Series;
+
+/// The lagged command of one log, ready to be asked for any time.
+#[derive(Debug, Clone)]
+pub(crate) struct LaggedCommand {
+    change_s: Vec<f64>,
+    command_nm: Vec<f64>,
+    torque_nm: Vec<f64>,
+    by_lag: Vec<f64>,
+    lag_s: f64,
+}
+
+/// Effective torque and its derivatives at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Torque {
+    /// u [N·m].
+    pub(crate) torque_nm: f64,
+    /// ∂u/∂T_d [N·m/s].
+    pub(crate) by_dead_time: f64,
+    /// ∂u/∂T_c [N·m/s].
+    pub(crate) by_lag: f64,
+}
+
+/// Below this a lag is no lag [s].
+const LEAST_LAG_S: f64 = 1e-4;
+
+impl LaggedCommand {
+    /// From the command, settled at its first value before it begins.
+    pub(crate) fn new(command: &Series, lag_s: f64) -> Self {
+        let mut lagged = Self { change_s: Vec::new(), command_nm: Vec::new(), torque_nm: Vec::new(), by_lag: Vec::new(), lag_s };
+        for (t, c) in command.t_s.iter().zip(&command.value) {
+            if lagged.command_nm.last() == Some(c) {
+                continue;
+            }
+            let state = if lagged.change_s.is_empty() { Torque { torque_nm: *c, by_dead_time: 0.0, by_lag: 0.0 } } else { lagged.at(*t) };
+            lagged.change_s.push(*t);
+            lagged.command_nm.push(*c);
+            lagged.torque_nm.push(state.torque_nm);
+            lagged.by_lag.push(state.by_lag);
+        }
+        lagged
+    }
+
+    /// Effective torque at `t_s` on the command's clock, the dead time already taken off: pass t − T_d.
+    pub(crate) fn at(&self, t_s: f64) -> Torque {
+        let k = self.change_s.partition_point(|&t| t <= t_s);
+        if k == 0 {
+            return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
+        }
+        let (since, c, u0, w0) = (t_s - self.change_s[k - 1], self.command_nm[k - 1], self.torque_nm[k - 1], self.by_lag[k - 1]);
+        if self.lag_s < LEAST_LAG_S {
+            return Torque { torque_nm: c, by_dead_time: 0.0, by_lag: 0.0 };
+        }
+        let decay = (-since / self.lag_s).exp();
+        let away = (u0 - c) * decay;
+        Torque { torque_nm: c + away, by_dead_time: away / self.lag_s, by_lag: w0 * decay + away * since / (self.lag_s * self.lag_s) }
+    }
+
+    /// Times at which the command changes by more than `least_nm` [s], on the command's clock.
+    pub(crate) fn steps(&self, least_nm: f64) -> Vec<f64> {
+        (1..self.change_s.len())
+            .filter(|&k| (self.command_nm[k] - self.command_nm[k - 1]).abs() > least_nm)
+            .map(|k| self.change_s[k])
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn command() -> Series {
+        Series { t_s: vec![0.0, 1.0, 1.3], value: vec![0.0, 20.0, -5.0] }
+    }
+
+    #[test]
+    fn a_step_rises_as_one_minus_e_to_the_minus_t_over_lag() {
+        let lagged = LaggedCommand::new(&command(), 0.05);
+        assert!((lagged.at(1.05).torque_nm - 20.0 * (1.0 - (-1.0f64).exp())).abs() < 1e-12);
+        assert!(lagged.at(0.99).torque_nm.abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_derivatives_are_those_of_finite_differences() {
+        let h = 1e-6;
+        for t in [1.02, 1.2, 1.31, 1.4, 2.0] {
+            let (lower, upper) = (LaggedCommand::new(&command(), 0.05 - h), LaggedCommand::new(&command(), 0.05 + h));
+            let at = LaggedCommand::new(&command(), 0.05).at(t);
+            let by_lag = (upper.at(t).torque_nm - lower.at(t).torque_nm) / (2.0 * h);
+            assert!((at.by_lag - by_lag).abs() < 1e-4 * (1.0 + by_lag.abs()), "{t}: {} {by_lag}", at.by_lag);
+            let same = LaggedCommand::new(&command(), 0.05);
+            let by_dead_time = (same.at(t - h).torque_nm - same.at(t + h).torque_nm) / (2.0 * h);
+            assert!((at.by_dead_time - by_dead_time).abs() < 1e-4 * (1.0 + by_dead_time.abs()), "{t}");
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The surface's coefficients as an analysis of variance: a plain form that no penalty touches, then smooth deviations in blocks, each with
+//! its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric copies where both gears were driven.
+//!
+//! Penalised blocks are scaled so that their penalty is the identity: with D the second differences over nodes and Z = Dᵀ(DDᵀ)⁻¹, the
+//! deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖². The difference across U = 0 is left out of D: driving and braking may meet in a kink.
+
+use super::lattice::{EXTRAS, Lattice};
+use crate::map::Gear;
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
+use std::ops::Range;
+
+/// A group of coefficients with one penalty.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Block {
+    /// What it is, for the report.
+    pub(crate) name: &'static str,
+    /// Its coefficients.
+    pub(crate) range: Range<usize>,
+    /// Whether it is penalised (and its penalty estimated).
+    pub(crate) penalised: bool,
+}
+
+/// How coefficients become lattice values.
+#[derive(Debug, Clone)]
+pub(crate) struct Design {
+    /// The blocks, in the order of the coefficients.
+    pub(crate) blocks: Vec<Block>,
+    /// For forward and reverse: lattice columns (with extras) × coefficients.
+    transforms: [Mat<f64>; 2],
+}
+
+/// Collects columns block by block.
+struct Builder {
+    rows: usize,
+    columns: Vec<(Vec<f64>, bool)>,
+    blocks: Vec<Block>,
+}
+
+impl Builder {
+    fn block(&mut self, name: &'static str, penalised: bool, antisymmetric: bool, columns: Vec<Vec<f64>>) {
+        if columns.is_empty() {
+            return;
+        }
+        let start = self.columns.len();
+        self.columns.extend(columns.into_iter().map(|c| (c, antisymmetric)));
+        self.blocks.push(Block { name, range: start..self.columns.len(), penalised });
+    }
+}
+
+impl Design {
+    /// The design over `lattice`; `both_gears` adds the antisymmetric copies.
+    pub(crate) fn new(lattice: &Lattice, both_gears: bool) -> Self {
+        let (speeds, torques) = (&lattice.speed_mps, &lattice.torque_nm);
+        let reference_nm = torques.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+        let fastest = lattice.fastest_mps();
+        let u: Vec<f64> = torques.iter().map(|t| t / reference_nm).collect();
+        let drive: Vec<f64> = u.iter().map(|u| u.max(0.0)).collect();
+        let v: Vec<f64> = speeds.iter().map(|s| s / fastest).collect();
+        let w: Vec<f64> = speeds.iter().map(|s| lattice.warp(*s)).collect();
+        let one_v = vec![1.0; speeds.len()];
+        let one_u = vec![1.0; torques.len()];
+        let bends_w = bends(&w, None);
+        let bends_v = bends(&v, None);
+        let kink = torques.iter().position(|t| t.abs() < 1e-9);
+        let bends_u = bends(&u, kink);
+
+        let rows = lattice.columns();
+        let tensor = |along_v: &[f64], along_u: &[f64]| {
+            let mut column = vec![0.0; rows];
+            for (i, a) in along_v.iter().enumerate() {
+                for (j, b) in along_u.iter().enumerate() {
+                    column[lattice.column(i, j)] = a * b;
+                }
+            }
+            column
+        };
+        let extra = |k: usize| {
+            let mut column = vec![0.0; rows];
+            column[lattice.nodes() + k] = 1.0;
+            column
+        };
+        let plain = || {
+            let mut columns =
+                vec![tensor(&one_v, &one_u), tensor(&one_v, &u), tensor(&one_v, &drive), tensor(&w, &one_u), tensor(&v, &one_u), tensor(&v, &u)];
+            columns.extend((0..EXTRAS).map(extra));
+            columns
+        };
+        let f = || bends_w.iter().map(|z| tensor(z, &one_u)).collect::<Vec<_>>();
+        let g = || bends_u.iter().map(|z| tensor(&one_v, z)).collect::<Vec<_>>();
+        let w_by_u = || vec![tensor(&w, &u), tensor(&w, &drive)];
+        let w_by_g = || bends_u.iter().map(|z| tensor(&w, z)).collect::<Vec<_>>();
+        let f_by_u = || bends_v.iter().flat_map(|z| [tensor(z, &u), tensor(z, &drive)]).collect::<Vec<_>>();
+        let f_by_g = || bends_v.iter().flat_map(|z| bends_u.iter().map(|y| tensor(z, y)).collect::<Vec<_>>()).collect::<Vec<_>>();
+
+        let mut builder = Builder { rows, columns: Vec::new(), blocks: Vec::new() };
+        builder.block("plain form", false, false, plain());
+        builder.block("f(V)", true, false, f());
+        builder.block("g(U)", true, false, g());
+        builder.block("w(V)·U", true, false, w_by_u());
+        builder.block("w(V)·g(U)", true, false, w_by_g());
+        builder.block("f(V)·U", true, false, f_by_u());
+        builder.block("f(V)·g(U)", true, false, f_by_g());
+        if both_gears {
+            builder.block("gear: plain form", true, true, plain());
+            builder.block("gear: f(V)", true, true, f());
+            builder.block("gear: g(U)", true, true, g());
+            builder.block("gear: w(V)·U", true, true, w_by_u());
+            builder.block("gear: f(V)·U", true, true, f_by_u());
+        }
+        let Builder { rows, columns, blocks } = builder;
+        let transforms = Gear::ALL.map(|gear| {
+            Mat::from_fn(rows, columns.len(), |r, c| {
+                let (column, antisymmetric) = &columns[c];
+                if *antisymmetric { 0.5 * gear.sign() * column[r] } else { column[r] }
+            })
+        });
+        Self { blocks, transforms }
+    }
+
+    /// Number of coefficients.
+    pub(crate) fn coefficients(&self) -> usize {
+        self.transforms[0].ncols()
+    }
+
+    /// Lattice columns (with extras) × coefficients of a gear.
+    pub(crate) fn transform(&self, gear: Gear) -> &Mat<f64> {
+        match gear {
+            Gear::Forward => &self.transforms[0],
+            Gear::Reverse => &self.transforms[1],
+        }
+    }
+
+    /// Lattice values (with extras) of a gear.
+    pub(crate) fn lattice_values(&self, gear: Gear, beta: &[f64]) -> Vec<f64> {
+        let t = self.transform(gear);
+        (0..t.nrows()).map(|r| (0..t.ncols()).map(|c| t[(r, c)] * beta[c]).sum()).collect()
+    }
+}
+
+/// Z = Dᵀ(DDᵀ)⁻¹ for the second differences D over uneven `nodes` (scaled to a mean spacing of one), without the row centred at `kink`:
+/// one column per difference.
+fn bends(nodes: &[f64], kink: Option<usize>) -> Vec<Vec<f64>> {
+    let n = nodes.len();
+    let spacing = (nodes[n - 1] - nodes[0]) / (n - 1) as f64;
+    let centres: Vec<usize> = (1..n - 1).filter(|k| Some(*k) != kink).collect();
+    if centres.is_empty() {
+        return Vec::new();
+    }
+    let d = Mat::from_fn(centres.len(), n, |r, c| {
+        let k = centres[r];
+        let (h0, h1) = ((nodes[k] - nodes[k - 1]) / spacing, (nodes[k + 1] - nodes[k]) / spacing);
+        let scale = 2.0 / (h0 + h1) * (0.5 * (h0 + h1)).sqrt();
+        if c + 1 == k {
+            scale / h0
+        } else if c == k {
+            -scale * (1.0 / h0 + 1.0 / h1)
+        } else if c == k + 1 {
+            scale / h1
+        } else {
+            0.0
+        }
+    });
+    let ddt = &d * d.transpose();
+    let Ok(factor) = ddt.llt(faer::Side::Lower) else { return Vec::new() };
+    let z = d.transpose() * factor.inverse();
+    (0..centres.len()).map(|c| (0..n).map(|r| z[(r, c)]).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bend_has_one_unit_difference_and_no_other() {
+        let nodes = [0.0, 0.1, 0.25, 0.4, 0.7, 1.0];
+        let spacing = 0.2;
+        for (k, z) in bends(&nodes, None).iter().enumerate() {
+            for c in 1..nodes.len() - 1 {
+                let (h0, h1) = ((nodes[c] - nodes[c - 1]) / spacing, (nodes[c + 1] - nodes[c]) / spacing);
+                let second = 2.0 / (h0 + h1) * ((z[c + 1] - z[c]) / h1 - (z[c] - z[c - 1]) / h0) * (0.5 * (h0 + h1)).sqrt();
+                assert!((second - f64::from(u8::from(c == k + 1))).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn gears_share_their_common_part_and_differ_by_the_antisymmetric_one() {
+        let lattice = Lattice::new(1.0, -20.0, 40.0, 6, 8);
+        let design = Design::new(&lattice, true);
+        let beta = vec![1.0; design.coefficients()];
+        let forward = design.lattice_values(Gear::Forward, &beta);
+        let reverse = design.lattice_values(Gear::Reverse, &beta);
+        let alone = Design::new(&lattice, false);
+        let common = alone.lattice_values(Gear::Forward, &vec![1.0; alone.coefficients()]);
+        for ((f, r), c) in forward.iter().zip(&reverse).zip(&common) {
+            assert!((0.5 * (f + r) - c).abs() < 1e-9);
+        }
+    }
+}

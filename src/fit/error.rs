@@ -1,0 +1,29 @@
+//! Why there is no fit.
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why there is no fit.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("no log to fit")]
+    NoLogs,
+    #[error(
+        "the logs are of different vehicles: {first} has {field} {first_value}, {second} has {second_value}. Fit each vehicle by itself, or give the right value for all (--wheelbase-m, --wheel-radius-m, --test-angle-deg)"
+    )]
+    DifferentVehicles { field: &'static str, first: String, first_value: f64, second: String, second_value: f64 },
+    #[error(
+        "too little data: {seconds:.1} s of usable motion, at least {needed_s:.0} s are needed. Drive more torque steps from rest, each held for 3 s"
+    )]
+    TooLittle { seconds: f64, needed_s: f64 },
+    #[error(
+        "all usable motion is at one torque ({torque_nm:.1} N·m): how acceleration depends on torque cannot be told. Add runs at other torques, about {suggestion_nm:.0} N·m and {suggestion2_nm:.0} N·m"
+    )]
+    OneTorque { torque_nm: f64, suggestion_nm: f64, suggestion2_nm: f64 },
+    #[error("the normal equations cannot be solved: the logs hold no information on the surface")]
+    Singular,
+    #[error(transparent)]
+    Map(#[from] crate::map::Error),
+}

@@ -1,0 +1,65 @@
+//! Normal equations, added up segment by segment in a fixed order, so that the sums are the same bits for any number of threads.
+
+use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Par};
+
+/// XᵀX over a gear's columns, with the speed as last column.
+#[derive(Debug, Clone)]
+pub(crate) struct Gram {
+    /// Number of columns, the speed included.
+    pub(crate) size: usize,
+    /// Symmetric, row-major.
+    pub(crate) values: Vec<f64>,
+    /// Readings behind it.
+    pub(crate) rows: usize,
+}
+
+/// The same over the columns that one segment touches.
+#[derive(Debug, Clone)]
+pub(crate) struct LocalGram {
+    /// Global columns; `u32::MAX` is the speed.
+    pub(crate) columns: Vec<u32>,
+    /// Symmetric.
+    pub(crate) values: Mat<f64>,
+    /// Readings behind it.
+    pub(crate) rows: usize,
+}
+
+impl LocalGram {
+    /// From whitened rows.
+    pub(crate) fn new(columns: Vec<u32>, white: &[f64]) -> Self {
+        let width = columns.len();
+        let rows = white.len() / width;
+        let x = faer::MatRef::from_row_major_slice(white, rows, width);
+        let mut values = Mat::zeros(width, width);
+        matmul(values.as_mut(), Accum::Replace, x.transpose(), x, 1.0, Par::Seq);
+        Self { columns, values, rows }
+    }
+}
+
+impl Gram {
+    /// Zeros over `size` columns, the speed included.
+    pub(crate) fn new(size: usize) -> Self {
+        Self { size, values: vec![0.0; size * size], rows: 0 }
+    }
+
+    /// Adds one segment's.
+    pub(crate) fn add(&mut self, local: &LocalGram) {
+        let global = |c: u32| if c == u32::MAX { self.size - 1 } else { c as usize };
+        let places: Vec<usize> = local.columns.iter().map(|c| global(*c)).collect();
+        for (a, &pa) in places.iter().enumerate() {
+            let line = &mut self.values[pa * self.size..(pa + 1) * self.size];
+            for (b, &pb) in places.iter().enumerate() {
+                line[pb] += local.values[(a, b)];
+            }
+        }
+        self.rows += local.rows;
+    }
+
+    /// Adds another one of the same size.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
+        self.rows += other.rows;
+    }
+}

@@ -1,0 +1,93 @@
+//! The noise by maximum likelihood, bounded: with priors alone the time constant of the disturbance runs away on real logs.
+
+use super::kalman::{Noise, deviance};
+use super::segment::Segment;
+use rayon::prelude::*;
+
+/// Bounds of the parameters, in SI.
+const DISTURBANCE_MPS2: (f64, f64) = (1e-3, 2.0);
+const DISTURBANCE_TIME_S: (f64, f64) = (0.03, 1.0);
+const READING_MPS: (f64, f64) = (2e-4, 0.2);
+const LEAST_OFFSET_MPS2: f64 = 1e-4;
+
+/// The estimate, and the bounds that it met.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NoiseEstimate {
+    pub(crate) noise: Noise,
+    pub(crate) at_bounds: Vec<&'static str>,
+}
+
+/// Readings beyond which more do not sharpen five parameters; segments are then taken evenly.
+const ENOUGH_READINGS: usize = 30_000;
+
+/// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
+///
+/// Weak log-normal priors (a factor of 20) centred on the start hold parameters that the data do not tell. `offset_bound_mps2` bounds σ_b by
+/// what the runs' spread can be.
+pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Noise, offset_bound_mps2: f64) -> NoiseEstimate {
+    let total: usize = segments.iter().map(|s| s.readings.len()).sum();
+    let stride = total.div_ceil(ENOUGH_READINGS).max(1);
+    let chosen: Vec<(&Segment, &Vec<f64>)> = segments.iter().zip(residuals).step_by(stride).collect();
+    let has_yaw = segments.iter().any(|s| s.readings.iter().any(|r| r.witness == 1));
+    let bounds = [
+        DISTURBANCE_MPS2,
+        DISTURBANCE_TIME_S,
+        (LEAST_OFFSET_MPS2, offset_bound_mps2.max(2.0 * LEAST_OFFSET_MPS2)),
+        READING_MPS,
+        READING_MPS,
+    ];
+    let pack = |n: &Noise| [n.disturbance_mps2, n.disturbance_time_s, n.offset_mps2, n.reading_mps[0], n.reading_mps[1]];
+    let unpack = |x: &[f64; 5]| Noise {
+        disturbance_mps2: x[0],
+        disturbance_time_s: x[1],
+        offset_mps2: x[2],
+        reading_mps: [x[3], if has_yaw { x[4] } else { start.reading_mps[1] }],
+    };
+    let centre = pack(&start);
+    let cost = |x: &[f64; 5]| {
+        let noise = unpack(x);
+        // collected in order, then summed in order: the same bits for any number of threads
+        let parts: Vec<f64> =
+            chosen.par_iter().map(|(s, r)| deviance(r, &s.readings, s.start_s, &noise, s.anchored)).collect();
+        let prior: f64 = x.iter().zip(centre).map(|(x, c)| ((x / c).ln() / 20f64.ln()).powi(2)).sum();
+        parts.iter().sum::<f64>() + prior
+    };
+    let mut x = centre;
+    for (value, (low, high)) in x.iter_mut().zip(bounds) {
+        *value = value.clamp(low, high);
+    }
+    let mut best = cost(&x);
+    // coordinate search in the logarithms: five smooth, nearly separate directions
+    let mut reach = [0.7f64; 5];
+    for _ in 0..12 {
+        let mut moved = false;
+        for k in 0..5 {
+            if k == 4 && !has_yaw {
+                continue;
+            }
+            let mut improved = false;
+            for direction in [1.0, -1.0] {
+                let mut tried = x;
+                tried[k] = (x[k] * (direction * reach[k]).exp()).clamp(bounds[k].0, bounds[k].1);
+                let value = cost(&tried);
+                if value < best - 1e-3 {
+                    (best, x, improved) = (value, tried, true);
+                    break;
+                }
+            }
+            reach[k] *= if improved { 1.2 } else { 0.4 };
+            moved |= improved || reach[k] > 0.03;
+        }
+        if !moved {
+            break;
+        }
+    }
+    let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise"];
+    let at_bounds = (0..5)
+        .filter(|&k| (k < 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
+        // an offset or a disturbance that vanishes is no trouble
+        .filter(|&k| !(k == 2 || k == 0) || x[k] >= bounds[k].1 * 0.999)
+        .map(|k| names[k])
+        .collect();
+    NoiseEstimate { noise: unpack(&x), at_bounds }
+}

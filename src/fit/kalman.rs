@@ -1,0 +1,301 @@
+//! What is random: a disturbance, an offset per stretch, noise in every reading; and the filter that whitens by it.
+//!
+//! State [v, d, b]: the part of the speed that the surface does not explain, an Ornstein-Uhlenbeck acceleration d (standard deviation σ_d,
+//! time constant τ_d), a constant acceleration b of the stretch (σ_b). v̇ = d + b, and a reading is v plus white noise. The innovations of
+//! this filter divided by √S are white; since the filter is linear, running the speed and every regressor through the same gains turns
+//! generalised least squares into ordinary least squares (Ljung, *System Identification*, prediction error methods).
+
+/// The random part of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Noise {
+    /// σ_d [m/s²].
+    pub(crate) disturbance_mps2: f64,
+    /// τ_d [s].
+    pub(crate) disturbance_time_s: f64,
+    /// σ_b [m/s²].
+    pub(crate) offset_mps2: f64,
+    /// Standard deviation of a reading of each witness [m/s]: encoder, yaw rate.
+    pub(crate) reading_mps: [f64; 2],
+}
+
+/// Prior standard deviation of the speed where a stretch does not start from rest [m/s].
+const UNKNOWN_SPEED_MPS: f64 = 3.0;
+/// Prior standard deviation of the speed at breakaway [m/s].
+const ANCHOR_MPS: f64 = 3e-3;
+
+/// One reading in a stretch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reading {
+    /// Time on the reference witness's clock [s].
+    pub(crate) t_s: f64,
+    /// Speed in the gear's frame, scale and bias taken out [m/s].
+    pub(crate) speed_mps: f64,
+    /// 0 encoder, 1 yaw rate.
+    pub(crate) witness: u8,
+    /// Index of the sample in its witness's series.
+    pub(crate) sample: u32,
+}
+
+/// Gains of the filter at one reading.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// Integral of d over the step, dt, and the decay of d.
+    drift: f64,
+    dt: f64,
+    decay: f64,
+    gain: [f64; 3],
+    /// 1/√S.
+    inverse_root: f64,
+    log_s: f64,
+}
+
+type Covariance = [[f64; 3]; 3];
+
+fn start_covariance(noise: &Noise, anchored: bool) -> Covariance {
+    let v = if anchored { ANCHOR_MPS } else { UNKNOWN_SPEED_MPS };
+    let mut p = [[0.0; 3]; 3];
+    p[0][0] = v * v;
+    p[1][1] = noise.disturbance_mps2 * noise.disturbance_mps2;
+    p[2][2] = noise.offset_mps2 * noise.offset_mps2;
+    p
+}
+
+/// Predicts the covariance over `dt`; returns (∫decay, decay).
+fn predict(p: &mut Covariance, noise: &Noise, dt: f64) -> (f64, f64) {
+    let tau = noise.disturbance_time_s;
+    let x = dt / tau;
+    let decay = (-x).exp();
+    let drift = tau * (1.0 - decay);
+    let variance = noise.disturbance_mps2 * noise.disturbance_mps2;
+    // ∫∫ of the disturbance's covariance; the series avoids cancellation for short steps
+    let q_vv = if x < 1e-2 { variance * tau * tau * x * x * x * (2.0 / 3.0 - 0.5 * x) } else { variance * tau * tau * (2.0 * x - 3.0 + 4.0 * decay - decay * decay) };
+    let q_vd = variance * tau * (1.0 - decay) * (1.0 - decay);
+    let q_dd = variance * (1.0 - decay * decay);
+    let f = [[1.0, drift, dt], [0.0, decay, 0.0], [0.0, 0.0, 1.0]];
+    let mut fp = [[0.0; 3]; 3];
+    for r in 0..3 {
+        for c in 0..3 {
+            fp[r][c] = (0..3).map(|k| f[r][k] * p[k][c]).sum();
+        }
+    }
+    for r in 0..3 {
+        for c in 0..3 {
+            p[r][c] = (0..3).map(|k| fp[r][k] * f[c][k]).sum();
+        }
+    }
+    p[0][0] += q_vv;
+    p[0][1] += q_vd;
+    p[1][0] += q_vd;
+    p[1][1] += q_dd;
+    (drift, decay)
+}
+
+/// Measures v with variance `r`; returns (gain, S).
+fn measure(p: &mut Covariance, r: f64) -> ([f64; 3], f64) {
+    let s = p[0][0] + r;
+    let gain = [p[0][0] / s, p[1][0] / s, p[2][0] / s];
+    let row = p[0];
+    for a in 0..3 {
+        for b in 0..3 {
+            p[a][b] -= gain[a] * row[b];
+        }
+    }
+    // Joseph's form is not needed: S ≥ r > 0 and the prior's largest variance is 1e6 times r at most; symmetrise all the same
+    for a in 0..3 {
+        for b in 0..a {
+            let mean = 0.5 * (p[a][b] + p[b][a]);
+            p[a][b] = mean;
+            p[b][a] = mean;
+        }
+    }
+    (gain, s)
+}
+
+/// The filter's gains over a stretch that starts at `start_s`; they do not depend on the data.
+fn steps(readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> Vec<Step> {
+    let mut p = start_covariance(noise, anchored);
+    let mut last = start_s;
+    readings
+        .iter()
+        .map(|reading| {
+            let dt = (reading.t_s - last).max(0.0);
+            last = reading.t_s;
+            let (drift, decay) = predict(&mut p, noise, dt);
+            let sigma = noise.reading_mps[usize::from(reading.witness)];
+            let (gain, s) = measure(&mut p, sigma * sigma);
+            Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt(), log_s: s.ln() }
+        })
+        .collect()
+}
+
+/// Replaces each column of `matrix` (row-major, one row per reading, `columns` wide) by its whitened innovations.
+pub(crate) fn whiten(matrix: &mut [f64], columns: usize, readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) {
+    let mut v = vec![0.0; columns];
+    let mut d = vec![0.0; columns];
+    let mut b = vec![0.0; columns];
+    for (step, row) in steps(readings, start_s, noise, anchored).iter().zip(matrix.chunks_exact_mut(columns)) {
+        let [kv, kd, kb] = step.gain;
+        for (((z, v), d), b) in row.iter_mut().zip(&mut v).zip(&mut d).zip(&mut b) {
+            let ahead = *v + step.drift * *d + step.dt * *b;
+            let faded = step.decay * *d;
+            let innovation = *z - ahead;
+            *v = ahead + kv * innovation;
+            *d = faded + kd * innovation;
+            *b += kb * innovation;
+            *z = innovation * step.inverse_root;
+        }
+    }
+}
+
+/// −2 log likelihood of a residual sequence, without its constant.
+pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> f64 {
+    let mut white = residual_mps.to_vec();
+    whiten(&mut white, 1, readings, start_s, noise, anchored);
+    let logs: f64 = steps(readings, start_s, noise, anchored).iter().map(|s| s.log_s).sum();
+    logs + white.iter().map(|e| e * e).sum::<f64>()
+}
+
+/// Smoothed deviation from the surface over a stretch.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Smoothed {
+    /// v at each reading [m/s].
+    pub(crate) speed_mps: Vec<f64>,
+    /// b of the stretch [m/s²].
+    pub(crate) offset_mps2: f64,
+}
+
+/// Fixed-interval smoothing (Rauch, Tung & Striebel 1965) of a residual sequence.
+pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> Smoothed {
+    let n = readings.len();
+    let mut p = start_covariance(noise, anchored);
+    let mut x = [0.0; 3];
+    let (mut predicted, mut filtered, mut transitions) = (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
+    let mut last = start_s;
+    for (reading, residual) in readings.iter().zip(residual_mps) {
+        let dt = (reading.t_s - last).max(0.0);
+        last = reading.t_s;
+        let (drift, decay) = predict(&mut p, noise, dt);
+        x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
+        predicted.push((x, p));
+        let sigma = noise.reading_mps[usize::from(reading.witness)];
+        let (gain, _) = measure(&mut p, sigma * sigma);
+        let innovation = residual - x[0];
+        for k in 0..3 {
+            x[k] += gain[k] * innovation;
+        }
+        filtered.push((x, p));
+        transitions.push([[1.0, drift, dt], [0.0, decay, 0.0], [0.0, 0.0, 1.0]]);
+    }
+    let mut speed_mps = vec![0.0; n];
+    let mut state = x;
+    for i in (0..n).rev() {
+        if i + 1 < n {
+            let (xf, pf) = filtered[i];
+            let (xp, pp) = predicted[i + 1];
+            let f = transitions[i + 1];
+            // gain C = Pf Fᵀ Pp⁻¹, solved as Pp Cᵀ = F Pf
+            let mut fp = [[0.0; 3]; 3];
+            for r in 0..3 {
+                for c in 0..3 {
+                    fp[r][c] = (0..3).map(|k| f[r][k] * pf[k][c]).sum();
+                }
+            }
+            let Some(ct) = solve3(pp, fp) else { break };
+            let away = [state[0] - xp[0], state[1] - xp[1], state[2] - xp[2]];
+            for r in 0..3 {
+                state[r] = xf[r] + (0..3).map(|k| ct[k][r] * away[k]).sum::<f64>();
+            }
+        }
+        speed_mps[i] = state[0];
+    }
+    Smoothed { speed_mps, offset_mps2: x[2] }
+}
+
+/// Solves A·X = B for 3 × 3 matrices by elimination with pivoting; `None` when A is singular.
+fn solve3(mut a: [[f64; 3]; 3], mut b: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+    for k in 0..3 {
+        let pivot = (k..3).max_by(|r, s| a[*r][k].abs().total_cmp(&a[*s][k].abs()))?;
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        if a[k][k].abs() < 1e-300 {
+            return None;
+        }
+        for r in 0..3 {
+            if r != k {
+                let factor = a[r][k] / a[k][k];
+                for c in 0..3 {
+                    a[r][c] -= factor * a[k][c];
+                    b[r][c] -= factor * b[k][c];
+                }
+            }
+        }
+    }
+    for k in 0..3 {
+        for c in 0..3 {
+            b[k][c] /= a[k][k];
+        }
+    }
+    Some(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const NOISE: Noise = Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008] };
+
+    fn simulated(n: usize, seed: u64) -> (Vec<Reading>, Vec<f64>) {
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(seed);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let dt = 0.001;
+        let b = NOISE.offset_mps2 * draw();
+        let (mut v, mut d) = (0.0, NOISE.disturbance_mps2 * draw());
+        let decay = (-dt / NOISE.disturbance_time_s).exp();
+        let mut readings = Vec::new();
+        let mut values = Vec::new();
+        for k in 0..n * 10 {
+            v += dt * (d + b);
+            d = decay * d + NOISE.disturbance_mps2 * (1.0 - decay * decay).sqrt() * draw();
+            if k % 10 == 9 {
+                let witness = u8::try_from(k / 10 % 2).unwrap_or(0);
+                readings.push(Reading { t_s: f64::from(u32::try_from(k + 1).unwrap_or(0)) * dt, speed_mps: 0.0, witness, sample: 0 });
+                values.push(v + NOISE.reading_mps[usize::from(witness)] * draw());
+            }
+        }
+        (readings, values)
+    }
+
+    #[test]
+    fn innovations_of_the_true_model_are_white_with_unit_variance() {
+        let (readings, mut values) = simulated(6000, 3);
+        whiten(&mut values, 1, &readings, 0.0, &NOISE, true);
+        let n = values.len() as f64;
+        let variance = values.iter().map(|e| e * e).sum::<f64>() / n;
+        let lag_one = values.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / n;
+        // standard errors are √(2/n) = 0.018 and 1/√n = 0.013: four of each
+        assert!((variance - 1.0).abs() < 0.073, "{variance}");
+        assert!(lag_one.abs() < 0.052, "{lag_one}");
+    }
+
+    #[test]
+    fn the_likelihood_prefers_the_true_noise() {
+        let (readings, values) = simulated(3000, 5);
+        let at = |noise: Noise| deviance(&values, &readings, 0.0, &noise, true);
+        let truth = at(NOISE);
+        assert!(truth < at(Noise { disturbance_mps2: 0.2, ..NOISE }));
+        assert!(truth < at(Noise { disturbance_mps2: 0.05, ..NOISE }));
+        assert!(truth < at(Noise { reading_mps: [0.012, 0.016], ..NOISE }));
+    }
+
+    #[test]
+    fn smoothing_comes_nearer_to_the_truth_than_a_reading() {
+        let (readings, values) = simulated(2000, 7);
+        let smoothed = smooth(&values, &readings, 0.0, &NOISE, true);
+        let rough: f64 = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum();
+        let fine: f64 = smoothed.speed_mps.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum();
+        let miss = values.iter().zip(&smoothed.speed_mps).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / values.len() as f64;
+        assert!(fine < 0.02 * rough && miss.sqrt() < 0.01 && miss.sqrt() > 0.004, "{fine} {rough} {}", miss.sqrt());
+    }
+}

@@ -1,0 +1,280 @@
+//! What a fit gives: `table1.json`, its CSVs, and the verdict on every sample.
+
+use super::estimate::{Estimate, estimate};
+use super::feedback::{FeedbackDelays, delays};
+use super::runs::{residual_rms_mps2, round, rows};
+use super::tables::{accel_map, used_samples, verdicts};
+use super::uncertainty::Uncertainty;
+use super::{Error, Result, Settings, monotone};
+use crate::campaign::{Survey, Verdict, ledger};
+use crate::map::{
+    Actuator, CellStatus, DelayEstimate, FORMAT_VERSION, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Witness,
+};
+use crate::signal::median;
+
+/// Table 1 with its files.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// `table1.json`.
+    pub file: Table1File,
+    /// Name and text of each CSV beside it.
+    pub csvs: Vec<(String, String)>,
+    /// The final verdict on every encoder sample, per log in the order of `file.logs`.
+    pub verdicts: Vec<Vec<Verdict>>,
+    /// Whether enough of the table is measured or interpolated.
+    pub covered: bool,
+}
+
+/// An offset between the clocks of command and speed counts from here on [s]: smaller ones are sampling phases.
+const CLOCK_OFFSET_S: f64 = 0.02;
+/// A first-order lag explains the drive up to this ratio of the feedback's residual after steps to that elsewhere.
+const LAG_EXPLAINS: f64 = 2.5;
+
+/// Fits Table 1 to the surveyed logs of one vehicle. The order of the logs does not matter.
+///
+/// # Errors
+/// No logs, logs of different vehicles, too little motion, one torque only.
+pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
+    surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
+    same_vehicle(&surveys)?;
+    let mut estimate = estimate(&surveys, settings)?;
+    let mut notes: Vec<String> = surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))).collect();
+    let moved = make_monotone(&mut estimate, &mut notes);
+    notes.extend(estimate_notes(&estimate));
+    let uncertainty = Uncertainty::new(&estimate);
+    let verdicts = verdicts(&estimate);
+    let samples = used_samples(&estimate);
+    let mut vehicle = surveys[0].track.vehicle;
+    let commanded = surveys.iter().flat_map(|s| &s.track.command_nm.value).fold(0.0f64, |m, v| m.max(v.abs()));
+    vehicle.torque_limit_nm = vehicle.torque_limit_nm.or(Some(commanded));
+
+    let mut maps = Vec::new();
+    let mut csvs = Vec::new();
+    for gear in estimate.gears.clone() {
+        let (map, csv) = accel_map(&estimate, &uncertainty, gear, settings, &samples, vehicle.test_angle_deg)?;
+        csvs.push((map.csv.file.clone(), csv));
+        maps.push(map);
+    }
+    let cells = || maps.iter().flat_map(|m| m.status.iter().flatten());
+    let share = |good: &dyn Fn(CellStatus) -> bool| cells().filter(|s| good(**s)).count() as f64 / cells().count().max(1) as f64;
+    let coverage = share(&|s| s == CellStatus::Measured);
+    let covered = share(&|s| s != CellStatus::Extrapolated) >= settings.least_coverage;
+    if !covered {
+        notes.push(format!(
+            "coverage is too thin: {:.0} % of the cells are measured or interpolated, {:.0} % are needed; drive the missing torques, from rest and from speed",
+            100.0 * share(&|s| s != CellStatus::Extrapolated),
+            100.0 * settings.least_coverage
+        ));
+    }
+    let table = ledger(verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied())));
+    let report = Stage1Report {
+        ledger: table,
+        runs: rows(&estimate, &verdicts),
+        residual_rms_mps2: round(residual_rms_mps2(&estimate), 1e5),
+        coverage: round(coverage, 1e4),
+        iterations: estimate.iterations as u32,
+        notes,
+        diagnostics: diagnostics(&estimate, moved),
+    };
+    let file = Table1File {
+        format: TABLE1_FORMAT.to_owned(),
+        format_version: FORMAT_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        units: Units::default(),
+        vehicle,
+        logs: surveys.iter().map(|s| s.track.source.clone()).collect(),
+        settings: serde_json::to_value(settings).map_err(crate::map::Error::from)?,
+        actuator: actuator(&estimate, &surveys, settings),
+        witnesses: witnesses(&estimate),
+        noise: PlantNoise {
+            disturbance_mps2: round(estimate.noise.disturbance_mps2, 1e6),
+            disturbance_time_s: round(estimate.noise.disturbance_time_s, 1e6),
+            run_offset_mps2: round(estimate.noise.offset_mps2, 1e6),
+            speed_noise_mps: round(estimate.noise.reading_mps[0], 1e6),
+        },
+        maps,
+        report,
+    };
+    Ok(Fit { file, csvs, verdicts, covered })
+}
+
+/// Logs of one vehicle agree on its geometry.
+fn same_vehicle(surveys: &[Survey]) -> Result<()> {
+    let first = surveys.first().ok_or(Error::NoLogs)?;
+    for other in &surveys[1..] {
+        let (a, b) = (&first.track.vehicle, &other.track.vehicle);
+        for (field, x, y) in [
+            ("wheelbase_m", a.wheelbase_m, b.wheelbase_m),
+            ("wheel_radius_m", a.wheel_radius_m, b.wheel_radius_m),
+            ("test_angle_deg", a.test_angle_deg, b.test_angle_deg),
+        ] {
+            if (x - y).abs() > 1e-6 * x.abs().max(y.abs()) {
+                return Err(Error::DifferentVehicles {
+                    field,
+                    first: first.track.source.file.clone(),
+                    first_value: x,
+                    second: other.track.source.file.clone(),
+                    second_value: y,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn make_monotone(estimate: &mut Estimate, notes: &mut Vec<String>) -> monotone::Outcome {
+    let lattice = estimate.surfaces[0].lattice.clone();
+    let mut beta = estimate.solution.beta.clone();
+    let outcome = monotone::enforce(&estimate.design, &lattice, &estimate.system, &estimate.solution, &estimate.gears, &mut beta);
+    match outcome {
+        monotone::Outcome::AlreadyMonotone => {}
+        monotone::Outcome::Moved(_) => {
+            estimate.solution.beta = beta;
+            let q = estimate.design.coefficients();
+            for gear in Gear::ALL {
+                estimate.surfaces[usize::from(gear == Gear::Reverse)].theta =
+                    estimate.design.lattice_values(gear, &estimate.solution.beta[..q]);
+            }
+        }
+        monotone::Outcome::Forced => {
+            for surface in &mut estimate.surfaces {
+                monotone::force(&lattice, &mut surface.theta);
+            }
+            notes.push("the surface was made to rise with torque by running maxima: the data contradict it in places".to_owned());
+        }
+    }
+    outcome
+}
+
+fn estimate_notes(estimate: &Estimate) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !estimate.converged {
+        notes.push(format!("the fit stopped after {} iterations before the surface stood still", estimate.iterations));
+    }
+    for bound in &estimate.noise_bounds {
+        notes.push(format!("noise model: {bound} is at its bound"));
+    }
+    if let Some(low) = estimate.logs.iter().find(|l| !l.may_anchor) {
+        notes.push(format!("{}: speed is too coarse to tell when a start from rest begins", low.survey.track.source.file));
+    }
+    notes
+}
+
+/// Dead times, lag and clock offsets, each with its status.
+fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Actuator {
+    let feedback: Vec<Option<FeedbackDelays>> = surveys
+        .iter()
+        .map(|s| s.track.feedback_nm.as_ref().and_then(|f| delays(&s.track.command_nm, f, settings.lag_s)))
+        .collect();
+    let status = |given: bool, std_err_s: f64| {
+        if given {
+            "given"
+        } else if std_err_s > 0.01 {
+            "weakly determined"
+        } else {
+            "estimated"
+        }
+    };
+    let told = |value_s: f64, std_err_s: f64, given: bool| DelayEstimate {
+        value_s: round(value_s, 1e6),
+        std_err_s: (!given).then(|| round(std_err_s, 1e6)),
+        status: status(given, std_err_s).to_owned(),
+    };
+    let given = settings.dead_time_s.is_some();
+    let per_log: Vec<LogActuator> = surveys
+        .iter()
+        .enumerate()
+        .map(|(k, survey)| {
+            let (total, std_err) = (estimate.calibration.dead_time_s[k], estimate.dead_time_std_err_s[k]);
+            let (offset, dead_time) = match &feedback[k] {
+                Some(f) => {
+                    let offset = total - f.dead_time_s;
+                    let error = (std_err * std_err + f.dead_time_std_err_s * f.dead_time_std_err_s).sqrt();
+                    let real = offset.abs() > CLOCK_OFFSET_S.max(4.0 * error);
+                    let estimate = DelayEstimate {
+                        value_s: round(offset, 1e6),
+                        std_err_s: Some(round(error, 1e6)),
+                        status: if real { "estimated" } else { "none found" }.to_owned(),
+                    };
+                    (estimate, if real { f.dead_time_s } else { total })
+                }
+                None => (DelayEstimate { value_s: 0.0, std_err_s: None, status: "not separable".to_owned() }, total),
+            };
+            LogActuator {
+                sha256: survey.track.source.sha256.clone(),
+                file: survey.track.source.file.clone(),
+                dead_time: told(dead_time, std_err, given),
+                clock_offset: offset,
+            }
+        })
+        .collect();
+    let dead_times: Vec<f64> = per_log.iter().map(|l| l.dead_time.value_s).collect();
+    let count = dead_times.len() as f64;
+    let mean = dead_times.iter().sum::<f64>() / count;
+    let spread = if dead_times.len() > 1 {
+        (dead_times.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt()
+    } else {
+        0.0
+    };
+    let of_errors = estimate.dead_time_std_err_s.iter().map(|e| e * e).sum::<f64>().sqrt() / count;
+    let explained = feedback.iter().flatten().all(|f| f.after_step_ratio < LAG_EXPLAINS);
+    Actuator {
+        dead_time: told(mean, spread.max(of_errors), given),
+        lag: told(estimate.calibration.lag_s, estimate.lag_std_err_s, settings.lag_s.is_some()),
+        input: if feedback.iter().any(Option::is_some) && !explained {
+            "torque command (the feedback does not follow a first-order lag)".to_owned()
+        } else {
+            "torque command".to_owned()
+        },
+        per_log,
+    }
+}
+
+fn witnesses(estimate: &Estimate) -> Vec<Witness> {
+    let encoder = Witness {
+        name: "encoder".to_owned(),
+        scale: round(estimate.calibration.encoder_scale, 1e6),
+        scale_std_err: estimate.has_yaw.then(|| round(estimate.encoder_scale_std_err, 1e6)),
+        delay_s: round(estimate.calibration.encoder_delay_s, 1e6),
+        noise_mps: round(estimate.noise.reading_mps[0], 1e6),
+    };
+    let mut all = vec![encoder];
+    if estimate.has_yaw {
+        all.push(Witness {
+            name: "yaw rate".to_owned(),
+            scale: 1.0,
+            scale_std_err: None,
+            delay_s: 0.0,
+            noise_mps: round(estimate.noise.reading_mps[1], 1e6),
+        });
+    }
+    all
+}
+
+fn diagnostics(estimate: &Estimate, moved: monotone::Outcome) -> serde_json::Value {
+    let innovations: Vec<f64> = estimate.white.iter().flatten().map(|e| e.abs()).collect();
+    let blocks: Vec<serde_json::Value> = estimate
+        .design
+        .blocks
+        .iter()
+        .zip(estimate.solution.penalties.iter().zip(&estimate.solution.degrees))
+        .map(|(block, (penalty, degrees))| {
+            serde_json::json!({
+                "block": block.name,
+                "coefficients": block.range.len(),
+                "effective": round(*degrees, 1e3),
+                "penalty": if block.penalised { serde_json::json!(penalty) } else { serde_json::Value::Null },
+            })
+        })
+        .collect();
+    serde_json::json!({
+        "blocks": blocks,
+        "penalties_settled": estimate.solution.settled,
+        "monotone": match moved {
+            monotone::Outcome::AlreadyMonotone => "by itself".to_owned(),
+            monotone::Outcome::Moved(n) => format!("{n} differences bind"),
+            monotone::Outcome::Forced => "forced".to_owned(),
+        },
+        "innovation_scale": round(median(&innovations) / 0.674_489_750_196_082, 1e4),
+    })
+}

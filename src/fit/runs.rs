@@ -1,0 +1,146 @@
+//! How well the surface explains each run: the judge that users understand is the simulated speed.
+
+use super::estimate::Estimate;
+use super::regressors::predicted;
+use crate::campaign::{Verdict, ledger};
+use crate::map::{Gear, RunRow};
+
+/// A reading against its simulation.
+struct Compared {
+    log: usize,
+    t_s: f64,
+    recorded: f64,
+    simulated: f64,
+    offset: f64,
+    gear: Gear,
+}
+
+/// One row per hold that has moving or resting samples at the test angle.
+pub(crate) fn rows(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> Vec<RunRow> {
+    let compared = simulate(estimate);
+    let mut rows = Vec::new();
+    for (k, log) in estimate.logs.iter().enumerate() {
+        let survey = log.survey;
+        let track = &survey.track;
+        let own: Vec<&Compared> = compared.iter().filter(|c| c.log == k).collect();
+        for hold in &survey.holds {
+            let samples = track.encoder_mps.range(hold.from_s, hold.to_s);
+            let counted = |i: usize| !matches!(verdicts[k][i], Verdict::NoTorque | Verdict::WheelNotAtAngle | Verdict::SteeringMoving);
+            if samples.is_empty() || samples.clone().filter(|i| counted(*i)).count() < 5 {
+                continue;
+            }
+            let inside: Vec<&&Compared> = own.iter().filter(|c| c.t_s >= hold.from_s && c.t_s < hold.to_s).collect();
+            let gear = inside.first().map(|c| c.gear).or_else(|| gear_of(survey, hold.from_s)).unwrap_or(Gear::Forward);
+            let speed_at = |i: usize| {
+                let t = track.encoder_mps.t_s[i];
+                let near = track.encoder_mps.range(t - 0.05, t + 0.05);
+                let n = near.len().max(1) as f64;
+                gear.sign() * track.encoder_mps.value[near].iter().sum::<f64>() / n / estimate.calibration.encoder_scale
+            };
+            let table = ledger(samples.clone().map(|i| (verdicts[k][i], survey.seconds[i])));
+            let used = Verdict::Used.to_string();
+            rows.push(RunRow {
+                log: track.source.file.clone(),
+                start_s: round(hold.from_s, 1e3),
+                duration_s: round(hold.to_s - hold.from_s, 1e3),
+                gear,
+                torque_nm: round(gear.sign() * hold.torque_nm, 1e4),
+                start_speed_mps: round(speed_at(samples.start), 1e4),
+                end_speed_mps: round(speed_at(samples.end - 1), 1e4),
+                used_s: table.iter().find(|r| r.verdict == used).map_or(0.0, |r| r.seconds),
+                speed_rmse_mps: rmse(&inside).map(|v| round(v, 1e5)),
+                r_squared: r_squared(&inside).map(|v| round(v, 1e4)),
+                offset_mps2: (!inside.is_empty())
+                    .then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
+                rejected: table.into_iter().filter(|r| r.verdict != used).collect(),
+            });
+        }
+    }
+    rows
+}
+
+/// Rounds to 1/`steps`: figures of a report need no sixteen digits.
+pub(crate) fn round(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps
+}
+
+fn gear_of(survey: &crate::campaign::Survey, t_s: f64) -> Option<Gear> {
+    let value = survey.track.gear.as_ref()?.held(t_s + 0.2)?;
+    if value == 0.0 {
+        None
+    } else if value > 0.0 {
+        Some(Gear::Forward)
+    } else {
+        Some(Gear::Reverse)
+    }
+}
+
+fn rmse(inside: &[&&Compared]) -> Option<f64> {
+    (inside.len() > 4)
+        .then(|| (inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum::<f64>() / inside.len() as f64).sqrt())
+}
+
+fn r_squared(inside: &[&&Compared]) -> Option<f64> {
+    if inside.len() < 5 {
+        return None;
+    }
+    let mean = inside.iter().map(|c| c.recorded).sum::<f64>() / inside.len() as f64;
+    let total: f64 = inside.iter().map(|c| (c.recorded - mean).powi(2)).sum();
+    let left: f64 = inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum();
+    (total > 0.0).then(|| 1.0 - left / total)
+}
+
+/// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
+fn simulate(estimate: &Estimate) -> Vec<Compared> {
+    let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
+    let mut compared = Vec::new();
+    for ((segment, smoothed), offset) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets) {
+        let surface = estimate.surface(segment.gear);
+        let torque =
+            |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
+        let mut t = segment.start_s;
+        for reading in &segment.readings {
+            let steps = ((reading.t_s - t) / 5e-3).ceil().max(1.0);
+            let dt = (reading.t_s - t).max(0.0) / steps;
+            for _ in 0..steps as usize {
+                let half = v + 0.5 * dt * surface.accel_mps2(v, torque(t));
+                v = (v + dt * surface.accel_mps2(half, torque(t + 0.5 * dt))).max(0.0);
+                t += dt;
+            }
+            compared.push(Compared {
+                log: segment.log,
+                t_s: reading.t_s,
+                recorded: reading.speed_mps,
+                simulated: v,
+                offset: *offset,
+                gear: segment.gear,
+            });
+        }
+    }
+    compared
+}
+
+/// Root mean square of what the surface leaves of the acceleration, from the smoothed speeds [m/s²].
+pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
+    let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
+    let (mut sum, mut count) = (0.0, 0usize);
+    for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+        let surface = estimate.surface(segment.gear);
+        let torque =
+            |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let model = predicted(segment, smoothed, &torque, surface);
+        // over windows of about 0.1 s: the difference quotient of the deviation
+        let n = segment.readings.len();
+        let stride = (n * 100 / ((segment.readings[n - 1].t_s - segment.start_s) * 1000.0).max(1.0) as usize).max(1);
+        for k in (stride..n).step_by(stride) {
+            let dt = segment.readings[k].t_s - segment.readings[k - stride].t_s;
+            if dt > 0.02 {
+                let deviation = (smoothed[k] - model[k]) - (smoothed[k - stride] - model[k - stride]);
+                sum += (deviation / dt).powi(2);
+                count += 1;
+            }
+        }
+    }
+    (sum / count.max(1) as f64).sqrt()
+}

@@ -1,0 +1,191 @@
+//! Segments: stretches of readings on one clock, ready to be integrated.
+
+use super::actuator::LaggedCommand;
+use super::kalman::Reading;
+use crate::campaign::{Survey, Verdict};
+use crate::map::Gear;
+
+/// What turns raw readings into speeds on one clock, and commands into torques. Estimated with the surface.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Calibration {
+    /// T_d of each log [s].
+    pub(crate) dead_time_s: Vec<f64>,
+    /// T_c [s].
+    pub(crate) lag_s: f64,
+    /// Encoder reading over true speed.
+    pub(crate) encoder_scale: f64,
+    /// How much later the encoder reads than the yaw rate [s].
+    pub(crate) encoder_delay_s: f64,
+}
+
+/// A stretch of readings without interruption.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Segment {
+    /// Index of the log.
+    pub(crate) log: usize,
+    /// Index of the stretch in the log's survey: the unit that is left out in cross-validation, and resampled in the sandwich.
+    pub(crate) run: usize,
+    pub(crate) gear: Gear,
+    /// Where integration starts [s].
+    pub(crate) start_s: f64,
+    /// Whether the speed is 0 at the start.
+    pub(crate) anchored: bool,
+    pub(crate) readings: Vec<Reading>,
+}
+
+/// What is left out of one log.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Cuts {
+    /// Intervals [s], each with its verdict.
+    pub(crate) intervals: Vec<(f64, f64, Verdict)>,
+    /// Single readings: (witness, sample).
+    pub(crate) readings: Vec<(u8, u32)>,
+}
+
+/// Fewest readings of a segment.
+const FEWEST_READINGS: usize = 8;
+/// Shortest segment [s].
+const SHORTEST_S: f64 = 0.08;
+/// Speed at breakaway above which a start is not believed to start from 0 [m/s].
+const BELIEVABLE_START_MPS: f64 = 0.03;
+
+/// One log as the estimator sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct LogData<'a> {
+    pub(crate) survey: &'a Survey,
+    /// Outliers among the yaw readings.
+    pub(crate) yaw_outliers: Vec<bool>,
+    pub(crate) cuts: Cuts,
+    /// Whether a start from rest may be taken as v = 0 at breakaway.
+    pub(crate) may_anchor: bool,
+}
+
+impl LogData<'_> {
+    /// The segments of this log. `surface` (per gear) tells when a resting wheel breaks away; without it starts are not anchored.
+    /// `transient_s` is left out after each step of the effective torque, unless the stretch starts from rest there.
+    pub(crate) fn segments(
+        &self,
+        log: usize,
+        calibration: &Calibration,
+        lagged: &LaggedCommand,
+        breakaway_nm: Option<&dyn Fn(Gear) -> f64>,
+        transients: &[(f64, f64)],
+    ) -> Vec<Segment> {
+        let mut segments = Vec::new();
+        for (run, stretch) in self.survey.stretches.iter().enumerate() {
+            let dead_time_s = calibration.dead_time_s[log];
+            let mut start_s = stretch.from_s;
+            let mut anchored = false;
+            if stretch.from_rest && self.may_anchor && let Some(breakaway) = breakaway_nm {
+                let threshold = breakaway(stretch.gear);
+                let torque = |t: f64| stretch.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
+                if let Some(t) = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, torque)
+                    && self.mean_speed(stretch.gear, t, calibration).is_none_or(|v| v < BELIEVABLE_START_MPS)
+                {
+                    start_s = t;
+                    anchored = true;
+                }
+            }
+            let readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
+            let mut cuts: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).collect();
+            // what follows the first step of a start from rest is anchored, and worth keeping
+            cuts.extend(transients.iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
+            split(&readings, &cuts, Segment { log, run, gear: stretch.gear, start_s, anchored, readings: Vec::new() }, &mut segments);
+        }
+        segments
+    }
+
+    fn readings(&self, gear: Gear, from_s: f64, to_s: f64, calibration: &Calibration) -> Vec<Reading> {
+        let track = &self.survey.track;
+        let encoder = &track.encoder_mps;
+        let mut readings: Vec<Reading> = encoder
+            .range(from_s + calibration.encoder_delay_s, to_s)
+            .filter(|&k| !matches!(self.survey.verdicts[k], Verdict::Outlier))
+            .map(|k| Reading {
+                t_s: encoder.t_s[k] - calibration.encoder_delay_s,
+                speed_mps: gear.sign() * encoder.value[k] / calibration.encoder_scale,
+                witness: 0,
+                sample: k as u32,
+            })
+            .collect();
+        if let Some(yaw) = &track.yaw_speed_mps {
+            readings.extend(yaw.range(from_s, to_s).filter(|&k| !self.yaw_outliers[k]).map(|k| Reading {
+                t_s: yaw.t_s[k],
+                speed_mps: gear.sign() * (yaw.value[k] - self.survey.yaw_bias_mps),
+                witness: 1,
+                sample: k as u32,
+            }));
+        }
+        readings.retain(|r| !self.cuts.readings.contains(&(r.witness, r.sample)));
+        readings.sort_by(|a, b| a.t_s.total_cmp(&b.t_s).then(a.witness.cmp(&b.witness)));
+        readings
+    }
+
+    /// Mean speed over the 60 ms around `t_s`, gear frame.
+    fn mean_speed(&self, gear: Gear, t_s: f64, calibration: &Calibration) -> Option<f64> {
+        let readings = self.readings(gear, t_s - 0.04, t_s + 0.02, calibration);
+        (!readings.is_empty()).then(|| readings.iter().map(|r| r.speed_mps).sum::<f64>() / readings.len() as f64)
+    }
+}
+
+/// First time in an interval at which a rising torque passes `threshold`, to a millisecond.
+fn first_crossing(from_s: f64, to_s: f64, threshold: f64, torque: impl Fn(f64) -> f64) -> Option<f64> {
+    let steps = ((to_s - from_s) / 1e-3) as usize;
+    let mut before = torque(from_s);
+    for k in 1..=steps {
+        let t = from_s + k as f64 * 1e-3;
+        let now = torque(t);
+        if before <= threshold && now > threshold {
+            return Some(t - 1e-3 * (now - threshold) / (now - before).max(1e-12));
+        }
+        before = now;
+    }
+    None
+}
+
+/// Splits readings at cuts and gaps into segments like `model`; what follows a cut is not anchored.
+fn split(readings: &[Reading], cuts: &[(f64, f64)], model: Segment, segments: &mut Vec<Segment>) {
+    let inside = |t: f64| cuts.iter().any(|(from, to)| t >= *from && t <= *to);
+    let between = |a: f64, b: f64| cuts.iter().any(|(from, to)| *from > a && *to < b);
+    let mut current = Segment { readings: Vec::new(), ..model.clone() };
+    let mut whole = true;
+    let mut close = |current: &mut Segment, next_anchored: bool| {
+        let done = std::mem::replace(current, Segment { anchored: next_anchored, ..model.clone() });
+        if let (Some(first), Some(last)) = (done.readings.first(), done.readings.last())
+            && done.readings.len() >= FEWEST_READINGS
+            && last.t_s - first.t_s >= SHORTEST_S
+        {
+            let start_s = if done.anchored { done.start_s } else { first.t_s };
+            segments.push(Segment { start_s, ..done });
+        }
+    };
+    for reading in readings {
+        let last = current.readings.last().map_or(if whole { model.start_s } else { reading.t_s }, |r| r.t_s);
+        let broken = reading.t_s - last > 0.15 || between(last, reading.t_s);
+        if broken || inside(reading.t_s) {
+            close(&mut current, false);
+            whole = false;
+        }
+        if !inside(reading.t_s) {
+            current.readings.push(*reading);
+        }
+    }
+    close(&mut current, false);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
+        let readings: Vec<Reading> =
+            (0..100).map(|k| Reading { t_s: f64::from(k) * 0.01, speed_mps: 0.1, witness: 1, sample: k.unsigned_abs() }).collect();
+        let model = Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, readings: Vec::new() };
+        let mut segments = Vec::new();
+        split(&readings, &[(0.405, 0.505)], model, &mut segments);
+        assert_eq!(segments.len(), 2);
+        assert!(segments[0].anchored && (segments[0].start_s + 0.005).abs() < 1e-12 && segments[0].readings.len() == 41);
+        assert!(!segments[1].anchored && (segments[1].start_s - 0.51).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,25 @@
+//! Why a table cannot be inverted.
+
+use crate::map::Gear;
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a table cannot be inverted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("the file holds no table to invert")]
+    NoTables,
+    #[error(
+        "Table 1 ({gear}) does not rise with torque at {speed_mps:.3} m/s: {low_mps2:.4} m/s² at {low_nm:.3} N·m, {high_mps2:.4} m/s² at {high_nm:.3} N·m; it has no inverse there. Fit it again"
+    )]
+    NotMonotone { gear: Gear, speed_mps: f64, low_nm: f64, low_mps2: f64, high_nm: f64, high_mps2: f64 },
+    #[error("the least-squares programme of Table 2 ({gear}) did not finish; --node-exact does without it")]
+    NotSolved { gear: Gear },
+    #[error("--place {found}: at least 3 breaks and at most 200 can be placed")]
+    BadPlace { found: usize },
+    #[error(transparent)]
+    Map(#[from] crate::map::Error),
+}

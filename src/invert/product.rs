@@ -1,0 +1,165 @@
+//! What an inversion gives: `table2.json` and its CSVs.
+
+use super::inverse::Inverse;
+use super::round_trip::round_trip;
+use super::{Error, Result, Settings, ZeroRow, breaks, optimal};
+use crate::map::{
+    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units,
+    sha256_hex,
+};
+
+/// Table 2 with its files.
+#[derive(Debug, Clone)]
+pub struct Inversion {
+    /// `table2.json`.
+    pub file: Table2File,
+    /// Name and text of each CSV beside it.
+    pub csvs: Vec<(String, String)>,
+}
+
+/// Inverts every table of `file`. `table1` names the JSON that it was read from, with its hash.
+///
+/// # Errors
+/// No table, a table that does not rise with torque, breaks that make no axis, a programme that does not finish.
+pub fn invert(file: &Table1File, table1: CsvRef, settings: &Settings) -> Result<Inversion> {
+    if file.maps.is_empty() {
+        return Err(Error::NoTables);
+    }
+    if let Some(found) = settings.place.filter(|n| !(3..=200).contains(n)) {
+        return Err(Error::BadPlace { found });
+    }
+    let limit_nm = file
+        .vehicle
+        .torque_limit_nm
+        .unwrap_or_else(|| file.maps.iter().flat_map(|m| &m.torque_nm).fold(0.0f64, |m, u| m.max(u.abs())));
+    let mut maps = Vec::new();
+    let mut csvs = Vec::new();
+    for map in &file.maps {
+        let other = file.maps.iter().find(|m| m.gear != map.gear && (m.wheel_angle_deg - map.wheel_angle_deg).abs() < 0.5);
+        let (inverted, csv) = invert_map(map, other, limit_nm, settings)?;
+        csvs.push((inverted.csv.file.clone(), csv));
+        maps.push(inverted);
+    }
+    let file = Table2File {
+        format: TABLE2_FORMAT.to_owned(),
+        format_version: FORMAT_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        units: Units::default(),
+        vehicle: file.vehicle,
+        logs: file.logs.clone(),
+        table1,
+        settings: serde_json::to_value(settings).map_err(crate::map::Error::from)?,
+        dead_time_s: file.actuator.dead_time.value_s,
+        lag_s: file.actuator.lag.value_s,
+        maps,
+    };
+    Ok(Inversion { file, csvs })
+}
+
+fn invert_map(map: &AccelMap, other: Option<&AccelMap>, limit_nm: f64, settings: &Settings) -> Result<(TorqueMap, String)> {
+    let inverse = Inverse::new(map.surface.table()?, map.gear)?;
+    let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| u.clamp(-limit_nm, limit_nm));
+    let (speeds, accels) = axes(&inverse, map, tested, settings);
+    let speed_axis = Axis::new("speed_mps", speeds.clone())?;
+    let accel_axis = Axis::new("accel_mps2", accels.clone())?;
+
+    let mut nodes = if settings.node_exact {
+        speeds.iter().flat_map(|v| inverse.torques_nm(*v, &accels)).map(|u| u.clamp(-limit_nm, limit_nm)).collect()
+    } else {
+        optimal::nodes(&inverse, &speeds, &accels, tested, limit_nm).ok_or(Error::NotSolved { gear: map.gear })?
+    };
+    if settings.zero_row == ZeroRow::Hold && speeds[0] == 0.0 {
+        for (torque, a) in nodes.iter_mut().zip(&accels) {
+            if *a <= 0.0 {
+                *torque = 0.0;
+            }
+        }
+    }
+    nodes.iter_mut().for_each(|u| *u = (*u * 1e6).round() / 1e6);
+    let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
+    let csv = table.to_matrix().to_csv();
+
+    let reach: Vec<[f64; 2]> = speeds.iter().map(|v| [-limit_nm, limit_nm].map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
+    let known = map.table()?;
+    let status_of = |v: f64, torque: f64| {
+        let beyond = torque < tested[0] - 1e-9 || torque > tested[1] + 1e-9 || v > known.speed_mps().last() + 1e-9;
+        if beyond { CellStatus::Extrapolated } else { map.status[known.torque_nm().nearest(torque)][known.speed_mps().nearest(v)] }
+    };
+    let status: Vec<Vec<CellStatus>> = speeds
+        .iter()
+        .zip(&reach)
+        .map(|(v, [low, high])| {
+            accels
+                .iter()
+                .map(|a| {
+                    if *a < *low - 1e-9 || *a > *high + 1e-9 {
+                        CellStatus::Unreachable
+                    } else {
+                        status_of(*v, inverse.torque_nm(*v, *a))
+                    }
+                })
+                .collect()
+        })
+        .collect();
+    let errors = crate::map::AccelTable::new(known.speed_mps().clone(), known.torque_nm().clone(), map.std_err_mps2.concat())?;
+    let std_err_nm = speeds
+        .iter()
+        .enumerate()
+        .map(|(i, v)| {
+            accels
+                .iter()
+                .enumerate()
+                .map(|(j, a)| {
+                    let torque = inverse.torque_nm(*v, *a);
+                    (status[i][j] != CellStatus::Unreachable)
+                        .then(|| errors.accel_from_torque_clamped(*v, torque))
+                        .flatten()
+                        .map(|e| round6(e / inverse.slope(*v, torque)))
+                })
+                .collect()
+        })
+        .collect();
+    let trip = round_trip(&inverse, &table, &status, |v, u| status_of(v, u) == CellStatus::Measured);
+    let inverted = TorqueMap {
+        gear: map.gear,
+        wheel_angle_deg: map.wheel_angle_deg,
+        csv: CsvRef { file: format!("table2{}.csv", map.gear.file_infix()), sha256: sha256_hex(csv.as_bytes()) },
+        speed_mps: speeds,
+        torque_nm: table.values().chunks(accels.len()).map(<[f64]>::to_vec).collect(),
+        accel_mps2: accels,
+        std_err_nm,
+        status,
+        reachable_accel_mps2: reach,
+        dead_band: dead_band(map, other),
+        zero_row: settings.zero_row.name().to_owned(),
+        round_trip: trip,
+    };
+    Ok((inverted, csv))
+}
+
+/// Breaks as given, placed, or by default.
+fn axes(inverse: &Inverse, map: &AccelMap, tested: [f64; 2], settings: &Settings) -> (Vec<f64>, Vec<f64>) {
+    let even_speeds = settings.speed_breaks_mps.clone().unwrap_or_else(|| map.speed_mps.clone());
+    let even_accels = settings.accel_breaks_mps2.clone().unwrap_or_else(|| breaks::accel_breaks(inverse, &even_speeds, tested));
+    let Some(count) = settings.place else { return (even_speeds, even_accels) };
+    let fastest = even_speeds[even_speeds.len() - 1].min(inverse.fastest_mps());
+    let (low, high) = (even_accels[0], even_accels[even_accels.len() - 1]);
+    let at_accel = |share: f64| move |v: f64| inverse.torque_nm(v, low + share * (high - low)).clamp(tested[0], tested[1]);
+    let at_speed = |share: f64| move |a: f64| inverse.torque_nm(share * fastest, a).clamp(tested[0], tested[1]);
+    let (a1, a2, a3) = (at_accel(0.3), at_accel(0.5), at_accel(0.7));
+    let (s1, s2, s3) = (at_speed(0.1), at_speed(0.4), at_speed(0.8));
+    let speeds = if settings.speed_breaks_mps.is_some() { even_speeds } else { breaks::placed(0.0, fastest, count, &[&a1, &a2, &a3]) };
+    let accels = if settings.accel_breaks_mps2.is_some() { even_accels } else { breaks::placed(low, high, count, &[&s1, &s2, &s3]) };
+    (speeds, accels)
+}
+
+/// Torques that leave a resting wheel at rest: its breakaway torque, and backward that of the other gear, or the same where it was not tested.
+fn dead_band(map: &AccelMap, other: Option<&AccelMap>) -> DeadBand {
+    let own = &map.breakaway;
+    let back = other.map_or(own.torque_nm, |o| o.breakaway.torque_nm);
+    DeadBand { low_nm: if back == 0.0 { 0.0 } else { -back }, high_nm: own.torque_nm, std_err_nm: own.std_err_nm }
+}
+
+fn round6(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}

@@ -1,0 +1,21 @@
+//! Time series on one clock.
+//!
+//! In: the signals of one log in SI ([`crate::log::Recording`]). Out: a [`Track`], in which signs are resolved, repeated values are told
+//! from new ones, and every time is in seconds since the log's first sample.
+
+mod align;
+mod error;
+mod noise;
+mod rate;
+mod resolve;
+mod rest;
+mod series;
+mod track;
+
+pub use align::Alignment;
+pub use error::{Error, Result};
+pub use noise::{median, noise_std, quantum};
+pub use rate::{TrueRate, new_values_only, true_rate};
+pub use rest::RestDetector;
+pub use series::Series;
+pub use track::Track;

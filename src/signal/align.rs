@@ -1,0 +1,84 @@
+//! How two witnesses of one speed compare: scale and delay of one against the other.
+
+use super::{Series, median};
+
+/// How a signal compares with a reference: signal(t) ≈ scale · reference(t − `delay_s`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alignment {
+    /// Signal over reference.
+    pub scale: f64,
+    /// How much later the signal tells the same [s].
+    pub delay_s: f64,
+}
+
+/// Delays searched [s].
+const DELAY_RANGE_S: f64 = 0.3;
+
+impl Alignment {
+    /// No difference.
+    pub const SAME: Self = Self { scale: 1.0, delay_s: 0.0 };
+
+    /// Compares `signal` with `reference` over the samples for which `usable(t)` holds: of the delays within ±0.3 s the one with the least
+    /// median absolute difference after scaling (a cross-correlation that outliers, slip among them, do not move), to 1 ms.
+    ///
+    /// `None` with fewer than 50 usable moving samples, or when nothing moves fast enough (0.1 m/s) to compare.
+    pub fn of(signal: &Series, reference: &Series, usable: impl Fn(f64) -> bool) -> Option<Self> {
+        let mut points: Vec<(f64, f64)> =
+            signal.t_s.iter().zip(&signal.value).filter(|(t, v)| v.abs() > 0.1 && usable(**t)).map(|(t, v)| (*t, *v)).collect();
+        if points.len() < 50 || reference.len() < 50 {
+            return None;
+        }
+        // 4000 points fix a delay to well below a millisecond
+        let stride = points.len().div_ceil(4000);
+        points = points.into_iter().step_by(stride).collect();
+        let smooth = Series { t_s: reference.t_s.clone(), value: reference.smoothed(0.02) };
+        let judge = |delay_s: f64| {
+            let pairs: Vec<(f64, f64)> = points
+                .iter()
+                .filter_map(|&(t, v)| smooth.interpolated(t - delay_s).filter(|r| r.abs() > 0.05).map(|r| (v, r)))
+                .collect();
+            if pairs.len() < 50 {
+                return (f64::INFINITY, 1.0);
+            }
+            let ratios: Vec<f64> = pairs.iter().map(|(v, r)| v / r).collect();
+            let scale = median(&ratios);
+            let misses: Vec<f64> = pairs.iter().map(|(v, r)| (v - scale * r).abs()).collect();
+            (misses.iter().map(|m| m.min(0.1)).sum::<f64>() / misses.len() as f64, scale)
+        };
+        let mut best = (f64::INFINITY, Self::SAME);
+        let mut try_delay = |delay_s: f64| {
+            let (miss, scale) = judge(delay_s);
+            if miss < best.0 {
+                best = (miss, Self { scale, delay_s });
+            }
+            best.1.delay_s
+        };
+        let mut centre = 0.0;
+        for k in -30..=30 {
+            centre = try_delay(f64::from(k) * DELAY_RANGE_S / 30.0);
+        }
+        for k in -9..=9 {
+            try_delay(centre + f64::from(k) * 1e-3);
+        }
+        (best.0.is_finite() && best.1.scale > 0.2 && best.1.scale < 5.0).then_some(best.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_known_scale_and_delay_are_found() {
+        let speed = |t: f64| 0.5 + 0.4 * (1.7 * t).sin();
+        let reference = Series { t_s: (0..4000).map(|k| f64::from(k) * 0.01).collect(), value: (0..4000).map(|k| speed(f64::from(k) * 0.01)).collect() };
+        let signal = Series {
+            t_s: (0..2000).map(|k| f64::from(k) * 0.02).collect(),
+            value: (0..2000).map(|k| 1.012 * speed(f64::from(k) * 0.02 - 0.009)).collect(),
+        };
+        let found = Alignment::of(&signal, &reference, |_| true).unwrap();
+        assert!((found.delay_s - 0.009).abs() < 0.0011, "{found:?}");
+        assert!((found.scale - 1.012).abs() < 0.002, "{found:?}");
+    }
+}

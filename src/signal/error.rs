@@ -1,0 +1,23 @@
+//! What can be wrong with the signals of a log.
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What can be wrong with the signals of a log.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("signal {signal} has {found} usable values; at least {needed} are needed: check its path with `pivot-cal inspect`")]
+    TooFew { signal: &'static str, found: usize, needed: usize },
+    #[error("signal {signal} is marked `relative_to = \"gear\"`, but the log has no gear signal: name one, or remove the mark")]
+    NoGear { signal: &'static str },
+    #[error(
+        "signal {signal} is a magnitude (`unsigned = true`), and neither gear nor yaw rate is there to tell its sign: name one of them"
+    )]
+    NoSign { signal: &'static str },
+    #[error(
+        "the signals do not overlap in time: {signal} spans {from_s:.1} to {to_s:.1} s, speed {speed_from_s:.1} to {speed_to_s:.1} s; check the `stamp` of each"
+    )]
+    NoOverlap { signal: &'static str, from_s: f64, to_s: f64, speed_from_s: f64, speed_to_s: f64 },
+}

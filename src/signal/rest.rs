@@ -1,0 +1,95 @@
+//! When the wheel stands still: a smoothed rule over all speed witnesses, since three samples below half a quantum find only a part of
+//! the rest of a real encoder.
+
+use super::{Series, noise_std, quantum};
+
+/// Tells rest from motion by the mean of each witness over a short window.
+#[derive(Debug, Clone)]
+pub struct RestDetector {
+    witnesses: Vec<Witness>,
+    half_width_s: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Witness {
+    series: Series,
+    smooth: Vec<f64>,
+    threshold_mps: f64,
+    bias_mps: f64,
+}
+
+impl RestDetector {
+    /// Half of the averaging window [s]: three to eleven samples at usual rates, short against a stop.
+    pub const HALF_WIDTH_S: f64 = 0.06;
+
+    /// From the speed witnesses [m/s]. A witness is at rest where its mean over ±[`Self::HALF_WIDTH_S`] is within 3 standard errors of its
+    /// bias, or half a quantum, or 4 mm/s, whichever is largest; the bias (of a gyro, say) is the mode of the smoothed signal near zero.
+    pub fn new<'a>(witnesses: impl IntoIterator<Item = &'a Series>) -> Self {
+        let half_width_s = Self::HALF_WIDTH_S;
+        let witnesses = witnesses
+            .into_iter()
+            .filter(|s| s.len() > 2)
+            .map(|series| {
+                let smooth = series.smoothed(half_width_s);
+                let step = quantum(&series.value);
+                let noise = noise_std(&series.value).max(step / 12f64.sqrt());
+                let in_window = (2.0 * half_width_s / series.median_period_s()).max(1.0);
+                let threshold_mps = (3.5 * noise / in_window.sqrt()).max(0.5 * step).max(0.004);
+                let bias_mps = resting_bias(&smooth, 2.0 * threshold_mps);
+                Witness { series: series.clone(), smooth, threshold_mps, bias_mps }
+            })
+            .collect();
+        Self { witnesses, half_width_s }
+    }
+
+    /// Whether every witness with a sample near `t_s` says rest; `false` where none has one.
+    pub fn is_at_rest(&self, t_s: f64) -> bool {
+        let mut heard = false;
+        for w in &self.witnesses {
+            let range = w.series.range(t_s - self.half_width_s, t_s + self.half_width_s);
+            if range.is_empty() {
+                continue;
+            }
+            heard = true;
+            let nearest = range
+                .min_by(|a, b| (w.series.t_s[*a] - t_s).abs().total_cmp(&(w.series.t_s[*b] - t_s).abs()))
+                .expect("the range is not empty");
+            if (w.smooth[nearest] - w.bias_mps).abs() > w.threshold_mps {
+                return false;
+            }
+        }
+        heard
+    }
+
+    /// Resting bias of each witness [m/s], in the order given.
+    pub fn biases_mps(&self) -> Vec<f64> {
+        self.witnesses.iter().map(|w| w.bias_mps).collect()
+    }
+}
+
+/// Median of the smoothed values within ±`width` of zero: the bias while at rest, since a vehicle passes zero quickly and rests long.
+fn resting_bias(smooth: &[f64], width: f64) -> f64 {
+    let near: Vec<f64> = smooth.iter().copied().filter(|v| v.abs() < width).collect();
+    if near.len() < 10 { 0.0 } else { super::median(&near) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rest_and_motion_are_told_apart_on_a_quantised_biased_signal() {
+        let t_s: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.02).collect();
+        let value = t_s
+            .iter()
+            .enumerate()
+            .map(|(k, t)| {
+                let noise = [0.004, -0.006, 0.0, 0.007, -0.005][k % 5];
+                (((if *t < 5.0 { 0.0 } else { 0.3 * (t - 5.0) }) + noise + 0.0015) / 0.0096).round() * 0.0096
+            })
+            .collect();
+        let detector = RestDetector::new([&Series { t_s, value }]);
+        assert!((0..48).all(|k| detector.is_at_rest(0.1 + f64::from(k) * 0.1)));
+        assert!((0..40).all(|k| !detector.is_at_rest(5.2 + f64::from(k) * 0.1)));
+    }
+}

@@ -1,0 +1,124 @@
+//! One signal over time.
+
+/// Values over time, times not decreasing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Series {
+    /// Times [s] since the log's first sample.
+    pub t_s: Vec<f64>,
+    /// Values, in SI.
+    pub value: Vec<f64>,
+}
+
+impl Series {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.t_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.t_s.is_empty()
+    }
+
+    /// Number of samples at or before `t_s`.
+    pub fn count_until(&self, t_s: f64) -> usize {
+        self.t_s.partition_point(|&t| t <= t_s)
+    }
+
+    /// The last value at or before `t_s`, as a held signal (a command, a gear) is read; before the first sample the first value.
+    /// `None` for an empty series.
+    pub fn held(&self, t_s: f64) -> Option<f64> {
+        self.value.get(self.count_until(t_s).saturating_sub(1)).copied()
+    }
+
+    /// Linear interpolation; the first and last values are held beyond the ends. `None` for an empty series.
+    pub fn interpolated(&self, t_s: f64) -> Option<f64> {
+        let upper = self.count_until(t_s);
+        if upper == 0 || upper == self.len() {
+            return self.held(t_s);
+        }
+        let (t0, t1) = (self.t_s[upper - 1], self.t_s[upper]);
+        let fraction = if t1 > t0 { (t_s - t0) / (t1 - t0) } else { 0.0 };
+        Some(self.value[upper - 1] + fraction * (self.value[upper] - self.value[upper - 1]))
+    }
+
+    /// Indices of the samples with `from_s` ≤ t ≤ `to_s`.
+    pub fn range(&self, from_s: f64, to_s: f64) -> std::ops::Range<usize> {
+        let start = self.t_s.partition_point(|&t| t < from_s);
+        start..self.count_until(to_s).max(start)
+    }
+
+    /// Median time between samples [s]; infinite with fewer than two.
+    pub fn median_period_s(&self) -> f64 {
+        let steps: Vec<f64> = self.t_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
+        if steps.is_empty() { f64::INFINITY } else { super::median(&steps) }
+    }
+
+    /// Mean of the samples within ±`half_width_s` of each sample: a centred moving average.
+    pub fn smoothed(&self, half_width_s: f64) -> Vec<f64> {
+        let mut sums = Vec::with_capacity(self.len() + 1);
+        sums.push(0.0);
+        for v in &self.value {
+            sums.push(sums[sums.len() - 1] + v);
+        }
+        let (mut from, mut to) = (0, 0);
+        self.t_s
+            .iter()
+            .map(|&t| {
+                while self.t_s[from] < t - half_width_s {
+                    from += 1;
+                }
+                while to < self.len() && self.t_s[to] <= t + half_width_s {
+                    to += 1;
+                }
+                (sums[to] - sums[from]) / (to - from) as f64
+            })
+            .collect()
+    }
+
+    /// Slope of the least-squares line through the samples within ±`half_width_s` of each sample [1/s]; 0 where fewer than three lie there.
+    pub fn slopes(&self, half_width_s: f64) -> Vec<f64> {
+        (0..self.len())
+            .map(|i| {
+                let range = self.range(self.t_s[i] - half_width_s, self.t_s[i] + half_width_s);
+                let n = range.len() as f64;
+                if n < 3.0 {
+                    return 0.0;
+                }
+                let mean_t = self.t_s[range.clone()].iter().sum::<f64>() / n;
+                let mean_v = self.value[range.clone()].iter().sum::<f64>() / n;
+                let (mut stt, mut stv) = (0.0, 0.0);
+                for k in range {
+                    let dt = self.t_s[k] - mean_t;
+                    stt += dt * dt;
+                    stv += dt * (self.value[k] - mean_v);
+                }
+                if stt > 0.0 { stv / stt } else { 0.0 }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn ramp() -> Series {
+        Series { t_s: vec![0.0, 0.1, 0.2, 0.3], value: vec![0.0, 1.0, 2.0, 3.0] }
+    }
+
+    #[test]
+    fn a_held_signal_keeps_its_last_value_and_an_interpolated_one_does_not() {
+        assert_eq!(ramp().held(0.19), Some(1.0));
+        assert!((ramp().interpolated(0.15).unwrap() - 1.5).abs() < 1e-12);
+        assert_eq!(ramp().held(-1.0), Some(0.0));
+        assert_eq!(ramp().interpolated(9.0), Some(3.0));
+    }
+
+    #[test]
+    fn slopes_and_means_of_a_ramp_are_exact() {
+        assert!(ramp().slopes(0.11).iter().skip(1).take(2).all(|s| (s - 10.0).abs() < 1e-9));
+        assert!((ramp().smoothed(0.11)[1] - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,141 @@
+//! The signals of one log on one clock, in the vehicle's frame.
+
+use super::{Error, Result, Series, new_values_only, resolve, true_rate};
+use crate::log::{Recording, Signal};
+use crate::map::{LogRef, Vehicle};
+use crate::units::{NS_PER_S, RAD_PER_DEG};
+
+/// Fewest values of a signal that is needed at all.
+const FEWEST: usize = 50;
+
+/// The signals of one log: seconds since its first sample, SI, signs resolved (forward positive, left positive).
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// The log.
+    pub source: LogRef,
+    /// The vehicle.
+    pub vehicle: Vehicle,
+    /// Time 0 of every series here [ns].
+    pub start_ns: i64,
+    /// Front-wheel speed by its encoder [m/s].
+    pub encoder_mps: Series,
+    /// Front-wheel speed by the yaw rate, L·θ̇ / sin δ_test [m/s]; valid at the test angle only.
+    pub yaw_speed_mps: Option<Series>,
+    /// Torque command [N·m], held between its samples.
+    pub command_nm: Series,
+    /// Torque feedback [N·m].
+    pub feedback_nm: Option<Series>,
+    /// Wheel angle [rad].
+    pub angle_rad: Series,
+    /// Gear: −1, 0, 1.
+    pub gear: Option<Series>,
+    /// Emergency stop: 0, 1.
+    pub estop: Option<Series>,
+    /// What a reader should know: values repeated at a fast rate, signals left aside.
+    pub notes: Vec<String>,
+}
+
+impl Track {
+    /// From the signals of one log.
+    ///
+    /// # Errors
+    /// A needed signal with fewer than 50 values, signs that nothing tells, signals that do not overlap in time.
+    pub fn new(recording: &Recording) -> Result<Self> {
+        let signals = &recording.signals;
+        let optional = [&signals.torque_feedback, &signals.yaw_rate, &signals.gear, &signals.estop];
+        let start_ns = [&signals.speed, &signals.torque, &signals.angle]
+            .into_iter()
+            .chain(optional.into_iter().flatten())
+            .filter_map(|s| s.time_ns.first().copied())
+            .min()
+            .unwrap_or(0);
+        let mut notes = Vec::new();
+        let mut take = |name: &'static str, signal: &Signal, dedupe: bool| {
+            let series = Series {
+                t_s: signal.time_ns.iter().map(|t| t.saturating_sub(start_ns) as f64 / NS_PER_S).collect(),
+                value: signal.value.clone(),
+            };
+            match true_rate(&series) {
+                Some(rate) if dedupe && rate.repeats > 1 => {
+                    notes.push(format!(
+                        "{name}: logged at {:.0} Hz, but new values come at {:.1} Hz only; repeated values are left out",
+                        rate.logged_hz, rate.true_hz
+                    ));
+                    new_values_only(&series, rate.repeats)
+                }
+                _ => series,
+            }
+        };
+        let gear = signals.gear.as_ref().map(|s| take("gear", s, false)).filter(|s| !s.is_empty());
+        let estop = signals.estop.as_ref().map(|s| take("estop", s, false)).filter(|s| !s.is_empty());
+        let mut encoder_mps = take("speed", &signals.speed, true);
+        let mut command_nm = take("torque", &signals.torque, false);
+        let mut feedback_nm = signals.torque_feedback.as_ref().map(|s| take("torque_feedback", s, true)).filter(|s| s.len() >= FEWEST);
+        let angle_rad = take("angle", &signals.angle, false);
+        // ω = v·sin δ / L, hence v = L·ω / sin δ
+        let lever_m = recording.vehicle.wheelbase_m / (recording.vehicle.test_angle_deg * RAD_PER_DEG).sin();
+        let yaw_speed_mps = signals
+            .yaw_rate
+            .as_ref()
+            .filter(|_| lever_m.is_finite() && lever_m.abs() < 10.0 * recording.vehicle.wheelbase_m)
+            .map(|s| take("yaw_rate", s, true))
+            .filter(|s| s.len() >= FEWEST)
+            .map(|mut s| {
+                s.value.iter_mut().for_each(|v| *v *= lever_m);
+                s
+            });
+        for (signal, series) in [("speed", &encoder_mps), ("torque", &command_nm), ("angle", &angle_rad)] {
+            if series.len() < FEWEST {
+                return Err(Error::TooFew { signal, found: series.len(), needed: FEWEST });
+            }
+        }
+        let relative = |signal: Option<&Signal>| signal.is_some_and(|s| s.relative_to_gear);
+        if relative(Some(&signals.torque)) {
+            resolve::relative_to_gear("torque", &mut command_nm, gear.as_ref())?;
+        }
+        if let Some(feedback) = feedback_nm.as_mut().filter(|_| relative(signals.torque_feedback.as_ref())) {
+            resolve::relative_to_gear("torque_feedback", feedback, gear.as_ref())?;
+        }
+        if relative(Some(&signals.speed)) {
+            resolve::relative_to_gear("speed", &mut encoder_mps, gear.as_ref())?;
+        }
+        if signals.speed.unsigned {
+            resolve::signed("speed", &mut encoder_mps, gear.as_ref(), yaw_speed_mps.as_ref())?;
+        }
+        if signals.torque.unsigned {
+            resolve::signed("torque", &mut command_nm, gear.as_ref(), None)?;
+        }
+        let track = Self {
+            source: recording.source.clone(),
+            vehicle: recording.vehicle,
+            start_ns,
+            encoder_mps,
+            yaw_speed_mps,
+            command_nm,
+            feedback_nm,
+            angle_rad,
+            gear,
+            estop,
+            notes,
+        };
+        track.check_overlap()?;
+        Ok(track)
+    }
+
+    fn check_overlap(&self) -> Result<()> {
+        let ends = |s: &Series| (s.t_s[0], s.t_s[s.len() - 1]);
+        let (speed_from_s, speed_to_s) = ends(&self.encoder_mps);
+        for (signal, series) in [("torque", &self.command_nm), ("angle", &self.angle_rad)] {
+            let (from_s, to_s) = ends(series);
+            if from_s > speed_to_s || to_s < speed_from_s {
+                return Err(Error::NoOverlap { signal, from_s, to_s, speed_from_s, speed_to_s });
+            }
+        }
+        Ok(())
+    }
+
+    /// The speed witnesses: the encoder, and the yaw rate's where it is logged.
+    pub fn witnesses(&self) -> impl Iterator<Item = &Series> {
+        std::iter::once(&self.encoder_mps).chain(self.yaw_speed_mps.as_ref())
+    }
+}
