@@ -13,8 +13,8 @@
 //! desired acceleration. Rooms import only rooms further down this list: `report`, `verify`, `record`, `sim`, `control`, `fit` and
 //! `invert`, `campaign`, `signal`, `log`, `map`, `units`.
 
-pub mod cli;
 pub mod campaign;
+pub mod cli;
 pub mod fit;
 pub mod invert;
 pub mod log;

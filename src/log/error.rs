@@ -1,0 +1,74 @@
+//! What can be wrong with a log or a signal map. The file's name is added by the caller.
+
+use super::plan::PlanError;
+use super::schema::SchemaError;
+use crate::map;
+use crate::units::{Dimension, UnknownUnit};
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What can be wrong with a log or a signal map.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("the log cannot be read: {0}")]
+    Io(std::io::Error),
+    #[error("this is a folder; logs are files, and a folder is searched for them only when it is named on the command line")]
+    Folder,
+    #[error("the folder holds no .mcap file")]
+    NoLogs,
+    #[error("no file matches {pattern:?}")]
+    NoMatch { pattern: String },
+    #[error("{pattern:?} is no pattern for files: {reason}")]
+    BadPattern { pattern: String, reason: String },
+    #[error("metadata.yaml names the file {file:?}, which is not in the folder")]
+    MissingBagFile { file: String },
+    #[error("the log is empty (0 bytes)")]
+    Empty,
+    #[error("this is no MCAP log: {hint}")]
+    NotMcap { hint: &'static str },
+    #[error("the log holds no message{}", damage.as_ref().map(|text| format!(": {text}")).unwrap_or_default())]
+    NoMessages { damage: Option<String> },
+    #[error("path {path:?}, column {column}: {expected} is expected here")]
+    BadPath { path: String, column: usize, expected: &'static str },
+    #[error("the signal map is not valid TOML: {0}")]
+    Toml(String),
+    #[error("{place} has no key {found:?}; did you mean {nearest:?}? (known: {known})")]
+    UnknownKey { found: String, place: String, nearest: &'static str, known: String },
+    #[error(transparent)]
+    Unit(#[from] UnknownUnit),
+    #[error("{signal} cannot be in {unit}, which is a unit of {dimension}")]
+    WrongDimension { signal: &'static str, unit: &'static str, dimension: Dimension },
+    #[error("{signal}: {field} is {value}; it must be a finite number")]
+    NotFinite { signal: &'static str, field: &'static str, value: f64 },
+    #[error("{signal}: relative_to is {found:?}; the only thing that a signal can be relative to is \"gear\"")]
+    RelativeTo { signal: &'static str, found: String },
+    #[error("preset {found:?} is not known; known presets: pivot-cal, autoware, joint-state")]
+    UnknownPreset { found: String },
+    #[error("{signal}: there is no topic {topic:?}{}", list(", the nearest is", nearest, "; the log has", topics))]
+    NoTopic { signal: &'static str, topic: String, nearest: Vec<String>, topics: Vec<String> },
+    #[error("{signal}: path {path}: {source}")]
+    Path { signal: &'static str, path: String, source: PlanError },
+    #[error("{signal}: topic {topic}: {source}")]
+    Schema { signal: &'static str, topic: String, source: SchemaError },
+    #[error(
+        "no signal {signal} was found{}; name it in a signal map (--signals FILE)",
+        list("; the nearest candidates are", candidates, "; the log has", topics)
+    )]
+    MissingSignal { signal: &'static str, candidates: Vec<String>, topics: Vec<String> },
+    #[error("{signal}: {path} gives no value: of {messages} message(s), {reason}")]
+    NoValues { signal: &'static str, path: String, messages: u64, reason: String },
+    #[error("{missing} of the vehicle is not known: give it with {flag}, or as {missing} in [vehicle] of the signal map")]
+    MissingVehicle { missing: &'static str, flag: &'static str },
+    #[error("the log's metadata pivot-cal/vehicle: {field} is {text:?}, not a number")]
+    VehicleMetadata { field: &'static str, text: String },
+    #[error(transparent)]
+    Vehicle(#[from] map::Error),
+}
+
+fn list(first: &str, some: &[String], second: &str, others: &[String]) -> String {
+    let part = |label: &str, names: &[String]| if names.is_empty() { String::new() } else { format!("{label} {}", names.join(", ")) };
+    part(first, some) + &part(second, others)
+}

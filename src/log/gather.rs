@@ -1,0 +1,236 @@
+//! One pass over all messages of a log: wanted values are decoded, everything is counted, nothing else is kept.
+//!
+//! Blocks are read in parallel and joined in file order, so the result does not depend on the number of threads.
+
+use super::block::{Scratch, load, lost};
+use super::container::{Block, BlockKind, Container, Inventory};
+use super::convert::Convert;
+use super::loss::{Damage, Why};
+use super::plan::{Plan, Taken};
+use super::record::{Message, Records, parse};
+use super::stamp::Stamp;
+use mcap::records::op;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Samples of messages above this size are not kept [bytes].
+const MAX_SAMPLE: usize = 1 << 20;
+/// Blocks without a message index that are opened to learn what is in the log.
+const BLIND_BLOCKS: usize = 4;
+
+/// What is wanted of the messages of one channel.
+#[derive(Debug)]
+pub(super) struct ChannelPlan {
+    pub plan: Plan,
+    pub values: Vec<Wanted>,
+}
+
+/// One wanted value of a channel.
+#[derive(Debug)]
+pub(super) struct Wanted {
+    /// Which column of the result it fills.
+    pub column: usize,
+    pub slot: usize,
+    pub stamp: Option<Stamp>,
+    pub convert: Convert,
+}
+
+/// One value of a log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sample {
+    pub time_ns: i64,
+    /// When it was logged [ns].
+    pub log_time_ns: i64,
+    pub value: f64,
+}
+
+/// Messages of one channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Tally {
+    pub messages: u64,
+    pub first_ns: u64,
+    pub last_ns: u64,
+}
+
+/// What a pass found.
+#[derive(Debug, Default)]
+pub(super) struct Gathered {
+    pub columns: Vec<Vec<Sample>>,
+    /// Values that were NaN or infinite, per column.
+    pub not_finite: Vec<u64>,
+    pub tallies: BTreeMap<u16, Tally>,
+    /// Messages of wanted channels that do not fit their schema.
+    pub broken: BTreeMap<u16, u64>,
+    pub damage: Vec<Damage>,
+    /// Channels and schemas that were not known before the pass.
+    pub learned: Inventory,
+    /// The first payload of each channel that was not known before the pass.
+    pub samples: BTreeMap<u16, Vec<u8>>,
+}
+
+/// Reads every block; `columns` is the number of columns that `plans` fill. `progress` is told the bytes read.
+pub(super) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, progress: &(dyn Fn(u64) + Sync)) -> Gathered {
+    let parts: Vec<Gathered> = container
+        .blocks
+        .par_iter()
+        .map_init(Scratch::default, |scratch, block| {
+            let part = one(container, block, plans, columns, scratch);
+            progress(block.length);
+            part
+        })
+        .collect();
+    let mut whole = Gathered { columns: vec![Vec::new(); columns], not_finite: vec![0; columns], ..Gathered::default() };
+    for part in parts {
+        whole.append(part);
+    }
+    whole
+}
+
+fn one(container: &Container, block: &Block, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, scratch: &mut Scratch) -> Gathered {
+    let mut found = Gathered { columns: vec![Vec::new(); columns], not_finite: vec![0; columns], ..Gathered::default() };
+    let data = match load(&container.input, block, scratch) {
+        Ok(data) => data,
+        Err(why) => {
+            found.damage.push(lost(container, block, why));
+            return found;
+        }
+    };
+    let mut taken = Taken::default();
+    // consecutive messages are often of one channel: its plan and tally are looked up once
+    let mut current: Option<(u16, Option<&ChannelPlan>, Tally)> = None;
+    let mut records = Records::new(data);
+    for (opcode, body) in &mut records {
+        if opcode != op::MESSAGE {
+            if let (op::SCHEMA | op::CHANNEL, Some(record)) = (opcode, parse(opcode, body)) {
+                found.learned.learn(record);
+            }
+            continue;
+        }
+        let Some(message) = Message::parse(body) else {
+            found.damage.push(Damage::new(block.offset, body.len() as u64, Why::BrokenRecords));
+            continue;
+        };
+        let now = Tally { messages: 1, first_ns: message.log_time_ns, last_ns: message.log_time_ns };
+        let plan = match &mut current {
+            Some((channel, plan, tally)) if *channel == message.channel => {
+                tally.add(now);
+                *plan
+            }
+            _ => {
+                if let Some((channel, _, tally)) = current.take() {
+                    found.count(channel, tally);
+                }
+                let plan = plans.get(&message.channel);
+                if !container.inventory.channels.contains_key(&message.channel) && message.payload.len() <= MAX_SAMPLE {
+                    found.samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
+                }
+                current = Some((message.channel, plan, now));
+                plan
+            }
+        };
+        if let Some(plan) = plan {
+            found.decode(plan, &message, &mut taken);
+        }
+    }
+    if let Some((channel, _, tally)) = current {
+        found.count(channel, tally);
+    }
+    if records.left() > 0 && block.kind == BlockKind::Chunk {
+        found.damage.push(Damage::new(block.offset, records.left() as u64, Why::BrokenRecords));
+    }
+    found
+}
+
+impl Tally {
+    fn add(&mut self, other: Self) {
+        self.messages += other.messages;
+        self.first_ns = self.first_ns.min(other.first_ns);
+        self.last_ns = self.last_ns.max(other.last_ns);
+    }
+}
+
+impl Gathered {
+    fn count(&mut self, channel: u16, tally: Tally) {
+        self.tallies.entry(channel).and_modify(|sum| sum.add(tally)).or_insert(tally);
+    }
+
+    fn decode<'a>(&mut self, plan: &ChannelPlan, message: &Message<'a>, taken: &mut Taken<'a>) {
+        if plan.plan.decode(message.payload, taken).is_none() {
+            *self.broken.entry(message.channel).or_default() += 1;
+            return;
+        }
+        let log_time_ns = nanoseconds(message.log_time_ns);
+        for wanted in &plan.values {
+            let Some(value) = wanted.convert.apply(taken.get(wanted.slot)) else { continue };
+            if !value.is_finite() {
+                self.not_finite[wanted.column] += 1;
+                continue;
+            }
+            let stamped = wanted.stamp.and_then(|stamp| stamp.time_ns(taken));
+            let published = (message.publish_time_ns != 0).then(|| nanoseconds(message.publish_time_ns));
+            let time_ns = stamped.or(published).unwrap_or(log_time_ns);
+            self.columns[wanted.column].push(Sample { time_ns, log_time_ns, value });
+        }
+    }
+
+    fn append(&mut self, part: Self) {
+        for (whole, part) in self.columns.iter_mut().zip(part.columns) {
+            whole.extend(part);
+        }
+        for (whole, part) in self.not_finite.iter_mut().zip(part.not_finite) {
+            *whole += part;
+        }
+        for (channel, tally) in part.tallies {
+            self.count(channel, tally);
+        }
+        for (channel, count) in part.broken {
+            *self.broken.entry(channel).or_default() += count;
+        }
+        self.damage.extend(part.damage);
+        for (id, payload) in part.samples {
+            self.samples.entry(id).or_insert(payload);
+        }
+        for (id, schema) in part.learned.schemas {
+            self.learned.schemas.entry(id).or_insert(schema);
+        }
+        for (id, channel) in part.learned.channels {
+            self.learned.channels.entry(id).or_insert(channel);
+        }
+    }
+}
+
+/// Log times beyond the year 2262 are those of a broken clock.
+fn nanoseconds(time: u64) -> i64 {
+    i64::try_from(time).unwrap_or(i64::MAX)
+}
+
+/// Opens as few blocks as it takes to see one message of every channel, and learns the channels that only chunks describe.
+/// Returns a payload of each channel.
+pub(super) fn explore(container: &mut Container) -> BTreeMap<u16, Vec<u8>> {
+    let mut samples: BTreeMap<u16, Vec<u8>> = BTreeMap::new();
+    let mut tried: BTreeSet<u16> = BTreeSet::new();
+    let mut blind = BLIND_BLOCKS;
+    let mut scratch = Scratch::default();
+    let mut learned = Inventory::default();
+    for block in &container.blocks {
+        match &block.channels {
+            Some(channels) if channels.keys().all(|id| tried.contains(id)) => continue,
+            Some(_) => {}
+            None if blind == 0 => continue,
+            None => blind -= 1,
+        }
+        let Ok(data) = load(&container.input, block, &mut scratch) else { continue };
+        tried.extend(block.channels.iter().flat_map(BTreeMap::keys));
+        for (opcode, body) in Records::new(data) {
+            if opcode == op::MESSAGE {
+                if let Some(message) = Message::parse(body).filter(|message| message.payload.len() <= MAX_SAMPLE) {
+                    samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
+                }
+            } else if let (op::SCHEMA | op::CHANNEL, Some(record)) = (opcode, parse(opcode, body)) {
+                learned.learn(record);
+            }
+        }
+    }
+    container.learn(learned);
+    samples
+}

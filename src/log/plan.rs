@@ -1,0 +1,160 @@
+//! Message paths compiled, once per schema, into a plan that skips to the wanted values.
+//!
+//! In: a channel's schema and the paths wanted of it. Out: a [`Plan`] that fills one slot per path from a payload, without building
+//! the message.
+
+mod cdr;
+mod json;
+mod protobuf;
+mod wish;
+
+use super::path::{MessagePath, Test};
+use super::schema::Layout;
+use std::borrow::Cow;
+use wish::Wishes;
+
+/// A value as the message holds it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) enum Raw<'a> {
+    /// The message does not hold it.
+    #[default]
+    Missing,
+    Number(f64),
+    Integer(i64),
+    Text(Cow<'a, str>),
+}
+
+impl Raw<'_> {
+    pub(super) fn unsigned(value: u64) -> Self {
+        i64::try_from(value).map_or(Self::Number(value as f64), Self::Integer)
+    }
+
+    fn passes(&self, test: &Test) -> bool {
+        match self {
+            Self::Missing => false,
+            Self::Number(value) => test.number(*value),
+            Self::Integer(value) => test.number(*value as f64),
+            Self::Text(text) => test.text(text.as_bytes()),
+        }
+    }
+}
+
+/// The slots that a plan fills, kept from message to message.
+#[derive(Debug, Default)]
+pub(super) struct Taken<'a> {
+    slots: Vec<Raw<'a>>,
+    /// A value was passed over because its sibling array had not been seen yet.
+    again: bool,
+}
+
+impl<'a> Taken<'a> {
+    pub(super) fn get(&self, slot: usize) -> &Raw<'a> {
+        &self.slots[slot]
+    }
+
+    fn set(&mut self, slot: usize, value: Raw<'a>) {
+        self.slots[slot] = value;
+    }
+
+    /// The element that a sibling array's match picked; notes that the walk must be repeated while it is not known.
+    fn register(&mut self, slot: usize) -> Option<u64> {
+        if let Raw::Integer(index) = self.slots[slot] {
+            Some(index as u64)
+        } else {
+            self.again = true;
+            None
+        }
+    }
+
+    fn clear(&mut self, slots: &[usize]) {
+        for slot in slots {
+            self.slots[*slot] = Raw::Missing;
+        }
+    }
+}
+
+/// A plan for the messages of one channel.
+#[derive(Debug)]
+pub(super) struct Plan {
+    slots: usize,
+    /// Slots that hold the index of a sibling's match: kept for a second walk.
+    registers: Vec<usize>,
+    decoder: Decoder,
+}
+
+#[derive(Debug)]
+enum Decoder {
+    Cdr(cdr::Program),
+    Ros1(cdr::Program),
+    Protobuf(protobuf::Program),
+    Json(json::Program),
+}
+
+/// Why a path cannot be compiled for a schema.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum PlanError {
+    #[error("there is no field {field:?} in {within}; it has {}", known.join(", "))]
+    NoField { field: String, within: String, known: Vec<String> },
+    #[error("{field} is not an array, so nothing can be picked from it")]
+    NotAnArray { field: String },
+    #[error("{field} is an array: pick one element, for example {field}[0]")]
+    WholeArray { field: String },
+    #[error("{field} is a message of its own: go on to one of {}", known.join(", "))]
+    WholeMessage { field: String, known: Vec<String> },
+    #[error("it picks several values; a signal needs one")]
+    ManyValues,
+    #[error("the schema is too large to compile")]
+    TooLarge,
+}
+
+impl Plan {
+    /// Compiles `paths` for messages of `layout`; path `i` fills slot `i`.
+    ///
+    /// # Errors
+    /// The first path that does not lead to a value, with its index.
+    pub(super) fn compile(layout: &Layout, paths: &[&MessagePath]) -> Result<Self, (usize, PlanError)> {
+        let mut wishes = Wishes::new(paths.len());
+        for (slot, path) in paths.iter().enumerate() {
+            wishes.add(&path.steps, slot).map_err(|error| (slot, error))?;
+        }
+        // one path at a time first: an error then names its path
+        for (slot, path) in paths.iter().enumerate() {
+            let mut alone = Wishes::new(1);
+            alone.add(&path.steps, 0).and_then(|()| Self::decoder(layout, &alone).map(|_| ())).map_err(|error| (slot, error))?;
+        }
+        let decoder = Self::decoder(layout, &wishes).map_err(|error| (0, error))?;
+        Ok(Self { slots: wishes.slots, registers: wishes.registers, decoder })
+    }
+
+    fn decoder(layout: &Layout, wishes: &Wishes) -> Result<Decoder, PlanError> {
+        Ok(match layout {
+            Layout::Cdr(shape) => Decoder::Cdr(cdr::Program::compile(shape, &wishes.root)?),
+            Layout::Ros1(shape) => Decoder::Ros1(cdr::Program::compile(shape, &wishes.root)?),
+            Layout::Protobuf(message) => Decoder::Protobuf(protobuf::Program::compile(message, &wishes.root)?),
+            Layout::Json => Decoder::Json(json::Program::compile(&wishes.root)),
+        })
+    }
+
+    /// Fills `taken` from a payload; `None` when the payload does not fit the schema.
+    pub(super) fn decode<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
+        taken.slots.clear();
+        taken.slots.resize(self.slots, Raw::Missing);
+        taken.again = false;
+        self.walk(payload, taken)?;
+        if taken.again && self.registers.iter().any(|slot| taken.slots[*slot] != Raw::Missing) {
+            self.walk(payload, taken)?;
+        }
+        Some(())
+    }
+
+    fn walk<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
+        match &self.decoder {
+            Decoder::Cdr(program) => program.run_cdr(payload, taken),
+            Decoder::Ros1(program) => program.run_ros1(payload, taken),
+            Decoder::Protobuf(program) => program.run(payload, taken),
+            Decoder::Json(program) => program.run(payload, taken),
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
+
+use super::container::Container;
+use super::gather::{self, Gathered, Sample};
+use super::input::Input;
+use super::loss::{Damage, Loss, Why};
+use super::recording::{Origin, Recording, Signal, Signals};
+use super::resolve::{self, Choices};
+use super::signal_map::{SignalName, VehicleOverrides};
+use super::{Error, Result, Source};
+use crate::map::LogRef;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Passes over a log at most: one, and another if it met channels that were not known before.
+const MAX_PASSES: usize = 3;
+
+/// Reads one log. `progress` is told, from several threads, how many bytes have been read since the last call; in all about the size of
+/// the file.
+///
+/// # Errors
+/// A file that is no log or holds no message, a required signal that is missing or without values, a vehicle that is not known.
+/// Damage is no error as long as something is left: see [`Recording::loss`].
+pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    read_input(Input::open(path)?, name, path.to_owned(), source, overrides, progress)
+}
+
+/// Reads a log from memory, under the name `name`; otherwise as [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
+    read_input(Input::Memory(bytes), name.to_owned(), PathBuf::from(name), source, overrides, &|_| {})
+}
+
+fn read_input(
+    input: Input,
+    file: String,
+    path: PathBuf,
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Recording> {
+    let mut container = Container::open(input)?;
+    let input = container.input.clone();
+    // the hash needs every byte once more: it runs beside the decoding
+    let (sha256, read) = rayon::join(|| input.sha256(&|_| {}), || pass(&mut container, source, overrides, progress));
+    let Pass { choices, gathered, said } = read?;
+    let vehicle = said.vehicle()?;
+    let mut loss = loss(&container, &gathered);
+    let mut notes = choices.notes;
+    let mut signals = Signals::default();
+    let mut origins = Vec::new();
+    let columns = gathered.columns.into_iter().zip(gathered.not_finite).zip(choices.found);
+    for ((samples, not_finite), choice) in columns {
+        let signal = choice.signal;
+        if not_finite > 0 {
+            loss.not_finite.insert(signal.key().to_owned(), not_finite);
+        }
+        if samples.is_empty() {
+            let of_topic = |id: &&u16| container.inventory.channels.get(id).is_some_and(|channel| channel.topic == choice.spec.path.topic);
+            let messages = gathered.tallies.iter().filter(|(id, _)| of_topic(id)).map(|(_, tally)| tally.messages).sum();
+            let broken: u64 = gathered.broken.iter().filter(|(id, _)| of_topic(id)).map(|(_, count)| *count).sum();
+            let reason = match (not_finite, broken) {
+                (0, 0) => "none holds this field".to_owned(),
+                (nan, 0) => format!("{nan} hold NaN or infinity"),
+                (nan, broken) => format!("{broken} do not fit their schema, {nan} hold NaN or infinity"),
+            };
+            let path = choice.spec.path.to_string();
+            if signal.is_required() {
+                return Err(Error::NoValues { signal: signal.key(), path, messages, reason });
+            }
+            notes.push(format!("{signal} is left out: {path} gives no value: of {messages} message(s), {reason}"));
+            continue;
+        }
+        notes.extend(clock_note(signal, &samples));
+        origins.push(Origin {
+            signal,
+            path: choice.spec.path.to_string(),
+            unit: choice.spec.unit.name().to_owned(),
+            reason: choice.reason,
+            values: samples.len(),
+        });
+        signals.set(signal, series(samples, choice.spec.relative_to_gear, choice.spec.unsigned));
+    }
+    let source = LogRef { sha256: sha256?, file, bytes: input.length() };
+    Ok(Recording { source, path, vehicle, signals, origins, loss, notes })
+}
+
+/// What a pass over the messages gave.
+pub(super) struct Pass {
+    pub choices: Choices,
+    pub gathered: Gathered,
+    pub said: VehicleOverrides,
+}
+
+fn pass(container: &mut Container, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Pass> {
+    let mut samples = gather::explore(container);
+    let told = match source {
+        Source::Map(map) => map.vehicle,
+        Source::Preset(_) | Source::Detect => VehicleOverrides::default(),
+    };
+    let from_log = if told.is_empty() { VehicleOverrides::from_metadata(&container.metadata)? } else { VehicleOverrides::default() };
+    let said = overrides.or(told).or(from_log);
+    for number in 1.. {
+        let chosen = required(resolve::choose(source, container, &samples), container).and_then(|mut choices| {
+            let plans = resolve::plans(&mut choices, container, &samples, said.vehicle()?.wheel_radius_m)?;
+            Ok((choices, plans))
+        });
+        // channels may be hidden in chunks that nothing has listed: only when all have been seen is a missing one an error
+        let (choices, plans, error) = match chosen {
+            Ok((choices, plans)) => (choices, plans, None),
+            Err(error) if container.is_listed() => return Err(error),
+            Err(error) => (Choices::default(), BTreeMap::new(), Some(error)),
+        };
+        let mut gathered = gather::all(container, &plans, choices.found.len(), progress);
+        if gathered.tallies.is_empty() {
+            let damage = loss(container, &gathered).summary();
+            return Err(Error::NoMessages { damage });
+        }
+        let new = container.learn(std::mem::take(&mut gathered.learned));
+        if !new || number == MAX_PASSES {
+            return error.map_or(Ok(Pass { choices, gathered, said }), Err);
+        }
+        for (id, payload) in std::mem::take(&mut gathered.samples) {
+            samples.entry(id).or_insert(payload);
+        }
+    }
+    unreachable!("the loop returns in its last pass")
+}
+
+/// The choices, if every required signal is among them.
+fn required(choices: Result<Choices>, container: &Container) -> Result<Choices> {
+    let choices = choices?;
+    match choices.missing.iter().find(|(signal, _)| signal.is_required()) {
+        Some((signal, candidates)) => {
+            let topics = container.inventory.channels.values().map(|channel| channel.topic.clone()).collect();
+            Err(Error::MissingSignal { signal: signal.key(), candidates: candidates.clone(), topics })
+        }
+        None => Ok(choices),
+    }
+}
+
+/// The account of what was read and lost.
+pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
+    let topic = |id: &u16| container.inventory.channels.get(id).map_or_else(|| format!("channel {id}"), |channel| channel.topic.clone());
+    let mut places: Vec<Damage> = container.damage.iter().chain(&gathered.damage).cloned().collect();
+    let mut read = 0;
+    for (id, tally) in &gathered.tallies {
+        if container.inventory.channels.contains_key(id) {
+            read += tally.messages;
+        } else {
+            let mut damage = Damage::new(0, 0, Why::NoChannel { channel: *id });
+            damage.messages = Some(tally.messages);
+            damage.channels.insert(*id, tally.messages);
+            places.push(damage);
+        }
+    }
+    places.sort_by_key(|damage| damage.offset);
+    for damage in &mut places {
+        let mut topics: Vec<String> = damage.channels.keys().map(topic).collect();
+        topics.sort();
+        topics.dedup();
+        damage.topics = topics;
+    }
+    // the log's own count is the best witness; the indexes of lost chunks are the next
+    let counted = container.statistics.as_ref().map(|statistics| statistics.message_count.saturating_sub(read));
+    let indexed = places.iter().map(|damage| damage.messages).sum::<Option<u64>>();
+    let messages_lost = if places.is_empty() { Some(counted.unwrap_or(0)) } else { counted.or(indexed) };
+    Loss {
+        messages_read: read,
+        messages_lost,
+        bytes_lost: places.iter().map(|damage| damage.bytes).sum(),
+        places,
+        broken_messages: gathered.broken.iter().map(|(id, count)| (topic(id), *count)).collect(),
+        not_finite: BTreeMap::new(),
+    }
+}
+
+/// Sorts samples by time, equal times in the order of the log.
+fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
+    samples.sort_by_key(|sample| sample.time_ns);
+    Signal {
+        time_ns: samples.iter().map(|sample| sample.time_ns).collect(),
+        value: samples.iter().map(|sample| sample.value).collect(),
+        relative_to_gear,
+        unsigned,
+    }
+}
+
+/// A remark when the stamps of a signal are of another clock than the log.
+fn clock_note(signal: SignalName, samples: &[Sample]) -> Option<String> {
+    let mut apart: Vec<i64> = samples.iter().map(|sample| sample.time_ns.saturating_sub(sample.log_time_ns)).collect();
+    let middle = apart.len() / 2;
+    let (_, median, _) = apart.select_nth_unstable(middle);
+    let seconds = *median as f64 / crate::units::NS_PER_S;
+    (seconds.abs() > 60.0).then(|| format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))
+}

@@ -1,0 +1,218 @@
+//! From a signal map, a preset or nothing to plans: which signal is read from which path, and why.
+
+use super::candidates::{self, Candidate};
+use super::container::{Container, Schema};
+use super::convert::Convert;
+use super::detect;
+use super::gather::{ChannelPlan, Wanted};
+use super::path::{MessagePath, Step};
+use super::plan::Plan;
+use super::presets::Preset;
+use super::schema::Layout;
+use super::signal_map::{SignalMap, SignalName, SignalSpec, distance};
+use super::stamp::{self, Stamp};
+use super::vehicle::VEHICLE_METADATA;
+use super::{Error, Result, Source};
+use mcap::records::Channel;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A signal and where it is read from.
+#[derive(Debug, Clone)]
+pub(super) struct Choice {
+    pub signal: SignalName,
+    pub spec: SignalSpec,
+    pub reason: String,
+}
+
+/// What was found for a log: the choices, what is missing, and remarks.
+#[derive(Debug, Default)]
+pub(super) struct Choices {
+    pub found: Vec<Choice>,
+    /// Signals without a place, each with the nearest candidates.
+    pub missing: Vec<(SignalName, Vec<String>)>,
+    pub notes: Vec<String>,
+    /// Whether the user named the paths: then a path that leads nowhere is an error.
+    pub told: bool,
+}
+
+/// Chooses a place for each signal.
+///
+/// # Errors
+/// A signal map that names a topic or a field that the log does not have.
+pub(super) fn choose(source: &Source, container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Result<Choices> {
+    let candidates = candidates::list(container, samples);
+    let topics: BTreeSet<&str> = container.inventory.channels.values().map(|channel| channel.topic.as_str()).collect();
+    let mut choices = Choices::default();
+    let (map, why, preset) = match source {
+        Source::Map(map) => {
+            choices.told = true;
+            (map.clone(), "the signal map names it".to_owned(), Some(Preset::PivotCal))
+        }
+        Source::Preset(preset) => (preset.map()?, format!("preset {preset}"), Some(*preset)),
+        Source::Detect if container.metadata.contains_key(VEHICLE_METADATA) => {
+            (Preset::PivotCal.map()?, "the log was written by pivot-cal".to_owned(), None)
+        }
+        Source::Detect => (SignalMap::default(), String::new(), None),
+    };
+    for signal in SignalName::ALL {
+        if let Some(spec) = map.signals.get(&signal) {
+            if topics.contains(spec.path.topic.as_str()) {
+                choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone() });
+                continue;
+            }
+            if choices.told && signal.is_required() {
+                return Err(no_topic(signal, &spec.path.topic, &topics));
+            }
+            if choices.told {
+                choices.notes.push(format!("{signal} is left out: the log has no topic {}", spec.path.topic));
+                continue;
+            }
+        }
+        let allowed: Vec<Candidate> = match preset {
+            Some(preset) => candidates.iter().filter(|candidate| preset.allows(signal, &candidate.schema)).cloned().collect(),
+            None => candidates.clone(),
+        };
+        if let Some((spec, reason)) = detect::best(signal, &allowed) {
+            choices.found.push(Choice { signal, spec, reason });
+        } else {
+            choices.missing.push((signal, nearest(signal, &candidates)));
+        }
+    }
+    Ok(choices)
+}
+
+/// The candidates that come nearest to a signal, at most three.
+fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
+    let ranked = detect::ranked(signal, candidates);
+    let mut paths: Vec<String> = ranked.iter().take(3).map(|scored| scored.candidate.path.to_string()).collect();
+    if paths.is_empty() {
+        let mut named: Vec<(usize, String)> = candidates
+            .iter()
+            .map(|candidate| {
+                let path = candidate.path.to_string();
+                let words = path.split(|c: char| !c.is_alphanumeric()).filter(|word| word.len() > 2);
+                let closest = words.map(|word| distance(word, signal.key())).min().unwrap_or(usize::MAX);
+                (closest, path)
+            })
+            .filter(|(closest, _)| *closest <= signal.key().len() / 2)
+            .collect();
+        named.sort();
+        paths = named.into_iter().take(3).map(|(_, path)| path).collect();
+    }
+    paths
+}
+
+fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
+    let nearest = topics.iter().min_by_key(|known| distance(topic, known)).filter(|known| distance(topic, known) <= topic.len() / 2);
+    Error::NoTopic {
+        signal: signal.key(),
+        topic: topic.to_owned(),
+        nearest: nearest.map(|known| (*known).to_owned()).into_iter().collect(),
+        topics: topics.iter().map(|known| (*known).to_owned()).collect(),
+    }
+}
+
+/// The plans that read `choices`, one per channel; choice `i` fills column `i`.
+///
+/// # Errors
+/// A path that leads nowhere in every channel of its topic.
+pub(super) fn plans(
+    choices: &mut Choices,
+    container: &Container,
+    samples: &BTreeMap<u16, Vec<u8>>,
+    wheel_radius_m: f64,
+) -> Result<BTreeMap<u16, ChannelPlan>> {
+    let mut plans = BTreeMap::new();
+    let mut problems: BTreeMap<usize, Error> = BTreeMap::new();
+    let mut served = BTreeSet::new();
+    for (id, channel) in &container.inventory.channels {
+        let wanted: Vec<(usize, &Choice)> =
+            choices.found.iter().enumerate().filter(|(_, choice)| choice.spec.path.topic == channel.topic).collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let schema = container.inventory.schema(channel).map(AsRef::as_ref);
+        let layout = match Layout::parse(&channel.message_encoding, schema) {
+            Ok(layout) => layout,
+            Err(source) => {
+                for (column, choice) in wanted {
+                    let error = || Error::Schema { signal: choice.signal.key(), topic: channel.topic.clone(), source: source.clone() };
+                    problems.entry(column).or_insert_with(error);
+                }
+                continue;
+            }
+        };
+        let good: Vec<(usize, &Choice)> = wanted
+            .into_iter()
+            .filter(|(column, choice)| match Plan::compile(&layout, &[&choice.spec.path]) {
+                Ok(_) => true,
+                Err((_, source)) => {
+                    let path = choice.spec.path.to_string();
+                    problems.entry(*column).or_insert_with(|| Error::Path { signal: choice.signal.key(), path, source });
+                    false
+                }
+            })
+            .collect();
+        served.extend(good.iter().map(|(column, _)| *column));
+        if let Some(plan) = channel_plan(&layout, channel, schema, &good, samples.get(id).map(Vec::as_slice), wheel_radius_m) {
+            plans.insert(*id, plan);
+        }
+    }
+    for (column, error) in problems {
+        let choice = &choices.found[column];
+        if served.contains(&column) {
+            choices.notes.push(format!("{} has messages that cannot be used beside others that can: {error}", choice.spec.path.topic));
+        } else if choices.told || choice.signal.is_required() {
+            return Err(error);
+        } else {
+            choices.notes.push(format!("{} is left out: {error}", choice.signal));
+        }
+    }
+    Ok(plans)
+}
+
+fn channel_plan(
+    layout: &Layout,
+    channel: &Channel,
+    schema: Option<&Schema>,
+    wanted: &[(usize, &Choice)],
+    sample: Option<&[u8]>,
+    wheel_radius_m: f64,
+) -> Option<ChannelPlan> {
+    let _ = (channel, schema);
+    let leaves = layout.leaves();
+    let mut paths: Vec<MessagePath> = Vec::new();
+    let slot = |steps: &[Step], paths: &mut Vec<MessagePath>| {
+        paths.iter().position(|path| path.steps == steps).unwrap_or_else(|| {
+            paths.push(MessagePath::inside(steps.to_vec()));
+            paths.len() - 1
+        })
+    };
+    let mut values = Vec::new();
+    for (column, choice) in wanted {
+        let spec = &choice.spec;
+        let stamp = stamp::find(layout, spec.stamp.as_deref(), sample).and_then(|parts| {
+            let slots: Vec<usize> = parts.iter().map(|steps| slot(steps, &mut paths)).collect();
+            match slots[..] {
+                [seconds, nanoseconds] => Some(Stamp::Parts { seconds, nanoseconds }),
+                [single] => Some(Stamp::Single(single)),
+                _ => None,
+            }
+        });
+        let inside = field_path(&spec.path.steps);
+        let names = leaves.iter().find(|leaf| leaf.path == inside).map_or(&[][..], |leaf| &leaf.names);
+        values.push(Wanted {
+            column: *column,
+            slot: slot(&spec.path.steps, &mut paths),
+            stamp,
+            convert: Convert::new(choice.signal, spec, names, wheel_radius_m),
+        });
+    }
+    let references: Vec<&MessagePath> = paths.iter().collect();
+    Some(ChannelPlan { plan: Plan::compile(layout, &references).ok()?, values })
+}
+
+/// Fields of a path without indexes and filters, as leaves spell them.
+fn field_path(steps: &[Step]) -> String {
+    steps.iter().filter_map(|step| if let Step::Field(name) = step { Some(format!(".{name}")) } else { None }).collect()
+}

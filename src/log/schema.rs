@@ -1,0 +1,81 @@
+//! What the messages of a channel look like: schemas of every encoding, parsed into a [`Layout`].
+
+mod msg;
+mod shape;
+
+pub(super) use shape::{Kind, Leaf, LeafKind, Shape, Size, Structure};
+
+use super::container::Schema;
+use prost_reflect::{DescriptorPool, MessageDescriptor};
+use std::sync::Arc;
+
+/// How the payload of a channel is laid out.
+#[derive(Debug, Clone)]
+pub(super) enum Layout {
+    /// Common data representation, as ROS 2 writes it.
+    Cdr(Arc<Structure>),
+    /// ROS 1: the same without alignment.
+    Ros1(Arc<Structure>),
+    Protobuf(MessageDescriptor),
+    /// JSON describes itself.
+    Json,
+}
+
+/// Why a channel cannot be decoded.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum SchemaError {
+    #[error(
+        "messages in {message} with a schema in {schema} cannot be decoded; known: cdr with ros2msg or ros2idl, ros1 with ros1msg, protobuf, json"
+    )]
+    Unsupported { message: String, schema: String },
+    #[error("the channel has no schema, and its encoding {message} needs one")]
+    Missing { message: String },
+    #[error("the schema {name} cannot be read: {reason}")]
+    Broken { name: String, reason: String },
+}
+
+impl Layout {
+    /// Parses the schema of a channel.
+    ///
+    /// # Errors
+    /// An encoding that is not known, or a schema that is missing or broken.
+    pub(super) fn parse(message_encoding: &str, schema: Option<&Schema>) -> Result<Self, SchemaError> {
+        let broken = |schema: &Schema, reason: String| SchemaError::Broken { name: schema.name.clone(), reason };
+        let text = |schema: &Schema| match std::str::from_utf8(&schema.data) {
+            Ok(text) if !text.trim().is_empty() => Ok(text.to_owned()),
+            Ok(_) => Err(broken(schema, "it is empty".into())),
+            Err(error) => Err(broken(schema, error.to_string())),
+        };
+        if message_encoding == "json" {
+            return Ok(Self::Json);
+        }
+        let Some(schema) = schema else {
+            return Err(SchemaError::Missing { message: message_encoding.to_owned() });
+        };
+        match (message_encoding, schema.encoding.as_str()) {
+            ("cdr", "ros2msg") => {
+                msg::parse(&schema.name, &text(schema)?, msg::Dialect::Ros2).map(Self::Cdr).map_err(|reason| broken(schema, reason))
+            }
+            ("ros1", "ros1msg") => {
+                msg::parse(&schema.name, &text(schema)?, msg::Dialect::Ros1).map(Self::Ros1).map_err(|reason| broken(schema, reason))
+            }
+            ("protobuf", "protobuf") => {
+                let pool = DescriptorPool::decode(schema.data.as_slice()).map_err(|error| broken(schema, error.to_string()))?;
+                let message = pool.get_message_by_name(&schema.name);
+                message.map(Self::Protobuf).ok_or_else(|| broken(schema, "its descriptors do not hold that message".into()))
+            }
+            (message, encoding) => Err(SchemaError::Unsupported { message: message.to_owned(), schema: encoding.to_owned() }),
+        }
+    }
+
+    /// Every place of a message that holds a single value, for suggestions and detection. JSON has none: its messages tell.
+    pub(super) fn leaves(&self) -> Vec<Leaf> {
+        match self {
+            Self::Cdr(structure) | Self::Ros1(structure) => shape::leaves(structure),
+            Self::Protobuf(message) => shape::protobuf_leaves(message),
+            Self::Json => Vec::new(),
+        }
+    }
+}

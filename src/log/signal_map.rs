@@ -1,0 +1,317 @@
+//! The signal map: which message path is which signal, in which unit. Read from `signals.toml`.
+
+use super::path::{MessagePath, Step};
+use super::{Error, Result};
+use crate::units::{Dimension, Unit};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The signals that the calibration knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SignalName {
+    /// Speed of the front wheel's rim, from its encoder.
+    Speed,
+    /// Torque as commanded.
+    Torque,
+    /// Torque as the drive reports it.
+    TorqueFeedback,
+    /// Angle of the front wheel, left positive.
+    Angle,
+    /// Rate of the vehicle's heading, left positive.
+    YawRate,
+    /// Gear engaged.
+    Gear,
+    /// Emergency stop.
+    Estop,
+}
+
+impl SignalName {
+    /// Every signal, in the order in which they are shown.
+    pub const ALL: [Self; 7] = [Self::Speed, Self::Torque, Self::TorqueFeedback, Self::Angle, Self::YawRate, Self::Gear, Self::Estop];
+
+    /// The key in a signal map.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Speed => "speed",
+            Self::Torque => "torque",
+            Self::TorqueFeedback => "torque_feedback",
+            Self::Angle => "angle",
+            Self::YawRate => "yaw_rate",
+            Self::Gear => "gear",
+            Self::Estop => "estop",
+        }
+    }
+
+    /// Whether a log without it cannot be used.
+    pub fn is_required(self) -> bool {
+        matches!(self, Self::Speed | Self::Torque | Self::Angle)
+    }
+
+    /// Unit that is taken when the map names none: SI.
+    pub fn default_unit(self) -> &'static str {
+        match self {
+            Self::Speed => "m/s",
+            Self::Torque | Self::TorqueFeedback => "N.m",
+            Self::Angle => "rad",
+            Self::YawRate => "rad/s",
+            Self::Gear | Self::Estop => "1",
+        }
+    }
+
+    fn accepts(self, dimension: Dimension) -> bool {
+        match self {
+            Self::Speed => matches!(dimension, Dimension::Speed | Dimension::AngularSpeed),
+            Self::Torque | Self::TorqueFeedback => dimension == Dimension::Torque,
+            Self::Angle => dimension == Dimension::Angle,
+            Self::YawRate => dimension == Dimension::AngularSpeed,
+            Self::Gear | Self::Estop => dimension == Dimension::Number,
+        }
+    }
+}
+
+impl fmt::Display for SignalName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+/// Which signal is found where, and what is known of the vehicle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SignalMap {
+    /// What the map says of the vehicle.
+    pub vehicle: VehicleOverrides,
+    /// The signals.
+    pub signals: BTreeMap<SignalName, SignalSpec>,
+}
+
+/// What is said of a vehicle beside its log; each field replaces what a lower source says.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VehicleOverrides {
+    /// Wheelbase [m].
+    pub wheelbase_m: Option<f64>,
+    /// Rolling radius of the front wheel [m].
+    pub wheel_radius_m: Option<f64>,
+    /// Wheel angle of the test [°], left positive.
+    pub test_angle_deg: Option<f64>,
+    /// Largest torque that may be commanded [N·m].
+    pub torque_limit_nm: Option<f64>,
+}
+
+/// Where a signal is found and how its values convert: SI = unit(scale · raw + offset).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalSpec {
+    /// Where.
+    pub path: MessagePath,
+    /// Unit of the value; SI by default.
+    pub unit: Unit,
+    /// Multiplies the raw value. Default 1.
+    pub scale: f64,
+    /// Added after scaling, in `unit`. Default 0.
+    pub offset: f64,
+    /// Way to the source time inside the message; found by itself when `None`.
+    pub stamp: Option<Vec<Step>>,
+    /// Positive means in the gear's direction: negated in reverse.
+    pub relative_to_gear: bool,
+    /// A magnitude: its sign comes from other signals.
+    pub unsigned: bool,
+    /// What the values of a gear mean; by name and the usual numbers when empty.
+    pub codes: Vec<(Code, f64)>,
+}
+
+/// A value that stands for a gear.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Code {
+    /// A number.
+    Number(f64),
+    /// A text, or the name of a number in the schema.
+    Text(String),
+}
+
+impl SignalSpec {
+    /// A signal at `path` in `unit`, everything else as by default.
+    pub fn new(path: MessagePath, unit: Unit) -> Self {
+        Self { path, unit, scale: 1.0, offset: 0.0, stamp: None, relative_to_gear: false, unsigned: false, codes: Vec::new() }
+    }
+}
+
+/// One line of the `[signals]` table.
+#[derive(Debug, Deserialize)]
+struct Entry {
+    path: String,
+    unit: Option<String>,
+    scale: Option<f64>,
+    offset: Option<f64>,
+    stamp: Option<String>,
+    relative_to: Option<String>,
+    #[serde(default)]
+    unsigned: bool,
+    neutral: Option<OneOrMany>,
+    forward: Option<OneOrMany>,
+    reverse: Option<OneOrMany>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum OneOrMany {
+    One(Code),
+    Many(Vec<Code>),
+}
+
+const VEHICLE_KEYS: [&str; 4] = ["wheelbase_m", "wheel_radius_m", "test_angle_deg", "torque_limit_nm"];
+const ENTRY_KEYS: [&str; 10] = ["path", "unit", "scale", "offset", "stamp", "relative_to", "unsigned", "neutral", "forward", "reverse"];
+
+impl SignalMap {
+    /// Reads a signal map from the text of a `signals.toml`.
+    ///
+    /// # Errors
+    /// TOML that cannot be read, a key that is not known (with the nearest one that is), a path or unit that is wrong.
+    ///
+    /// ```
+    /// let map = pivot_cal::log::SignalMap::from_toml("[signals]\nspeed = { path = '/wheel.v', unit = 'km/h' }")?;
+    /// assert_eq!(map.signals.len(), 1);
+    /// assert!(pivot_cal::log::SignalMap::from_toml("[signals]\nsped = { path = '/wheel.v' }").is_err());
+    /// # Ok::<(), pivot_cal::log::Error>(())
+    /// ```
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let table: toml::Table = text.parse().map_err(|error: toml::de::Error| Error::Toml(error.to_string()))?;
+        let mut map = Self::default();
+        for (key, value) in table {
+            match key.as_str() {
+                "vehicle" => {
+                    known_keys(&value, "[vehicle]", &VEHICLE_KEYS)?;
+                    map.vehicle = value.try_into().map_err(|error| Error::Toml(format!("[vehicle]: {error}")))?;
+                }
+                "signals" => {
+                    let keys = SignalName::ALL.map(SignalName::key);
+                    known_keys(&value, "[signals]", &keys)?;
+                    let toml::Value::Table(signals) = value else {
+                        return Err(Error::Toml("[signals] must be a table".into()));
+                    };
+                    for (key, value) in signals {
+                        if let Some(name) = SignalName::ALL.into_iter().find(|name| name.key() == key) {
+                            known_keys(&value, &key, &ENTRY_KEYS)?;
+                            let entry: Entry = value.try_into().map_err(|error| Error::Toml(format!("{key}: {error}")))?;
+                            map.signals.insert(name, entry.into_spec(name)?);
+                        }
+                    }
+                }
+                _ => return Err(unknown_key(&key, "the signal map", &["vehicle", "signals"])),
+            }
+        }
+        Ok(map)
+    }
+}
+
+impl Entry {
+    fn into_spec(self, name: SignalName) -> Result<SignalSpec> {
+        let unit: Unit = self.unit.as_deref().unwrap_or(name.default_unit()).parse()?;
+        if !name.accepts(unit.dimension()) {
+            return Err(Error::WrongDimension { signal: name.key(), unit: unit.name(), dimension: unit.dimension() });
+        }
+        let finite = |field: &'static str, value: Option<f64>, default: f64| match value.unwrap_or(default) {
+            value if value.is_finite() => Ok(value),
+            value => Err(Error::NotFinite { signal: name.key(), field, value }),
+        };
+        let relative_to_gear = match self.relative_to.as_deref() {
+            None => false,
+            Some("gear") => true,
+            Some(other) => return Err(Error::RelativeTo { signal: name.key(), found: other.to_owned() }),
+        };
+        let mut codes = Vec::new();
+        for (listed, value) in [(self.neutral, 0.0), (self.forward, 1.0), (self.reverse, -1.0)] {
+            match listed {
+                Some(OneOrMany::One(code)) => codes.push((code, value)),
+                Some(OneOrMany::Many(many)) => codes.extend(many.into_iter().map(|code| (code, value))),
+                None => {}
+            }
+        }
+        Ok(SignalSpec {
+            path: self.path.parse()?,
+            unit,
+            scale: finite("scale", self.scale, 1.0)?,
+            offset: finite("offset", self.offset, 0.0)?,
+            stamp: self.stamp.as_deref().map(stamp_steps).transpose()?,
+            relative_to_gear,
+            unsigned: self.unsigned,
+            codes,
+        })
+    }
+}
+
+/// The way to a stamp: `header.stamp`, or a whole path with its topic.
+fn stamp_steps(text: &str) -> Result<Vec<Step>> {
+    let whole = if text.starts_with('/') { text.to_owned() } else { format!("message.{}", text.trim_start_matches('.')) };
+    whole.parse().map(|path: MessagePath| path.steps)
+}
+
+fn known_keys(value: &toml::Value, place: &str, known: &[&'static str]) -> Result<()> {
+    let keys = value.as_table().into_iter().flat_map(toml::Table::keys);
+    keys.filter(|key| !known.contains(&key.as_str())).map(|key| Err(unknown_key(key, place, known))).next().unwrap_or(Ok(()))
+}
+
+fn unknown_key(found: &str, place: &str, known: &[&'static str]) -> Error {
+    let nearest = known.iter().min_by_key(|key| distance(found, key)).copied().unwrap_or_default();
+    Error::UnknownKey { found: found.to_owned(), place: place.to_owned(), nearest, known: known.join(", ") }
+}
+
+/// Edits (insert, delete, replace) that turn one text into the other, without regard to case.
+pub(super) fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.to_lowercase().chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let replace = diagonal + usize::from(from != *to);
+            diagonal = row[j + 1];
+            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn every_option_is_read() {
+        let map = SignalMap::from_toml(
+            r#"
+            [vehicle]
+            wheelbase_m = 0.92
+            [signals]
+            speed = { path = '/t.v{name=="w"}', unit = "rpm", scale = 2, offset = -1.5, stamp = "header.stamp", relative_to = "gear", unsigned = true }
+            gear = { path = "/g.data", neutral = "N", forward = ["D", 2], reverse = 20 }
+            "#,
+        )
+        .unwrap();
+        assert_eq!(map.vehicle.wheelbase_m, Some(0.92));
+        let speed = &map.signals[&SignalName::Speed];
+        assert_eq!((speed.scale, speed.offset, speed.relative_to_gear, speed.unsigned), (2.0, -1.5, true, true));
+        assert_eq!(speed.stamp.as_ref().unwrap().len(), 2);
+        let gear = &map.signals[&SignalName::Gear];
+        assert_eq!(gear.codes.len(), 4);
+        assert_eq!(gear.codes[3], (Code::Number(20.0), -1.0));
+    }
+
+    #[test]
+    fn a_typo_names_the_nearest_key() {
+        let wrong = |text: &str| SignalMap::from_toml(text).unwrap_err().to_string();
+        assert!(wrong("[signals]\ntorqe = { path = '/a.b' }").contains("\"torque\""));
+        assert!(wrong("[signal]\n").contains("\"signals\""));
+        assert!(wrong("[signals]\nspeed = { path = '/a.b', units = 'm/s' }").contains("\"unit\""));
+        assert!(wrong("[vehicle]\nwheelbase = 1").contains("\"wheelbase_m\""));
+    }
+
+    #[test]
+    fn a_unit_of_another_dimension_is_refused() {
+        let error = SignalMap::from_toml("[signals]\ntorque = { path = '/a.b', unit = 'rpm' }").unwrap_err();
+        assert!(matches!(error, Error::WrongDimension { signal: "torque", .. }), "{error}");
+    }
+}
