@@ -14,5 +14,6 @@
 //! `invert`, `campaign`, `signal`, `log`, `map`, `units`.
 
 pub mod cli;
+pub mod control;
 pub mod map;
 pub mod units;
