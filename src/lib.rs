@@ -15,4 +15,5 @@
 
 pub mod cli;
 pub mod map;
+pub mod sim;
 pub mod units;
