@@ -16,4 +16,5 @@
 pub mod cli;
 pub mod control;
 pub mod map;
+pub mod sim;
 pub mod units;
