@@ -18,3 +18,4 @@ pub mod control;
 pub mod map;
 pub mod sim;
 pub mod units;
+pub mod verify;
