@@ -4,6 +4,7 @@
 
 mod completions;
 mod ui;
+mod verify;
 
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -56,6 +57,8 @@ struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Judge a map in closed loop: pivots, failures, perturbed plants, other laws beside it
+    Verify(verify::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -72,6 +75,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
+        Command::Verify(arguments) => verify::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

@@ -15,9 +15,12 @@
 
 pub mod campaign;
 pub mod cli;
+pub mod control;
 pub mod fit;
 pub mod invert;
 pub mod log;
 pub mod map;
 pub mod signal;
+pub mod sim;
 pub mod units;
+pub mod verify;

@@ -1,0 +1,30 @@
+//! Writes the maps that a perfect campaign would give of a vehicle whose physics is known:
+//! `cargo run --example known_maps -- FOLDER [VEHICLE.toml]`, then `pivot-cal verify --maps FOLDER`.
+
+use pivot_cal::map::{Vehicle, write_whole};
+use pivot_cal::sim::{PhysicalSettings, Settings, VehicleFile};
+use pivot_cal::verify::known_maps;
+use std::error::Error;
+use std::path::PathBuf;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = PathBuf::from(arguments.next().ok_or("which folder?")?);
+    let world = match arguments.next() {
+        Some(path) => VehicleFile::from_toml(&std::fs::read_to_string(path)?)?.settings(),
+        None => Settings::physical(
+            Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) },
+            PhysicalSettings::default(),
+        ),
+    };
+    let (table1, table2) = known_maps(&world)?;
+    write_whole(&folder.join("table1.json"), table1.to_json()?.as_bytes())?;
+    write_whole(&folder.join("table2.json"), table2.to_json()?.as_bytes())?;
+    for map in &table1.maps {
+        write_whole(&folder.join(&map.csv.file), map.table()?.to_matrix().to_csv().as_bytes())?;
+    }
+    for map in &table2.maps {
+        write_whole(&folder.join(&map.csv.file), map.table()?.to_matrix().to_csv().as_bytes())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,220 @@
+//! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
+
+use super::{Outcome, Ui};
+use crate::map::write_whole;
+use crate::verify::{
+    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, verify,
+};
+use anyhow::Context;
+use comfy_table::{ContentArrangement, Table, presets};
+use std::path::PathBuf;
+
+/// Arguments of `verify`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal verify                            all scenarios on the map in ./maps
+  pivot-cal verify --scenario left-90 -v      one scenario, every metric
+  pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
+
+Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
+pub(super) struct Arguments {
+    /// Folder with table1.json, table2.json and table2.csv
+    #[arg(long, value_name = "DIR", default_value = "maps")]
+    maps: PathBuf,
+    /// Run only this scenario (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    scenario: Vec<String>,
+    /// List the scenarios and stop
+    #[arg(long)]
+    list: bool,
+    /// Go on when a hash does not match
+    #[arg(long)]
+    force: bool,
+    /// Limits that replace the built-in ones
+    #[arg(long, value_name = "FILE")]
+    gate: Option<PathBuf>,
+    /// Perturbed plants per scenario
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    draws: usize,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    if arguments.list {
+        list(ui)?;
+        return Ok(Outcome::Done);
+    }
+    let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
+    let settings = Settings {
+        scenarios: chosen(&arguments.scenario)?,
+        draws: arguments.draws,
+        seed: arguments.seed,
+        gate: match &arguments.gate {
+            Some(path) => Gate::with(gate.as_deref()).with_context(|| path.display().to_string())?,
+            None => Gate::with(None)?,
+        },
+        ..Settings::new()?
+    };
+    let maps = Maps::read(&arguments.maps, arguments.force)?;
+    for forced in &maps.forced {
+        ui.warn(format!("{forced}; going on, since --force was given"));
+    }
+    let verdict = verify(&maps, &settings)?;
+    let path = arguments.maps.join("verify.json");
+    write_whole(&path, verdict.to_json()?.as_bytes())?;
+    ui.document(&verdict)?;
+    show(&verdict, ui);
+    ui.say(format!("written: {}", path.display()));
+    Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
+}
+
+/// The scenarios named, or all.
+fn chosen(names: &[String]) -> Result<Vec<Scenario>, Error> {
+    let all = Scenario::all();
+    if names.is_empty() {
+        return Ok(all);
+    }
+    names
+        .iter()
+        .map(|name| {
+            all.iter().find(|s| &s.name == name).cloned().ok_or_else(|| Error::NoScenario {
+                found: name.clone(),
+                nearest: all.iter().min_by_key(|s| differing(&s.name, name)).map(|s| s.name.clone()).unwrap_or_default(),
+            })
+        })
+        .collect()
+}
+
+/// How many letters of the longer name are not in the same place of both, counted from the start.
+fn differing(a: &str, b: &str) -> usize {
+    let same = a.chars().zip(b.chars()).take_while(|(x, y)| x == y).count();
+    a.chars().count().max(b.chars().count()) - same
+}
+
+fn list(ui: Ui) -> anyhow::Result<()> {
+    let all = Scenario::all();
+    ui.document(&all)?;
+    let mut table = new_table(&["scenario", "what"]);
+    for scenario in all {
+        table.add_row([scenario.name, scenario.what]);
+    }
+    ui.say(table.to_string());
+    Ok(())
+}
+
+fn new_table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Disabled).set_header(header.to_vec());
+    table
+}
+
+/// Prints a verdict for people.
+pub(super) fn show(verdict: &Verdict, ui: Ui) {
+    let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
+    for trip in &verdict.round_trip {
+        let value = trip.worst.map_or("none".to_owned(), |w| format!("{:.3} m/s²", w.error_mps2.abs()));
+        let limit = trip.worst.map_or(String::new(), |w| format!("≤ {:.3}", w.limit_mps2));
+        let name = format!("round trip, {} ({} places)", trip.gear, trip.places);
+        table.add_row([name, "worst |Δa|".to_owned(), String::new(), value, limit, mark(trip.pass).to_owned()]);
+    }
+    for scenario in &verdict.scenarios {
+        rows(&mut table, scenario);
+    }
+    ui.say(table.to_string());
+    for scenario in &verdict.scenarios {
+        detail(scenario, ui);
+    }
+    if let Some(comparison) = &verdict.comparison {
+        compare(comparison, ui);
+    }
+    for note in &verdict.notes {
+        ui.say(format!("note: {note}"));
+    }
+    if verdict.scenarios.iter().any(|s| s.notes.iter().any(|n| n.starts_with("symmetry"))) {
+        ui.say("note: mirrored right turns use the table of the wheel to the left: symmetry assumed");
+    }
+    ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
+}
+
+fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
+    if scenario.status == Status::NotTested {
+        table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
+        return;
+    }
+    for (k, check) in scenario.checks.iter().enumerate() {
+        let name = if k == 0 { scenario.name.clone() } else { String::new() };
+        table.add_row([
+            name,
+            check.metric.title().to_owned(),
+            check.statistic.title().to_owned(),
+            value(check),
+            limit(check),
+            mark(check.pass).to_owned(),
+        ]);
+    }
+}
+
+fn mark(pass: bool) -> &'static str {
+    if pass { "pass" } else { "FAIL" }
+}
+
+fn value(check: &Check) -> String {
+    check.value.map_or("none".to_owned(), |v| number(check.metric, v))
+}
+
+fn limit(check: &Check) -> String {
+    let at_most = check.at_most.map(|m| format!("≤ {m}"));
+    at_most.or_else(|| check.at_least.map(|m| format!("≥ {m}"))).unwrap_or_default()
+}
+
+/// A value with its unit; shares in per cent.
+fn number(metric: Metric, value: f64) -> String {
+    match metric.unit() {
+        "" => format!("{:.1} %", 100.0 * value),
+        unit => format!("{value:.3} {unit}"),
+    }
+}
+
+/// Every metric of a scenario, with `-v`.
+fn detail(scenario: &ScenarioVerdict, ui: Ui) {
+    if scenario.status == Status::NotTested {
+        return;
+    }
+    ui.detail(format!("{}: {}", scenario.name, scenario.what));
+    let statistics = [Statistic::Nominal, Statistic::Median, Statistic::P95, Statistic::P99, Statistic::Max];
+    let mut table = new_table(&["metric", "nominal", "median", "95 %", "99 %", "max"]);
+    for summary in &scenario.metrics {
+        let figure = |s: Statistic| summary.figure(s).map_or("none".to_owned(), |v| number(summary.metric, v));
+        table.add_row(std::iter::once(summary.metric.title().to_owned()).chain(statistics.map(figure)));
+    }
+    ui.detail(table.to_string());
+}
+
+/// The map beside the other laws: medians over the draws.
+fn compare(comparison: &Comparison, ui: Ui) {
+    let metrics = [
+        Metric::AsExpected,
+        Metric::HeadingErrorDeg,
+        Metric::SpeedRmsMps,
+        Metric::StartJerkMps3,
+        Metric::PeakAccelMps2,
+        Metric::SettlingTimeS,
+    ];
+    let header: Vec<_> = std::iter::once(comparison.scenario.as_str()).chain(metrics.map(Metric::title)).collect();
+    let mut table = new_table(&header);
+    for law in &comparison.laws {
+        let figure = |metric: Metric| {
+            let statistic = if metric == Metric::AsExpected { Statistic::Mean } else { Statistic::Median };
+            let found = law.metrics.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic));
+            found.map_or("none".to_owned(), |v| number(metric, v))
+        };
+        table.add_row(std::iter::once(law.name.clone()).chain(metrics.map(figure)));
+    }
+    ui.say(table.to_string());
+    let told = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| format!("{r:.2}"));
+    ui.say(format!("start jerk, map over conventional law: {} (goal: at most 0.33)", told(comparison.start_jerk_ratio)));
+    ui.say(format!("speed tracking, map over perfect inverse: {} (goal: at most 1.15)", told(comparison.speed_rms_ratio)));
+}

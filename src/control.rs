@@ -1,0 +1,41 @@
+//! The pivot controller: the law that is deployed, written as for the vehicle.
+//!
+//! In: [`Inputs`], what is measured, once a period. Out: [`Outputs`], torque, wheel angle and gear. Planning lays waypoints with speeds along the
+//! front wheel's arc; lateral holds the wheel at its angle; longitudinal asks the drive law for torque. [`WaypointLaw`] is the law of the map;
+//! [`HeadingLaw`] is the conventional one, behind the same [`DriveLaw`].
+//!
+//! Everything here is a pure step: state and inputs to state and outputs, with `core` arithmetic, without allocation, clock, input or output,
+//! and without a panic.
+
+mod drive_law;
+mod error;
+mod heading_law;
+mod lateral;
+mod longitudinal;
+mod messages;
+mod numeric;
+mod path;
+mod phase;
+mod pivot;
+mod planning;
+mod preview;
+mod profile;
+mod speed_loop;
+mod torque_map;
+mod waypoint_law;
+
+pub use drive_law::{DriveInputs, DriveLaw};
+pub use error::{Error, Result};
+pub use heading_law::{HeadingLaw, HeadingLawSettings};
+pub use lateral::{Lateral, LateralSettings};
+pub use longitudinal::{AfterFailure, Longitudinal, LongitudinalOutputs, LongitudinalSettings};
+pub use messages::{AngleStatus, Direction, DriveStep, Failure, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose, SteeringFault};
+pub use path::{MAX_WAYPOINTS, Nearest, Path, Place, Waypoint};
+pub use phase::Event;
+pub use pivot::{PivotController, Settings};
+pub use planning::{PlanningSettings, WheelPolicy};
+pub use preview::Preview;
+pub use profile::Profile;
+pub use speed_loop::{SpeedLoop, SpeedLoopSettings};
+pub use torque_map::{ConstantGain, Lookup, OutsidePolicy, Tables, TorqueMap};
+pub use waypoint_law::{WaypointLaw, WaypointLawSettings};

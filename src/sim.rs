@@ -1,0 +1,42 @@
+//! The simulator: one vehicle on its floor, a fixed step at a time, deterministic for a seed.
+//!
+//! In: [`Settings`] (from a vehicle's TOML file, [`VehicleFile`], or from a fit, [`Settings::identified`]) and a [`Command`] per step. Out: the
+//! truth, [`TrueState`], and what sensors say of it, [`Measurement`]. The parts, each its own type: drive, traction, motion (physical or
+//! identified), steering, body, sensors; combined by [`World`]. [`Truth`] is the physical plant's exact map.
+//!
+//! Everything random comes from one seed through one stream per source ([`Stream`]), so that results depend on nothing else.
+
+mod body;
+mod channel;
+mod drive;
+mod error;
+mod fault;
+mod identified;
+mod motion;
+mod physical;
+mod random;
+mod sensors;
+mod settings;
+mod steering;
+mod traction;
+mod truth;
+mod vehicle_file;
+mod world;
+
+pub use crate::map::Gear;
+pub use body::{AngleTerms, Body, SpeedStep};
+pub use channel::{Channel, KEPT, Reading, Timing};
+pub use drive::{Drive, DriveSettings, TorqueStep};
+pub use error::{Error, Result};
+pub use fault::Fault;
+pub use identified::{Direction, IdentifiedMotion, IdentifiedSettings};
+pub use motion::{Load, Motion, MotionSettings};
+pub use physical::{PhysicalMotion, PhysicalSettings};
+pub use random::{Disturbance, Random, Stream};
+pub use sensors::{EncoderSettings, GyroSettings, PoseSettings, SensorSettings, Sensors, SteeringAngleSettings, TorqueFeedbackSettings};
+pub use settings::{DEFAULT_STEP_S, Perturbation, Settings};
+pub use steering::{AngleStep, Steering, SteeringSettings};
+pub use traction::Traction;
+pub use truth::Truth;
+pub use vehicle_file::{VehicleFile, from_toml};
+pub use world::{Command, Measurement, TrueState, World};

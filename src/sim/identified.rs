@@ -1,0 +1,402 @@
+//! The identified plant: the fitted surface of a Table 1 with the disturbance and the run-to-run offset of its fit, so that a map can be
+//! verified on a vehicle whose physics nobody knows.
+//!
+//! Moving forward, v̇ = A_fwd(v, τ) + b + d(t); in reverse the same in the reverse table's frame, or in the forward table's mirrored where
+//! reverse was not tested. A wheel at rest stays at rest until the engaged gear's torque exceeds the breakaway torque: braking never pushes a
+//! wheel backwards. The surface knows one wheel angle only and answers for every angle. Beyond its torques it goes on linearly; beyond its
+//! speeds it keeps the last column.
+
+use super::body::SpeedStep;
+use super::error::{Error, Result, within};
+use super::motion::{Load, runge_kutta};
+use super::random::{Disturbance, Random, Stream};
+use crate::map::{AccelTable, Gear, Table1File, Vehicle};
+
+/// The surface of one direction of travel, in its gear's frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// a(v, τ).
+    pub table: AccelTable,
+    /// Torque that sets a resting wheel in motion [N·m].
+    pub breakaway_nm: f64,
+}
+
+/// Settings of the identified plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifiedSettings {
+    /// The forward surface.
+    pub forward: Direction,
+    /// The reverse surface, when reverse was tested.
+    pub reverse: Option<Direction>,
+    /// Standard deviation of the disturbance [m/s²], an Ornstein-Uhlenbeck process while moving.
+    pub disturbance_mps2: f64,
+    /// Its time constant [s].
+    pub disturbance_time_s: f64,
+    /// Standard deviation of one constant acceleration per run [m/s²].
+    pub run_offset_mps2: f64,
+    /// Part of the effective mass on which a slope acts along the wheel, 0 to 1. Default 0.5.
+    pub slope_share: f64,
+    /// Inertia of wheel and motor as mass at the rim [kg], for slip only. Default 8.
+    pub wheel_mass_kg: f64,
+}
+
+impl IdentifiedSettings {
+    /// The plant that a fit found.
+    ///
+    /// # Errors
+    /// No forward map at the vehicle's test angle, or a table that is not sound.
+    pub fn from_table1(file: &Table1File) -> Result<Self> {
+        let wheel_angle_deg = file.vehicle.test_angle_deg;
+        let direction = |gear| -> Result<Option<Direction>> {
+            let Some(map) = file.map(gear, wheel_angle_deg, 1.0) else { return Ok(None) };
+            Ok(Some(Direction { table: map.surface.table()?, breakaway_nm: map.breakaway.torque_nm }))
+        };
+        Ok(Self {
+            forward: direction(Gear::Forward)?.ok_or(Error::NoForwardMap { wheel_angle_deg })?,
+            reverse: direction(Gear::Reverse)?,
+            disturbance_mps2: file.noise.disturbance_mps2,
+            disturbance_time_s: file.noise.disturbance_time_s,
+            run_offset_mps2: file.noise.run_offset_mps2,
+            slope_share: 0.5,
+            wheel_mass_kg: 8.0,
+        })
+    }
+
+    /// Largest torque of the surfaces [N·m].
+    pub fn largest_torque_nm(&self) -> f64 {
+        let largest = |d: &Direction| d.table.torque_nm().last().max(-d.table.torque_nm().first());
+        self.reverse.as_ref().map_or(0.0, largest).max(largest(&self.forward))
+    }
+
+    fn check(&self) -> Result<()> {
+        for direction in std::iter::once(&self.forward).chain(&self.reverse) {
+            within("breakaway.torque_nm", direction.breakaway_nm, 0.0..=1e5, "0 to 1e5")?;
+        }
+        within("noise.disturbance_mps2", self.disturbance_mps2, 0.0..=100.0, "0 to 100")?;
+        within("noise.disturbance_time_s", self.disturbance_time_s, 0.0..=1e6, "0 to 1e6")?;
+        within("noise.run_offset_mps2", self.run_offset_mps2, 0.0..=100.0, "0 to 100")?;
+        within("slope_share", self.slope_share, 0.0..=1.0, "0 to 1")?;
+        within("wheel_mass_kg", self.wheel_mass_kg, 1e-3..=1e5, "0.001 to 1e5")
+    }
+}
+
+impl Direction {
+    /// The same plant with its inertia and its friction multiplied: a' = A(v, τ − (φ − 1)·τ_f(v))/f, τ_f(v) being the torque that holds the
+    /// speed. Made on the surface's own grid.
+    #[must_use]
+    pub fn perturbed(&self, inertia_factor: f64, friction_factor: f64) -> Self {
+        let (speed, torque) = (self.table.speed_mps(), self.table.torque_nm());
+        let surface = Surface::new(&self.table);
+        let mut values = Vec::with_capacity(speed.len() * torque.len());
+        for &u in torque.breaks() {
+            for (j, &v) in speed.breaks().iter().enumerate() {
+                let shift_nm = (friction_factor - 1.0) * self.holding_nm(j);
+                values.push(surface.accel(&mut Cell::default(), v, u - shift_nm) / inertia_factor);
+            }
+        }
+        // the same axes, and finite values divided by finite factors: the table cannot be refused unless a factor is zero or not finite
+        let table = AccelTable::new(speed.clone(), torque.clone(), values).unwrap_or_else(|_| self.table.clone());
+        Self { table, breakaway_nm: self.breakaway_nm * friction_factor }
+    }
+
+    /// Torque [N·m] at which the surface crosses zero at speed break `j`; the nearest end where it does not.
+    fn holding_nm(&self, j: usize) -> f64 {
+        let breaks = self.table.torque_nm().breaks();
+        let a = |i: usize| self.table.at(j, i);
+        match (1..breaks.len()).find(|&i| a(i - 1) < 0.0 && a(i) >= 0.0) {
+            Some(i) => breaks[i - 1] + (breaks[i] - breaks[i - 1]) * (-a(i - 1) / (a(i) - a(i - 1))),
+            None if a(0) >= 0.0 => 0.0,
+            None => breaks[breaks.len() - 1],
+        }
+    }
+}
+
+/// A table laid out for fast repeated look-up.
+#[derive(Debug, Clone)]
+struct Surface {
+    speed_mps: Vec<f64>,
+    torque_nm: Vec<f64>,
+    per_speed: Vec<f64>,
+    per_torque: Vec<f64>,
+    accel_mps2: Vec<f64>,
+}
+
+/// Where the last look-up was: the next one is near.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cell {
+    speed: usize,
+    torque: usize,
+}
+
+impl Surface {
+    fn new(table: &AccelTable) -> Self {
+        let widths = |breaks: &[f64]| breaks.windows(2).map(|w| 1.0 / (w[1] - w[0])).collect();
+        let (speed, torque) = (table.speed_mps().breaks(), table.torque_nm().breaks());
+        Self {
+            speed_mps: speed.to_vec(),
+            torque_nm: torque.to_vec(),
+            per_speed: widths(speed),
+            per_torque: widths(torque),
+            accel_mps2: table.values().to_vec(),
+        }
+    }
+
+    /// Bilinear; clamped in speed, linear beyond the ends in torque.
+    #[inline]
+    fn accel(&self, cell: &mut Cell, s: f64, u: f64) -> f64 {
+        let last = self.speed_mps.len() - 1;
+        let s = s.clamp(self.speed_mps[0], self.speed_mps[last]);
+        let j = walk(&self.speed_mps, cell.speed, s);
+        let i = walk(&self.torque_nm, cell.torque, u);
+        *cell = Cell { speed: j, torque: i };
+        let q = (s - self.speed_mps[j]) * self.per_speed[j];
+        let p = (u - self.torque_nm[i]) * self.per_torque[i];
+        let near = i * (last + 1) + j;
+        let row = &self.accel_mps2[near..near + 2];
+        let next = &self.accel_mps2[near + last + 1..near + last + 3];
+        let low = row[0] + q * (row[1] - row[0]);
+        let high = next[0] + q * (next[1] - next[0]);
+        low + p * (high - low)
+    }
+}
+
+/// Index of the interval that holds `x`, or of the nearest one, walking from `from`.
+#[inline]
+fn walk(breaks: &[f64], from: usize, x: f64) -> usize {
+    let last = breaks.len() - 2;
+    let mut k = from.min(last);
+    while k < last && x >= breaks[k + 1] {
+        k += 1;
+    }
+    while k > 0 && x < breaks[k] {
+        k -= 1;
+    }
+    k
+}
+
+#[derive(Debug, Clone)]
+struct Way {
+    surface: Surface,
+    breakaway_nm: f64,
+}
+
+/// The identified plant's state.
+#[derive(Debug, Clone)]
+pub struct IdentifiedMotion {
+    forward: Way,
+    reverse: Option<Way>,
+    cell: Cell,
+    step_s: f64,
+    speed_mps: f64,
+    accel_mps2: f64,
+    run_offset_std_dev: f64,
+    run_offset_mps2: f64,
+    run: Random,
+    disturbance: Disturbance,
+    slope_mass_kg: f64,
+    wheel_mass_kg: f64,
+    brake_accel_per_nm: f64,
+}
+
+impl IdentifiedMotion {
+    /// At rest.
+    ///
+    /// # Errors
+    /// A number out of its range, or a surface on which nothing ever moves.
+    pub fn new(settings: &IdentifiedSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
+        settings.check()?;
+        let vehicle = vehicle.checked()?;
+        let way = |d: &Direction| Way { surface: Surface::new(&d.table), breakaway_nm: d.breakaway_nm };
+        let forward = way(&settings.forward);
+        // slope of the surface at standstill between breakaway and the largest torque: 1/(M r)
+        let largest_nm = settings.forward.table.torque_nm().last();
+        let rise = forward.surface.accel(&mut Cell::default(), 0.0, largest_nm)
+            - forward.surface.accel(&mut Cell::default(), 0.0, forward.breakaway_nm);
+        let accel_per_nm = rise / (largest_nm - forward.breakaway_nm);
+        if accel_per_nm.is_nan() || accel_per_nm <= 0.0 || largest_nm <= forward.breakaway_nm {
+            return Err(Error::NeverMoves { largest_nm });
+        }
+        let mut motion = Self {
+            forward,
+            reverse: settings.reverse.as_ref().map(way),
+            cell: Cell::default(),
+            step_s,
+            speed_mps: 0.0,
+            accel_mps2: 0.0,
+            run_offset_std_dev: settings.run_offset_mps2,
+            run_offset_mps2: 0.0,
+            run: Random::new(seed, Stream::Run),
+            disturbance: Disturbance::new(seed, settings.disturbance_mps2, settings.disturbance_time_s, step_s),
+            slope_mass_kg: settings.slope_share / (accel_per_nm * vehicle.wheel_radius_m),
+            wheel_mass_kg: settings.wheel_mass_kg,
+            brake_accel_per_nm: accel_per_nm,
+        };
+        motion.begin_run();
+        Ok(motion)
+    }
+
+    /// Draws the offset of the run that begins.
+    pub fn begin_run(&mut self) {
+        self.run_offset_mps2 = if self.run_offset_std_dev > 0.0 { self.run_offset_std_dev * self.run.normal() } else { 0.0 };
+    }
+
+    /// Speed now [m/s].
+    pub fn speed_mps(&self) -> f64 {
+        self.speed_mps
+    }
+
+    /// Acceleration at the end of the last step [m/s²].
+    pub fn accel_mps2(&self) -> f64 {
+        self.accel_mps2
+    }
+
+    /// Sets the speed at once [m/s].
+    pub fn set_speed(&mut self, speed_mps: f64) {
+        self.speed_mps = speed_mps;
+        self.accel_mps2 = 0.0;
+    }
+
+    /// Mass on which a slope acts along the wheel [kg].
+    pub fn slope_mass_kg(&self) -> f64 {
+        self.slope_mass_kg
+    }
+
+    /// Inertia of wheel and motor as mass at the rim [kg].
+    pub fn wheel_mass_kg(&self) -> f64 {
+        self.wheel_mass_kg
+    }
+
+    fn way(&self, sign: f64) -> &Way {
+        if sign < 0.0 { self.reverse.as_ref().unwrap_or(&self.forward) } else { &self.forward }
+    }
+
+    /// Direction in which a resting wheel sets off; `None` while it stays.
+    fn departure(&self, load: &Load) -> Option<f64> {
+        let drive_nm = match load.gear {
+            Some(gear) if load.torque.start_nm * gear.sign() > 0.0 => load.torque.start_nm,
+            _ => 0.0,
+        };
+        let net_nm = drive_nm + load.external_nm;
+        let sign = net_nm.signum();
+        (net_nm.abs() > self.way(sign).breakaway_nm + load.brake_nm).then_some(sign)
+    }
+
+    /// Advances one step.
+    #[inline]
+    pub fn step(&mut self, load: &Load) -> SpeedStep {
+        let start_mps = self.speed_mps;
+        let sign = if start_mps == 0.0 {
+            let Some(sign) = self.departure(load) else {
+                self.accel_mps2 = 0.0;
+                return SpeedStep::default();
+            };
+            sign
+        } else {
+            start_mps.signum()
+        };
+        let random_mps2 = self.disturbance.step() + self.run_offset_mps2 - load.brake_nm * self.brake_accel_per_nm;
+        let mut cell = self.cell;
+        let surface = &self.way(sign).surface;
+        let torque = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm].map(|t| sign * (t + load.external_nm));
+        let (along, accel) =
+            runge_kutta(self.step_s, sign * start_mps, |stage, s| surface.accel(&mut cell, s, torque[stage]) + random_mps2);
+        self.cell = cell;
+        if along.end_mps <= 0.0 {
+            self.speed_mps = 0.0;
+            self.accel_mps2 = 0.0;
+            return SpeedStep { start_mps, mid_mps: sign * along.mid_mps.max(0.0), end_mps: 0.0 };
+        }
+        self.speed_mps = sign * along.end_mps;
+        self.accel_mps2 = sign * accel;
+        SpeedStep { start_mps, mid_mps: sign * along.mid_mps, end_mps: self.speed_mps }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::Axis;
+    use crate::sim::drive::TorqueStep;
+
+    /// a = (τ − 8 − 5 v)/13, linear, so that bilinear interpolation is exact.
+    pub(super) fn linear() -> Direction {
+        let speed = Axis::uniform("speed", 0.0, 0.1, 2.0).unwrap();
+        let torque = Axis::uniform("torque", -40.0, 4.0, 40.0).unwrap();
+        let values = torque.breaks().iter().flat_map(|u| speed.breaks().iter().map(move |v| (u - 8.0 - 5.0 * v) / 13.0)).collect();
+        Direction { table: AccelTable::new(speed, torque, values).unwrap(), breakaway_nm: 8.0 }
+    }
+
+    fn settings() -> IdentifiedSettings {
+        IdentifiedSettings {
+            forward: linear(),
+            reverse: None,
+            disturbance_mps2: 0.0,
+            disturbance_time_s: 0.3,
+            run_offset_mps2: 0.0,
+            slope_share: 0.5,
+            wheel_mass_kg: 8.0,
+        }
+    }
+
+    fn motion() -> IdentifiedMotion {
+        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        IdentifiedMotion::new(&settings(), &vehicle, 1e-3, 1).unwrap()
+    }
+
+    fn load(torque_nm: f64, gear: Option<Gear>) -> Load {
+        let torque = TorqueStep { start_nm: torque_nm, mid_nm: torque_nm, end_nm: torque_nm };
+        Load { torque, external_nm: 0.0, brake_nm: 0.0, gear }
+    }
+
+    #[test]
+    fn a_linear_surface_gives_the_analytic_exponential() {
+        let mut motion = motion();
+        for _ in 0..2000 {
+            motion.step(&load(16.0, Some(Gear::Forward)));
+        }
+        let expected = 8.0 / 5.0 * (1.0 - (-5.0 / 13.0 * 2.0_f64).exp());
+        assert!((motion.speed_mps() - expected).abs() < 1e-11, "{} for {expected}", motion.speed_mps());
+    }
+
+    #[test]
+    fn braking_stops_the_wheel_and_never_pushes_it_backwards() {
+        let mut motion = motion();
+        motion.set_speed(0.5);
+        for _ in 0..5000 {
+            let step = motion.step(&load(-40.0, Some(Gear::Forward)));
+            assert!(step.end_mps >= 0.0 && step.mid_mps >= 0.0);
+        }
+        assert_eq!(motion.speed_mps(), 0.0);
+        motion.step(&load(-40.0, Some(Gear::Reverse)));
+        assert!(motion.speed_mps() < 0.0, "the same torque drives in reverse gear");
+    }
+
+    #[test]
+    fn at_rest_torque_below_breakaway_or_in_neutral_moves_nothing() {
+        let mut motion = motion();
+        for (torque, gear) in [(7.99, Some(Gear::Forward)), (-7.99, Some(Gear::Reverse)), (40.0, None)] {
+            for _ in 0..1000 {
+                motion.step(&load(torque, gear));
+            }
+            assert_eq!(motion.speed_mps(), 0.0);
+        }
+    }
+
+    #[test]
+    fn perturbed_friction_and_inertia_change_the_surface_as_the_equation_says() {
+        let perturbed = linear().perturbed(1.2, 1.1);
+        assert!((perturbed.breakaway_nm - 8.8).abs() < 1e-12);
+        let expected = (20.0 - 1.1 * (8.0 + 5.0 * 0.5)) / 13.0 / 1.2;
+        let found = perturbed.table.accel_from_torque(0.5, 20.0).unwrap();
+        assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+    }
+
+    #[test]
+    fn beyond_the_torque_axis_the_surface_goes_on_linearly() {
+        let surface = Surface::new(&linear().table);
+        assert!((surface.accel(&mut Cell::default(), 0.2, 60.0) - (60.0 - 8.0 - 1.0) / 13.0).abs() < 1e-12);
+        let edge = surface.accel(&mut Cell::default(), 2.0, 20.0);
+        assert_eq!(surface.accel(&mut Cell { speed: 3, torque: 2 }, 9.0, 20.0), edge);
+    }
+}

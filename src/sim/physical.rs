@@ -1,0 +1,429 @@
+//! The physical plant: effective inertia, friction, scrub, slope, true stiction.
+//!
+//! At wheel angle δ, with rolling radius r and wheelbase L, the front wheel's rim carries the effective mass
+//! M(δ) = m cos²δ + J sin²δ/L² + J_w/r², and
+//!
+//! M v̇ = [η·τ + τ_ext − sign(v)·(T_f(|v|, δ) + T_brake)]/r,
+//! T_f(s, δ) = T_c + T_scrub sin²δ + (T_s − T_c)/(1 + (s/v_s)²) + b s + c s².
+//!
+//! η differs between driving and braking. At rest the wheel stays exactly at rest while |η·τ + τ_ext| ≤ T_f(0, δ) + T_brake. The friction
+//! curve is Stribeck's in the rational form of Hess & Soom (1990), *Friction at a Lubricated Line Contact Operating at Oscillating Sliding
+//! Velocities*. The change of M while the wheel is being steered is neglected: campaigns and pivots steer at rest.
+
+use super::body::{AngleTerms, SpeedStep};
+use super::error::{Result, within};
+use super::motion::{Load, runge_kutta};
+use super::random::{Disturbance, Random, Stream};
+use crate::map::Vehicle;
+use serde::{Deserialize, Serialize};
+
+/// Settings of the physical plant. Torques are at the wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PhysicalSettings {
+    /// Mass m of the vehicle [kg].
+    pub mass_kg: f64,
+    /// Moment of inertia J about the vertical axis through the rear axle's middle [kg·m²].
+    pub yaw_inertia_kgm2: f64,
+    /// Moment of inertia J_w of wheel, gear and motor at the wheel [kg·m²].
+    pub wheel_inertia_kgm2: f64,
+    /// Coulomb friction T_c [N·m].
+    pub coulomb_nm: f64,
+    /// Friction at standstill T_s [N·m], at least T_c; with the scrub torque this is what breakaway takes.
+    pub static_nm: f64,
+    /// Speed v_s over which static friction fades [m/s].
+    pub stribeck_speed_mps: f64,
+    /// Viscous friction b [N·m per m/s].
+    pub viscous_nm_s_m: f64,
+    /// Quadratic friction c [N·m per (m/s)²].
+    pub quadratic_nm_s2_m2: f64,
+    /// Torque by which the tyres scrub at 90° [N·m].
+    pub scrub_nm: f64,
+    /// Share η of the torque that arrives when driving.
+    pub drive_efficiency: f64,
+    /// The same when braking; above 1 where the transmission's losses help to brake.
+    pub brake_efficiency: f64,
+    /// Friction in reverse over friction forward.
+    pub reverse_friction_factor: f64,
+    /// Largest mechanical power of the drive [W]; without it unlimited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power_limit_w: Option<f64>,
+    /// Part of the effective mass on which a slope acts along the wheel, 0 to 1: for a pivot the centre of mass's distance from the rear axle
+    /// over the wheelbase.
+    pub slope_share: f64,
+    /// Standard deviation of friction from run to run, as a share (warm-up, floor, battery).
+    pub friction_spread: f64,
+    /// Standard deviation of the slow disturbance while moving [N·m].
+    pub disturbance_nm: f64,
+    /// Its time constant [s].
+    pub disturbance_time_s: f64,
+}
+
+impl Default for PhysicalSettings {
+    /// A scrubber of 110 kg effective at 90°, breakaway near 8 N·m, without anything random.
+    fn default() -> Self {
+        Self {
+            mass_kg: 190.0,
+            yaw_inertia_kgm2: 84.0,
+            wheel_inertia_kgm2: 0.09,
+            coulomb_nm: 3.6,
+            static_nm: 5.2,
+            stribeck_speed_mps: 0.06,
+            viscous_nm_s_m: 5.0,
+            quadratic_nm_s2_m2: 1.2,
+            scrub_nm: 2.4,
+            drive_efficiency: 0.95,
+            brake_efficiency: 1.03,
+            reverse_friction_factor: 1.04,
+            power_limit_w: None,
+            slope_share: 0.5,
+            friction_spread: 0.0,
+            disturbance_nm: 0.0,
+            disturbance_time_s: 0.3,
+        }
+    }
+}
+
+impl PhysicalSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first field out of its range.
+    pub fn check(&self) -> Result<()> {
+        let torque = 0.0..=1e5;
+        within("motion.mass_kg", self.mass_kg, 1.0..=1e5, "1 to 1e5")?;
+        within("motion.yaw_inertia_kgm2", self.yaw_inertia_kgm2, 1e-3..=1e6, "0.001 to 1e6")?;
+        within("motion.wheel_inertia_kgm2", self.wheel_inertia_kgm2, 1e-6..=1e4, "1e-6 to 1e4")?;
+        within("motion.coulomb_nm", self.coulomb_nm, torque.clone(), "0 to 1e5")?;
+        within("motion.static_nm", self.static_nm, self.coulomb_nm..=1e5, "coulomb_nm to 1e5")?;
+        within("motion.stribeck_speed_mps", self.stribeck_speed_mps, 1e-3..=10.0, "0.001 to 10")?;
+        within("motion.viscous_nm_s_m", self.viscous_nm_s_m, torque.clone(), "0 to 1e5")?;
+        within("motion.quadratic_nm_s2_m2", self.quadratic_nm_s2_m2, torque.clone(), "0 to 1e5")?;
+        within("motion.scrub_nm", self.scrub_nm, torque.clone(), "0 to 1e5")?;
+        within("motion.drive_efficiency", self.drive_efficiency, 0.1..=1.5, "0.1 to 1.5")?;
+        within("motion.brake_efficiency", self.brake_efficiency, 0.1..=2.0, "0.1 to 2")?;
+        within("motion.reverse_friction_factor", self.reverse_friction_factor, 0.1..=10.0, "0.1 to 10")?;
+        within("motion.power_limit_w", self.power_limit_w.unwrap_or(1.0), 1e-3..=1e7, "0.001 to 1e7")?;
+        within("motion.slope_share", self.slope_share, 0.0..=1.0, "0 to 1")?;
+        within("motion.friction_spread", self.friction_spread, 0.0..=0.5, "0 to 0.5")?;
+        within("motion.disturbance_nm", self.disturbance_nm, torque, "0 to 1e5")?;
+        within("motion.disturbance_time_s", self.disturbance_time_s, 1e-3..=1e4, "0.001 to 1e4")
+    }
+}
+
+/// The plant's constants: everything but its state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plant {
+    settings: PhysicalSettings,
+    radius_m: f64,
+    yaw_mass_kg: f64,
+    wheel_mass_kg: f64,
+    per_stribeck2: f64,
+    power_nm_mps: f64,
+}
+
+/// What depends on the wheel angle.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct AtAngle {
+    /// 1/(M r) [m/s² per N·m].
+    accel_per_nm: f64,
+    /// T_c + T_scrub sin²δ [N·m].
+    coulomb_nm: f64,
+}
+
+/// Direction of motion and its friction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    /// +1 forward, −1 in reverse.
+    pub(super) sign: f64,
+    /// Factor on all friction.
+    pub(super) friction: f64,
+}
+
+impl Plant {
+    pub(super) fn new(settings: &PhysicalSettings, vehicle: &Vehicle) -> Result<Self> {
+        settings.check()?;
+        let vehicle = vehicle.checked()?;
+        let radius_m = vehicle.wheel_radius_m;
+        Ok(Self {
+            settings: *settings,
+            radius_m,
+            yaw_mass_kg: settings.yaw_inertia_kgm2 / vehicle.wheelbase_m.powi(2),
+            wheel_mass_kg: settings.wheel_inertia_kgm2 / radius_m.powi(2),
+            per_stribeck2: settings.stribeck_speed_mps.powi(-2),
+            power_nm_mps: settings.power_limit_w.map_or(f64::INFINITY, |power| power * radius_m),
+        })
+    }
+
+    /// M(δ) [kg].
+    pub(super) fn effective_mass_kg(&self, sin: f64, cos: f64) -> f64 {
+        self.settings.mass_kg * cos * cos + self.yaw_mass_kg * sin * sin + self.wheel_mass_kg
+    }
+
+    pub(super) fn at_angle(&self, sin: f64, cos: f64) -> AtAngle {
+        AtAngle {
+            accel_per_nm: 1.0 / (self.effective_mass_kg(sin, cos) * self.radius_m),
+            coulomb_nm: self.settings.coulomb_nm + self.settings.scrub_nm * sin * sin,
+        }
+    }
+
+    pub(super) fn way(&self, sign: f64, run_factor: f64) -> Way {
+        let friction = if sign < 0.0 { self.settings.reverse_friction_factor } else { 1.0 };
+        Way { sign, friction: friction * run_factor }
+    }
+
+    /// Torque that arrives at the wheel [N·m] at speed `s` ≥ 0 along `way`.
+    #[inline]
+    pub(super) fn arriving_nm(&self, way: Way, s: f64, torque_nm: f64) -> f64 {
+        if torque_nm * way.sign >= 0.0 {
+            let most = if s > 0.0 { self.power_nm_mps / s } else { f64::INFINITY };
+            self.settings.drive_efficiency * torque_nm.clamp(-most, most)
+        } else {
+            self.settings.brake_efficiency * torque_nm
+        }
+    }
+
+    /// T_f [N·m] at speed `s` ≥ 0.
+    #[inline]
+    pub(super) fn friction_nm(&self, at: AtAngle, way: Way, s: f64) -> f64 {
+        let p = &self.settings;
+        let fading = (p.static_nm - p.coulomb_nm) / (1.0 + s * s * self.per_stribeck2);
+        way.friction * (at.coulomb_nm + fading + (p.viscous_nm_s_m + p.quadratic_nm_s2_m2 * s) * s)
+    }
+
+    /// v̇ [m/s²] while moving along `way`, vehicle frame.
+    #[inline]
+    pub(super) fn accel(&self, at: AtAngle, way: Way, speed_mps: f64, torque_nm: f64, external_nm: f64, brake_nm: f64) -> f64 {
+        // a stage of the integrator may look a little past a stop
+        let s = (speed_mps * way.sign).max(0.0);
+        let friction = self.friction_nm(at, way, s) + brake_nm;
+        at.accel_per_nm * (self.arriving_nm(way, s, torque_nm) + external_nm - way.sign * friction)
+    }
+}
+
+/// The physical plant's state.
+#[derive(Debug, Clone)]
+pub struct PhysicalMotion {
+    plant: Plant,
+    step_s: f64,
+    at: [AtAngle; 3],
+    speed_mps: f64,
+    accel_mps2: f64,
+    run_factor: f64,
+    run: Random,
+    disturbance: Disturbance,
+}
+
+impl PhysicalMotion {
+    /// At rest, wheel straight ahead.
+    ///
+    /// # Errors
+    /// A setting out of its range.
+    pub fn new(settings: &PhysicalSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
+        let plant = Plant::new(settings, vehicle)?;
+        let mut motion = Self {
+            plant,
+            step_s,
+            at: [plant.at_angle(0.0, 1.0); 3],
+            speed_mps: 0.0,
+            accel_mps2: 0.0,
+            run_factor: 1.0,
+            run: Random::new(seed, Stream::Run),
+            disturbance: Disturbance::new(seed, settings.disturbance_nm, settings.disturbance_time_s, step_s),
+        };
+        motion.begin_run();
+        Ok(motion)
+    }
+
+    /// Draws the friction of the run that begins (never below a fifth of the nominal).
+    pub fn begin_run(&mut self) {
+        let spread = self.plant.settings.friction_spread;
+        self.run_factor = if spread > 0.0 { (1.0 + spread * self.run.normal()).max(0.2) } else { 1.0 };
+    }
+
+    /// Speed now [m/s].
+    pub fn speed_mps(&self) -> f64 {
+        self.speed_mps
+    }
+
+    /// Acceleration at the end of the last step [m/s²].
+    pub fn accel_mps2(&self) -> f64 {
+        self.accel_mps2
+    }
+
+    /// Sets the speed at once [m/s].
+    pub fn set_speed(&mut self, speed_mps: f64) {
+        self.speed_mps = speed_mps;
+        self.accel_mps2 = 0.0;
+    }
+
+    /// Takes over the wheel angle at start, middle and end of the steps to come.
+    pub fn set_angle(&mut self, angle: &AngleTerms) {
+        for (at, (sin, cos)) in self.at.iter_mut().zip(angle.sin.into_iter().zip(angle.cos)) {
+            *at = self.plant.at_angle(sin, cos);
+        }
+    }
+
+    /// Mass on which a slope acts along the wheel [kg].
+    pub fn slope_mass_kg(&self) -> f64 {
+        self.plant.settings.slope_share * self.plant.effective_mass_kg(1.0, 0.0)
+    }
+
+    /// Inertia of wheel and motor as mass at the rim [kg].
+    pub fn wheel_mass_kg(&self) -> f64 {
+        self.plant.wheel_mass_kg
+    }
+
+    /// Advances one step.
+    #[inline]
+    pub fn step(&mut self, load: &Load) -> SpeedStep {
+        let start_mps = self.speed_mps;
+        let mut external_nm = load.external_nm;
+        let sign = if start_mps == 0.0 {
+            // at rest: the wheel moves only when the torque beats static friction
+            let torque = load.torque.start_nm;
+            let toward = self.plant.way((torque + external_nm).signum(), self.run_factor);
+            let net = self.plant.arriving_nm(toward, 0.0, torque) + external_nm;
+            if net.abs() <= self.plant.friction_nm(self.at[0], toward, 0.0) + load.brake_nm {
+                self.accel_mps2 = 0.0;
+                return SpeedStep::default();
+            }
+            net.signum()
+        } else {
+            start_mps.signum()
+        };
+        external_nm += self.disturbance.step();
+        let way = self.plant.way(sign, self.run_factor);
+        let torque = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm];
+        let (mut speed, accel_mps2) = runge_kutta(self.step_s, start_mps, |stage, v| {
+            self.plant.accel(self.at[stage], way, v, torque[stage], external_nm, load.brake_nm)
+        });
+        self.accel_mps2 = accel_mps2;
+        if speed.end_mps * sign <= 0.0 {
+            // it came to rest inside the step; whether it starts the other way is the next step's question
+            speed.end_mps = 0.0;
+            speed.mid_mps = if speed.mid_mps * sign <= 0.0 { 0.0 } else { speed.mid_mps };
+            self.accel_mps2 = 0.0;
+        }
+        self.speed_mps = speed.end_mps;
+        speed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::sim::drive::TorqueStep;
+
+    const STEP_S: f64 = 1e-3;
+
+    fn vehicle() -> Vehicle {
+        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }
+    }
+
+    fn motion(settings: &PhysicalSettings, step_s: f64) -> PhysicalMotion {
+        let mut motion = PhysicalMotion::new(settings, &vehicle(), step_s, 1).unwrap();
+        motion.set_angle(&AngleTerms::fixed(std::f64::consts::FRAC_PI_2));
+        motion
+    }
+
+    fn load(torque_nm: f64) -> Load {
+        let torque = TorqueStep { start_nm: torque_nm, mid_nm: torque_nm, end_nm: torque_nm };
+        Load { torque, external_nm: 0.0, brake_nm: 0.0, gear: None }
+    }
+
+    #[test]
+    fn below_breakaway_the_wheel_does_not_creep_at_all() {
+        let settings = PhysicalSettings::default();
+        let breakaway_nm = (settings.static_nm + settings.scrub_nm) / settings.drive_efficiency;
+        let mut motion = motion(&settings, STEP_S);
+        for torque_nm in [breakaway_nm * 0.999, -breakaway_nm * 0.999 * settings.reverse_friction_factor] {
+            for _ in 0..60_000 {
+                motion.step(&load(torque_nm));
+            }
+            assert_eq!(motion.speed_mps(), 0.0, "a minute at {torque_nm} N·m");
+        }
+        motion.step(&load(breakaway_nm * 1.001));
+        assert!(motion.speed_mps() > 0.0);
+    }
+
+    #[test]
+    fn a_coasting_vehicle_stops_and_stays_stopped() {
+        let mut motion = motion(&PhysicalSettings::default(), STEP_S);
+        motion.set_speed(-0.6);
+        for _ in 0..5000 {
+            motion.step(&load(0.0));
+        }
+        assert_eq!(motion.speed_mps(), 0.0);
+    }
+
+    #[test]
+    fn work_in_is_kinetic_energy_plus_friction_work() {
+        let settings = PhysicalSettings { friction_spread: 0.05, disturbance_nm: 0.0, ..PhysicalSettings::default() };
+        let mut motion = motion(&settings, STEP_S);
+        let mass_kg = motion.plant.effective_mass_kg(1.0, 0.0);
+        let (mut work_j, mut friction_j) = (0.0, 0.0);
+        let way = motion.plant.way(1.0, motion.run_factor);
+        for k in 0..6000 {
+            let torque = if k < 3000 { 30.0 } else { 12.0 };
+            let step = motion.step(&load(torque));
+            let power = |v: f64| motion.plant.arriving_nm(way, v, torque) * v / 0.12;
+            let loss = |v: f64| motion.plant.friction_nm(motion.at[0], way, v) * v / 0.12;
+            let simpson = |f: &dyn Fn(f64) -> f64| STEP_S * (f(step.start_mps) + 4.0 * f(step.mid_mps) + f(step.end_mps)) / 6.0;
+            work_j += simpson(&power);
+            friction_j += simpson(&loss);
+        }
+        let kinetic_j = 0.5 * mass_kg * motion.speed_mps().powi(2);
+        // three independent sums: the trapezoid of each step's energies agrees to the integrator's error
+        assert!(work_j > 50.0 && (work_j - friction_j - kinetic_j).abs() < 1e-8 * work_j, "{work_j} {friction_j} {kinetic_j}");
+    }
+
+    #[test]
+    fn with_viscous_friction_alone_the_speed_is_the_analytic_exponential() {
+        let settings = PhysicalSettings {
+            coulomb_nm: 0.0,
+            static_nm: 0.0,
+            scrub_nm: 0.0,
+            quadratic_nm_s2_m2: 0.0,
+            drive_efficiency: 1.0,
+            ..PhysicalSettings::default()
+        };
+        let mut motion = motion(&settings, STEP_S);
+        let mass_kg = motion.plant.effective_mass_kg(1.0, 0.0);
+        for _ in 0..2000 {
+            motion.step(&load(10.0));
+        }
+        let rate = settings.viscous_nm_s_m / (mass_kg * 0.12);
+        let expected = 10.0 / settings.viscous_nm_s_m * (1.0 - (-rate * 2.0).exp());
+        assert!((motion.speed_mps() - expected).abs() < 1e-12, "{} for {expected}", motion.speed_mps());
+    }
+
+    #[test]
+    fn halving_the_step_divides_the_speed_error_by_sixteen() {
+        let speed_after_2_s = |steps: u32| {
+            let step_s = 2.0 / f64::from(steps);
+            let mut motion = motion(&PhysicalSettings { stribeck_speed_mps: 0.2, ..PhysicalSettings::default() }, step_s);
+            motion.set_speed(0.05);
+            for k in 0..steps {
+                let torque = |part: f64| 25.0 + 10.0 * (4.0 * (f64::from(k) + part) * step_s).sin();
+                let torque = TorqueStep { start_nm: torque(0.0), mid_nm: torque(0.5), end_nm: torque(1.0) };
+                motion.step(&Load { torque, ..load(0.0) });
+            }
+            motion.speed_mps()
+        };
+        let exact = speed_after_2_s(20_000);
+        let error = |steps| (speed_after_2_s(steps) - exact).abs();
+        let (coarse, fine, finest) = (error(80), error(160), error(320));
+        for order in [(coarse / fine).log2(), (fine / finest).log2()] {
+            assert!((3.6..4.6).contains(&order), "order {order}: errors {coarse:e} {fine:e} {finest:e}");
+        }
+    }
+
+    #[test]
+    fn an_impossible_setting_is_named_with_what_is_allowed() {
+        let settings = PhysicalSettings { static_nm: 1.0, ..PhysicalSettings::default() };
+        let error = PhysicalMotion::new(&settings, &vehicle(), STEP_S, 1).unwrap_err();
+        assert_eq!(error.to_string(), "motion.static_nm is 1; allowed: coulomb_nm to 1e5");
+    }
+}

@@ -1,0 +1,144 @@
+//! A vehicle's TOML file: geometry, drive, plant, steering, sensors.
+
+use super::drive::DriveSettings;
+use super::error::{Error, Result};
+use super::motion::MotionSettings;
+use super::physical::PhysicalSettings;
+use super::sensors::SensorSettings;
+use super::settings::{DEFAULT_STEP_S, Settings};
+use super::steering::SteeringSettings;
+use super::truth::Truth;
+use super::world::World;
+use crate::map::Vehicle;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+/// A physical vehicle as its file describes it. Sections left out have their defaults, except `[vehicle]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VehicleFile {
+    /// Time step of the simulation [s]. Default 0.001.
+    #[serde(default = "default_step_s")]
+    pub step_s: f64,
+    /// Geometry, test angle and torque limit.
+    pub vehicle: Vehicle,
+    /// The drive.
+    #[serde(default)]
+    pub drive: DriveSettings,
+    /// The plant.
+    #[serde(default)]
+    pub motion: PhysicalSettings,
+    /// The steering.
+    #[serde(default)]
+    pub steering: SteeringSettings,
+    /// The sensors.
+    #[serde(default)]
+    pub sensors: SensorSettings,
+}
+
+fn default_step_s() -> f64 {
+    DEFAULT_STEP_S
+}
+
+impl VehicleFile {
+    /// Reads the TOML text and checks every number.
+    ///
+    /// # Errors
+    /// Text that is not TOML, an unknown key (with the nearest known one), a value of another type or out of its range.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let file: Self = from_toml(text)?;
+        World::new(&file.settings(), 0)?;
+        Ok(file)
+    }
+
+    /// Settings of a world with this vehicle.
+    pub fn settings(&self) -> Settings {
+        Settings {
+            step_s: self.step_s,
+            vehicle: self.vehicle,
+            drive: self.drive,
+            motion: MotionSettings::Physical(self.motion),
+            steering: self.steering,
+            sensors: self.sensors,
+        }
+    }
+
+    /// The exact map of this vehicle.
+    ///
+    /// # Errors
+    /// A setting out of its range.
+    pub fn truth(&self) -> Result<Truth> {
+        Truth::new(&self.motion, &self.vehicle)
+    }
+}
+
+/// Reads TOML; an error tells the line, what was found, what is allowed, and for a misspelt name the nearest one.
+///
+/// # Errors
+/// As told.
+pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T> {
+    toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+        let message = error.message().to_owned();
+        // serde's wording: unknown field `x`, expected one of `a`, `b`
+        let mut names = message.split('`').skip(1).step_by(2);
+        let nearest =
+            if message.starts_with("unknown ") { names.next().and_then(|found| nearest(found, names)).map(str::to_owned) } else { None };
+        Error::Toml { line, message, nearest }
+    })
+}
+
+/// The candidate fewest edits away from `found`, if at most half of its letters differ.
+fn nearest<'a>(found: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    candidates
+        .map(|candidate| (edits(found, candidate), candidate))
+        .filter(|&(distance, candidate)| 2 * distance <= candidate.len().max(found.len()))
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein distance: insertions, deletions and substitutions from one word to the other.
+fn edits(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (i, a) in from.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, &b) in to.iter().enumerate() {
+            let substituted = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const SHORT: &str = "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.12\n";
+
+    #[test]
+    fn a_short_file_has_the_defaults() {
+        let file = VehicleFile::from_toml(SHORT).unwrap();
+        assert_eq!(file.motion, PhysicalSettings::default());
+        assert_eq!(file.vehicle.test_angle_deg, 90.0);
+        assert_eq!(file.settings().step_s, 1e-3);
+    }
+
+    #[test]
+    fn a_misspelt_key_is_told_with_its_line_and_the_nearest_one() {
+        let error = VehicleFile::from_toml(&format!("{SHORT}[drive]\nlag_s = 0.05\ndeadtime_s = 0.05\n")).unwrap_err().to_string();
+        assert!(error.starts_with("line 6: unknown field `deadtime_s`") && error.ends_with("did you mean `dead_time_s`?"), "{error}");
+        let error = VehicleFile::from_toml(&format!("{SHORT}[sensors.gyroo]\n")).unwrap_err().to_string();
+        assert!(error.ends_with("did you mean `gyro`?"), "{error}");
+    }
+
+    #[test]
+    fn a_value_of_another_type_or_out_of_range_is_told() {
+        let error = VehicleFile::from_toml(&format!("{SHORT}[drive]\nlag_s = \"fast\"\n")).unwrap_err().to_string();
+        assert!(error.starts_with("line 5: invalid type: string \"fast\", expected f64"), "{error}");
+        let error = VehicleFile::from_toml(&format!("{SHORT}[drive]\nlag_s = -1\n")).unwrap_err().to_string();
+        assert_eq!(error, "drive.lag_s is -1; allowed: 0 to 2");
+    }
+}

@@ -1,0 +1,34 @@
+//! The verdict: does a map work, in closed loop, on the vehicle that it was made for?
+//!
+//! In: [`Maps`], the `table2.csv` that will be deployed with the JSON files that belong to it, and [`Settings`]. Out: [`Verdict`]. Pivots are
+//! driven by the bundled controller on the plant that Table 1 identified, as it is and perturbed (Monte Carlo); failures are provoked; every
+//! measured cell makes the round trip Table 1 → Table 2 → Table 1; and other laws drive beside the map. A gate of documented limits decides.
+
+mod draws;
+mod error;
+mod gate;
+mod judge;
+mod known;
+mod laws;
+mod maps;
+mod metric;
+mod plant;
+mod region;
+mod round_trip;
+mod run;
+mod scenario;
+mod verdict;
+
+pub use draws::Spread;
+pub use error::{Error, Result};
+pub use gate::{Check, Gate, Limit};
+pub use judge::{Settings, replay, verify};
+pub use known::known_maps;
+pub use maps::Maps;
+pub use metric::{Metric, Statistic, Summary, Values};
+pub use plant::Plant;
+pub use region::Region;
+pub use round_trip::{RoundTrip, RoundTripLimit, Worst, round_trip};
+pub use run::Moment;
+pub use scenario::{Class, Disturbance, Expected, Onset, Scenario};
+pub use verdict::{Comparison, ConventionalGains, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};

@@ -1,0 +1,40 @@
+//! Why a map cannot be judged at all. A map that is judged and found bad is a verdict, not an error.
+
+use crate::map::Gear;
+use std::path::PathBuf;
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a map cannot be judged.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("{}: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    File { path: PathBuf, source: crate::map::Error },
+    #[error(
+        "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it was edited, or belongs to another map; \
+         run `pivot-cal invert` again, or go on with --force",
+        path.display(), by.display()
+    )]
+    Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
+    #[error("there is no {gear} map at {angle_deg}° in {table}; it has {found}")]
+    NoMap { gear: Gear, angle_deg: f64, table: &'static str, found: String },
+    #[error("there is no scenario {found:?}; nearest: {nearest} (all: pivot-cal verify --list)")]
+    NoScenario { found: String, nearest: String },
+    #[error("the gate cannot be read: {0}")]
+    Gate(#[from] toml::de::Error),
+    #[error("the gate's limit on {metric:?} has to have one of at_most and at_least, and a number there")]
+    GateLimit { metric: String },
+    #[error(transparent)]
+    Map(#[from] crate::map::Error),
+    #[error("the plant cannot be simulated: {0}")]
+    Sim(#[from] crate::sim::Error),
+    #[error("the controller cannot be set up: {0}")]
+    Control(#[from] crate::control::Error),
+    #[error("the verdict cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}

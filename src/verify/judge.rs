@@ -1,0 +1,233 @@
+//! Runs the scenarios and the comparison, applies the gate, and puts the verdict together.
+
+use super::draws::{Spread, draws};
+use super::gate::Gate;
+use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law};
+use super::metric::{Metric, Statistic, Summary, Values};
+use super::plant::Plant;
+use super::region::Region;
+use super::round_trip::{RoundTrip, round_trip};
+use super::run::{Bench, Moment, run};
+use super::scenario::Scenario;
+use super::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
+use super::{Maps, Result};
+use crate::control::{self, DriveLaw, HeadingLaw, WaypointLaw, WaypointLawSettings};
+use crate::map::FORMAT_VERSION;
+use crate::sim;
+use rayon::prelude::*;
+
+/// How a map is verified.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// The scenarios. Default all.
+    pub scenarios: Vec<Scenario>,
+    /// Perturbed plants per scenario. Default 200: the 99th percentile then rests on the two worst.
+    pub draws: usize,
+    /// Perturbed plants in the comparison. Default 20; 0 leaves the comparison out.
+    pub comparison_draws: usize,
+    /// How far they are perturbed.
+    pub spread: Spread,
+    /// Seed of everything random. Default 1.
+    pub seed: u64,
+    /// The limits.
+    pub gate: Gate,
+    /// The plant; `None`, the default, is the one that Table 1 identified.
+    pub plant: Option<sim::Settings>,
+}
+
+impl Settings {
+    /// The defaults.
+    ///
+    /// # Errors
+    /// None in practice: the built-in gate is read.
+    pub fn new() -> Result<Self> {
+        Ok(Self {
+            scenarios: Scenario::all(),
+            draws: 200,
+            comparison_draws: 20,
+            spread: Spread::default(),
+            seed: 1,
+            gate: Gate::with(None)?,
+            plant: None,
+        })
+    }
+}
+
+/// Everything that a scenario is run with.
+struct Stage<'a> {
+    maps: &'a Maps,
+    control: control::Settings,
+    law: WaypointLawSettings,
+    region: Region,
+    plant: sim::Settings,
+    exact: Plant,
+}
+
+impl<'a> Stage<'a> {
+    fn new(maps: &'a Maps, plant: Option<&sim::Settings>) -> Result<Self> {
+        let plant = plant.map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
+        let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
+        let exact = Plant::new(&plant)?;
+        Ok(Self { maps, control, law: law_settings(maps), region: Region::new(&maps.table2), plant, exact })
+    }
+
+    fn bench(&self) -> Bench<'_> {
+        Bench {
+            control: &self.control,
+            period_s: self.law.period_s,
+            torque_limit_nm: self.maps.torque_limit_nm(),
+            breakaway_nm: self.exact.breakaway_nm(),
+            region: &self.region,
+        }
+    }
+}
+
+/// Judges a map.
+///
+/// # Errors
+/// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
+pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
+    let stage = Stage::new(maps, settings.plant.as_ref())?;
+    let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
+    let trips = round_trip(maps, &settings.gate.round_trip)?;
+    let scenarios = judge_scenarios(&stage, settings, &varied)?;
+    let comparison = if settings.comparison_draws > 0 { Some(compare(&stage, settings, &varied)?) } else { None };
+    let notes = notes(maps, &trips, &scenarios);
+    let good = !trips.is_empty() && trips.iter().all(|t| t.pass) && scenarios.iter().all(|s| s.status != Status::Fail);
+    let kind = if matches!(stage.plant.motion, sim::MotionSettings::Physical(_)) { "physical" } else { "identified" };
+    Ok(Verdict {
+        format: FORMAT.to_owned(),
+        format_version: FORMAT_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        status: if good { Status::Pass } else { Status::Fail },
+        notes,
+        table2_csv_sha256: maps.csv_sha256.clone(),
+        forced: maps.forced.clone(),
+        plant: PlantSummary {
+            kind: kind.to_owned(),
+            dead_time_s: stage.plant.drive.dead_time_s,
+            lag_s: stage.plant.drive.lag_s,
+            torque_limit_nm: stage.plant.drive.torque_limit_nm,
+            breakaway_nm: stage.exact.breakaway_nm(),
+        },
+        draws: settings.draws,
+        comparison_draws: settings.comparison_draws,
+        seed: settings.seed,
+        spread: settings.spread,
+        controller: serde_json::json!({ "modules": stage.control, "drive_law": stage.law }),
+        round_trip_limit: settings.gate.round_trip.clone(),
+        limits: settings.gate.limits.clone(),
+        round_trip: trips,
+        scenarios,
+        comparison,
+    })
+}
+
+/// Runs one scenario on the nominal plant, as [`verify`] does, and shows every control period to `record`.
+///
+/// # Errors
+/// As [`verify`].
+pub fn replay(maps: &Maps, settings: &Settings, scenario: &Scenario, mut record: impl FnMut(&Moment)) -> Result<Values> {
+    let stage = Stage::new(maps, settings.plant.as_ref())?;
+    run(&stage.bench(), scenario, &stage.plant, map_law(maps, &stage.law), settings.seed, &mut record)
+}
+
+/// Nominal run and draws of a law over one scenario.
+fn run_all<L: DriveLaw>(
+    stage: &Stage<'_>,
+    scenario: &Scenario,
+    varied: &[(sim::Settings, u64)],
+    seed: u64,
+    law: impl Fn() -> L + Sync,
+) -> Result<Vec<Summary>> {
+    let bench = stage.bench();
+    let nominal = run(&bench, scenario, &stage.plant, law(), seed, |_| {})?;
+    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| run(&bench, scenario, plant, law(), *seed, |_| {})).collect();
+    let runs = runs?;
+    Ok(Metric::ALL.into_iter().filter_map(|metric| Summary::new(metric, &nominal, &runs)).collect())
+}
+
+fn judge_scenarios(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Settings, u64)]) -> Result<Vec<ScenarioVerdict>> {
+    let varied = &varied[..settings.draws.min(varied.len())];
+    settings
+        .scenarios
+        .par_iter()
+        .map(|scenario| {
+            let mut verdict = ScenarioVerdict {
+                name: scenario.name.clone(),
+                what: scenario.what.clone(),
+                class: scenario.class,
+                status: Status::NotTested,
+                notes: Vec::new(),
+                metrics: Vec::new(),
+                checks: Vec::new(),
+            };
+            if scenario.needs_reverse() && stage.maps.reverse.is_none() {
+                verdict.notes.push("not tested: there is no reverse table".to_owned());
+                return Ok(verdict);
+            }
+            if scenario.assumes_symmetry() {
+                verdict.notes.push("symmetry assumed: the table was measured with the wheel to the left".to_owned());
+            }
+            verdict.metrics = run_all(stage, scenario, varied, settings.seed, || map_law(stage.maps, &stage.law))?;
+            verdict.checks = settings.gate.check(scenario.class, &verdict.metrics);
+            verdict.status = if verdict.checks.iter().all(|c| c.pass) { Status::Pass } else { Status::Fail };
+            Ok(verdict)
+        })
+        .collect()
+}
+
+/// The scenario that the comparison drives.
+const COMPARED: &str = "left-90";
+
+fn compare(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Settings, u64)]) -> Result<Comparison> {
+    let varied = &varied[..settings.comparison_draws.min(varied.len())];
+    let all = Scenario::all();
+    let scenario = all.iter().find(|s| s.name == COMPARED).unwrap_or(&all[0]);
+    let gain = constant_gain(stage.maps, stage.maps.torque_limit_nm());
+    let tuned = tuned_heading_law(&stage.bench(), scenario, &stage.plant, &stage.law, gain)?;
+    let seed = settings.seed;
+    let map = run_all(stage, scenario, varied, seed, || map_law(stage.maps, &stage.law))?;
+    let perfect = run_all(stage, scenario, varied, seed, || WaypointLaw::new(stage.law, &stage.exact))?;
+    let constant = run_all(stage, scenario, varied, seed, || WaypointLaw::new(stage.law, gain))?;
+    let conventional = run_all(stage, scenario, varied, seed, || HeadingLaw::new(tuned))?;
+    let ratio = |metric: Metric, other: &[Summary]| {
+        let median = |of: &[Summary]| of.iter().find(|s| s.metric == metric).and_then(|s| s.figure(Statistic::Median));
+        Some(median(&map)? / median(other)?).filter(|r| r.is_finite())
+    };
+    let (start_jerk_ratio, speed_rms_ratio) = (ratio(Metric::StartJerkMps3, &conventional), ratio(Metric::SpeedRmsMps, &perfect));
+    let law = |name: &str, metrics| LawSummary { name: name.to_owned(), metrics };
+    Ok(Comparison {
+        scenario: scenario.name.clone(),
+        laws: vec![law("map", map), law("perfect inverse", perfect), law("constant gain", constant), law("conventional", conventional)],
+        constant_gain_nm_per_mps2: gain.gain_nm_per_mps2,
+        conventional: (&tuned).into(),
+        start_jerk_ratio,
+        speed_rms_ratio,
+    })
+}
+
+fn notes(maps: &Maps, trips: &[RoundTrip], scenarios: &[ScenarioVerdict]) -> Vec<String> {
+    let mut notes = maps.forced.clone();
+    if trips.is_empty() {
+        notes.push("no gear has both a Table 1 and a Table 2 at the test angle: no round trip".to_owned());
+    }
+    for trip in trips.iter().filter(|t| !t.pass) {
+        notes.push(match &trip.worst {
+            Some(w) => format!(
+                "{} gear: {} of {} places do not survive the round trip; worst at {} m/s, {} m/s²: {:.2} N·m instead of {:.2} N·m",
+                trip.gear, trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
+            ),
+            None => format!("{} gear: Table 1 has no measured cell that Table 2 covers", trip.gear),
+        });
+    }
+    let named = |status: Status| scenarios.iter().filter(|s| s.status == status).map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
+    let (failed, untested) = (named(Status::Fail), named(Status::NotTested));
+    if !failed.is_empty() {
+        notes.push(format!("failed: {failed}"));
+    }
+    if !untested.is_empty() {
+        notes.push(format!("not tested, since there is no reverse table: {untested}"));
+    }
+    notes
+}

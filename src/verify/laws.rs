@@ -1,0 +1,100 @@
+//! The laws that are run: the map under test, and beside it what it is compared with.
+
+use super::metric::{Metric, Values};
+use super::run::{Bench, run};
+use super::scenario::Scenario;
+use super::{Maps, Result};
+use crate::control::{
+    ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
+};
+use crate::map::CellStatus;
+use crate::sim;
+use crate::units::RAD_PER_DEG;
+use rayon::prelude::*;
+
+/// The law of the map under test.
+pub(super) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
+    WaypointLaw::new(*settings, Tables { forward: &maps.forward, reverse: maps.reverse.as_ref(), policy: OutsidePolicy::Clamp })
+}
+
+/// The gain that somebody without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
+/// accelerate.
+pub(super) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
+    let (mut torque_accel, mut accel_accel) = (0.0, 0.0);
+    for map in &maps.table1.maps {
+        for (i, &torque_nm) in map.torque_nm.iter().enumerate() {
+            for (j, &accel) in map.accel_mps2[i].iter().enumerate() {
+                if map.status[i][j] == CellStatus::Measured && accel > 0.0 {
+                    torque_accel += torque_nm * accel;
+                    accel_accel += accel * accel;
+                }
+            }
+        }
+    }
+    let gain_nm_per_mps2 = if accel_accel > 0.0 { torque_accel / accel_accel } else { limit_nm };
+    ConstantGain { gain_nm_per_mps2, limit_nm }
+}
+
+/// Heading gains Kp [m/s per rad], Ki, Kd, and speed-loop gains Kp [1/s], Ki [1/s²] that the search goes through.
+const SEARCH: [&[f64]; 5] = [&[0.6, 0.9, 1.3, 1.8, 2.5], &[0.0, 0.2], &[0.0, 0.15, 0.3], &[2.0, 4.0, 8.0], &[0.5, 2.0, 6.0]];
+
+/// Largest heading error and overshoot that tuned gains may have [°]: 1.5 each, a little more than the end threshold of the map's law.
+const TUNED_ERROR_DEG: f64 = 1.5;
+
+/// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant;
+/// of those that end within [`TUNED_ERROR_DEG`] the fastest is taken; when none does, the one with the smallest heading error.
+pub(super) fn tuned_heading_law(
+    bench: &Bench<'_>,
+    scenario: &Scenario,
+    plant: &sim::Settings,
+    settings: &WaypointLawSettings,
+    torque: ConstantGain,
+) -> Result<HeadingLawSettings> {
+    let count = SEARCH.iter().map(|g| g.len()).product::<usize>();
+    let gains = |mut k: usize| {
+        SEARCH.map(|values| {
+            let value = values[k % values.len()];
+            k /= values.len();
+            value
+        })
+    };
+    let candidate = |k: usize| {
+        let [heading_proportional, heading_integral, heading_derivative, proportional_per_s, integral_per_s2] = gains(k);
+        HeadingLawSettings {
+            period_s: settings.period_s,
+            heading_proportional,
+            heading_integral,
+            heading_derivative,
+            max_speed_mps: bench.control.planning.profile.cruise_mps,
+            speed_loop: SpeedLoopSettings { proportional_per_s, integral_per_s2, ..settings.speed_loop },
+            standstill_mps: settings.standstill_mps,
+            end_threshold_rad: settings.end_threshold_m / bench.control.planning.wheelbase_m,
+            torque,
+        }
+    };
+    let score = |values: &Values| {
+        let error = values.get(Metric::HeadingErrorDeg).unwrap_or(f64::INFINITY);
+        let overshoot = values.get(Metric::OvershootDeg).unwrap_or(f64::INFINITY);
+        let ended = values.get(Metric::AsExpected) == Some(1.0);
+        let good = ended && error <= TUNED_ERROR_DEG && overshoot <= TUNED_ERROR_DEG;
+        // a good end in at most some tens of seconds comes before every bad one
+        if good { values.get(Metric::SettlingTimeS).unwrap_or(1e3) } else { 1e6 * (1.0 + error) }
+    };
+    let scores: Result<Vec<f64>> = (0..count)
+        .into_par_iter()
+        .map(|k| run(bench, scenario, plant, HeadingLaw::new(candidate(k)), 0, |_| {}).map(|values| score(&values)))
+        .collect();
+    let scores = scores?;
+    let best = (0..count).min_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);
+    Ok(candidate(best))
+}
+
+/// Angle tolerance and all: the settings of the map's law for a vehicle.
+pub(super) fn law_settings(maps: &Maps) -> WaypointLawSettings {
+    WaypointLawSettings::new(maps.table2.vehicle.wheelbase_m)
+}
+
+/// Wheel angle of the map [rad].
+pub(super) fn test_angle_rad(maps: &Maps) -> f64 {
+    maps.table2.vehicle.test_angle_deg * RAD_PER_DEG
+}

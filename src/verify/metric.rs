@@ -1,0 +1,217 @@
+//! What is measured of a pivot: each metric with its name, unit and definition.
+
+use serde::{Deserialize, Serialize};
+
+/// A metric of one run. "Driving" is the time from the gear being set to the end being reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Metric {
+    /// 1 when the run ended as its scenario says, else 0.
+    AsExpected,
+    /// |true heading − asked heading| at the end.
+    HeadingErrorDeg,
+    /// Largest heading beyond the asked one.
+    OvershootDeg,
+    /// Largest distance of the reference point from where it should be, while driving.
+    DriftM,
+    /// Root mean square of true speed − planned speed at the wheel's true place, while driving.
+    SpeedRmsMps,
+    /// Largest of the same.
+    SpeedMaxMps,
+    /// Largest |first difference of the 20 ms means of the true speed|.
+    PeakAccelMps2,
+    /// Largest |second difference of the 20 ms means of the true speed|, over the whole pivot.
+    PeakJerkMps3,
+    /// The same in the first 0.5 s of driving.
+    StartJerkMps3,
+    /// From the request to success.
+    TimeS,
+    /// From the gear being set to standstill.
+    SettlingTimeS,
+    /// Share of driving periods in which the torque command is at its limit.
+    SaturatedShare,
+    /// Share of driving periods whose look-up is outside the measured region of Table 2.
+    OutsideShare,
+    /// Largest torque command after a failure in the direction of travel.
+    DriveAfterFailureNm,
+    /// Arc from the failure to standstill.
+    TravelAfterFailureM,
+}
+
+impl Metric {
+    /// All of them, in the order in which they are shown.
+    pub const ALL: [Self; 15] = [
+        Self::AsExpected,
+        Self::HeadingErrorDeg,
+        Self::OvershootDeg,
+        Self::DriftM,
+        Self::SpeedRmsMps,
+        Self::SpeedMaxMps,
+        Self::PeakAccelMps2,
+        Self::PeakJerkMps3,
+        Self::StartJerkMps3,
+        Self::TimeS,
+        Self::SettlingTimeS,
+        Self::SaturatedShare,
+        Self::OutsideShare,
+        Self::DriveAfterFailureNm,
+        Self::TravelAfterFailureM,
+    ];
+
+    /// Name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::AsExpected => "ended as expected",
+            Self::HeadingErrorDeg => "final heading error",
+            Self::OvershootDeg => "overshoot",
+            Self::DriftM => "drift of the reference point",
+            Self::SpeedRmsMps => "speed tracking RMS",
+            Self::SpeedMaxMps => "speed tracking maximum",
+            Self::PeakAccelMps2 => "peak acceleration",
+            Self::PeakJerkMps3 => "peak jerk",
+            Self::StartJerkMps3 => "start jerk",
+            Self::TimeS => "time",
+            Self::SettlingTimeS => "settling time",
+            Self::SaturatedShare => "torque at its limit",
+            Self::OutsideShare => "look-ups outside the measured region",
+            Self::DriveAfterFailureNm => "driving torque after the failure",
+            Self::TravelAfterFailureM => "travel after the failure",
+        }
+    }
+
+    /// Unit for people; empty for a share.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::AsExpected | Self::SaturatedShare | Self::OutsideShare => "",
+            Self::HeadingErrorDeg | Self::OvershootDeg => "°",
+            Self::DriftM | Self::TravelAfterFailureM => "m",
+            Self::SpeedRmsMps | Self::SpeedMaxMps => "m/s",
+            Self::PeakAccelMps2 => "m/s²",
+            Self::PeakJerkMps3 | Self::StartJerkMps3 => "m/s³",
+            Self::TimeS | Self::SettlingTimeS => "s",
+            Self::DriveAfterFailureNm => "N·m",
+        }
+    }
+}
+
+/// Which figure of a metric over the draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Statistic {
+    /// The run on the plant as it was fitted, without any perturbation.
+    Nominal,
+    /// Mean over the draws.
+    Mean,
+    /// Half of the draws are at or below.
+    Median,
+    /// 95 of 100 draws are at or below.
+    P95,
+    /// 99 of 100 draws are at or below.
+    P99,
+    /// The largest of the draws.
+    Max,
+}
+
+impl Statistic {
+    /// Name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::Mean => "mean",
+            Self::Median => "median",
+            Self::P95 => "95 %",
+            Self::P99 => "99 %",
+            Self::Max => "max",
+        }
+    }
+}
+
+/// The values of one run, `None` where a metric has no meaning for it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Values([Option<f64>; Metric::ALL.len()]);
+
+impl Values {
+    /// The value of a metric.
+    pub fn get(&self, metric: Metric) -> Option<f64> {
+        self.0[metric as usize]
+    }
+
+    /// Sets the value of a metric; a value that is not finite counts as absent.
+    pub fn set(&mut self, metric: Metric, value: f64) {
+        self.0[metric as usize] = Some(value).filter(|v| v.is_finite());
+    }
+}
+
+/// A metric over the draws of a scenario.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Which.
+    pub metric: Metric,
+    /// On the plant as fitted.
+    pub nominal: Option<f64>,
+    /// Mean of the draws.
+    pub mean: Option<f64>,
+    /// Median of the draws.
+    pub median: Option<f64>,
+    /// 95th percentile.
+    pub p95: Option<f64>,
+    /// 99th percentile.
+    pub p99: Option<f64>,
+    /// Largest.
+    pub max: Option<f64>,
+}
+
+impl Summary {
+    /// Of the nominal run and the draws, in any order. `None` when no run has the metric.
+    pub fn new(metric: Metric, nominal: &Values, draws: &[Values]) -> Option<Self> {
+        let nominal = nominal.get(metric);
+        let mut values: Vec<f64> = draws.iter().filter_map(|d| d.get(metric)).collect();
+        values.sort_by(f64::total_cmp);
+        if nominal.is_none() && values.is_empty() {
+            return None;
+        }
+        let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+        let at = |share: f64| quantile(&values, share);
+        Some(Self { metric, nominal, mean, median: at(0.5), p95: at(0.95), p99: at(0.99), max: values.last().copied() })
+    }
+
+    /// One of its figures.
+    pub fn figure(&self, statistic: Statistic) -> Option<f64> {
+        match statistic {
+            Statistic::Nominal => self.nominal,
+            Statistic::Mean => self.mean,
+            Statistic::Median => self.median,
+            Statistic::P95 => self.p95,
+            Statistic::P99 => self.p99,
+            Statistic::Max => self.max,
+        }
+    }
+}
+
+/// Quantile of sorted values by linear interpolation between order statistics. Source: Hyndman & Fan (1996), type 7.
+fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let position = share * last as f64;
+    let below = position.floor() as usize;
+    let above = (below + 1).min(last);
+    Some(sorted[below] + (position - below as f64) * (sorted[above] - sorted[below]))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn quantiles_interpolate_between_order_statistics() {
+        let sorted = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(quantile(&sorted, 0.5), Some(2.5));
+        assert_eq!(quantile(&sorted, 1.0), Some(4.0));
+        assert_eq!(quantile(&[], 0.5), None);
+    }
+
+    #[test]
+    fn the_metrics_are_listed_in_the_order_of_their_numbers() {
+        assert!(Metric::ALL.iter().enumerate().all(|(k, &m)| m as usize == k));
+    }
+}

@@ -1,0 +1,146 @@
+//! The round trip of the CSV against Table 1, which sees the cells that no pivot visits.
+//!
+//! Twice over everything that was measured: at each measured cell of Table 1, (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a),
+//! whose true torque lies among measured cells. Δa = A(v, T₂(v, a)) − a must stay within 0.15 m/s² + 3 standard errors of Table 1 there.
+
+use super::Maps;
+use super::plant::torque_for;
+use crate::map::{AccelMap, AccelTable, CellStatus, Gear, TorqueTable, lookup};
+use serde::{Deserialize, Serialize};
+
+/// What the gate allows of |Δa|.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoundTripLimit {
+    /// Constant part [m/s²].
+    pub at_most_mps2: f64,
+    /// Standard errors of Table 1 on top.
+    pub standard_errors: f64,
+    /// Why.
+    #[serde(default)]
+    pub reason: String,
+}
+
+/// The round trip of one gear.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RoundTrip {
+    /// Gear.
+    pub gear: Gear,
+    /// Places checked.
+    pub places: usize,
+    /// Measured cells of Table 1 whose acceleration lies beyond Table 2's axes, which therefore cannot be asked for.
+    pub beyond_axes: usize,
+    /// Places over their limit.
+    pub failed: usize,
+    /// Root mean square of Δa [m/s²].
+    pub rms_mps2: f64,
+    /// The place that is furthest over its limit, or nearest to it.
+    pub worst: Option<Worst>,
+    /// Whether every place is within its limit, and there is one.
+    pub pass: bool,
+}
+
+/// The worst place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// Speed [m/s].
+    pub speed_mps: f64,
+    /// Asked acceleration [m/s²].
+    pub accel_mps2: f64,
+    /// Torque that Table 2 gives [N·m].
+    pub torque_nm: f64,
+    /// Torque that would be right [N·m].
+    pub right_torque_nm: f64,
+    /// Δa [m/s²].
+    pub error_mps2: f64,
+    /// Limit of |Δa| there [m/s²].
+    pub limit_mps2: f64,
+}
+
+/// The round trip of every gear that Table 2 has.
+///
+/// # Errors
+/// A surface of Table 1 that is not sound.
+pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> super::Result<Vec<RoundTrip>> {
+    let angle_deg = maps.table2.vehicle.test_angle_deg;
+    let mut all = Vec::new();
+    for gear in Gear::ALL {
+        let (Some(table2), Some(map1)) = (maps.table(gear), maps.table1.map(gear, angle_deg, 1.0)) else { continue };
+        let holds = maps.table2.map(gear, angle_deg, 1.0).is_some_and(|m| m.zero_row != "moving");
+        all.push(of_gear(gear, table2, map1, &map1.surface.table()?, holds, limit)?);
+    }
+    Ok(all)
+}
+
+fn of_gear(
+    gear: Gear,
+    table2: &TorqueTable,
+    map1: &AccelMap,
+    surface: &AccelTable,
+    holds: bool,
+    limit: &RoundTripLimit,
+) -> super::Result<RoundTrip> {
+    let mut out = RoundTrip { gear, places: 0, beyond_axes: 0, failed: 0, rms_mps2: 0.0, worst: None, pass: false };
+    let mut excess = f64::NEG_INFINITY;
+    let mut check = |out: &mut RoundTrip, speed_mps: f64, accel_mps2: f64, right_torque_nm: f64, std_err_mps2: f64| {
+        // a row that holds a resting wheel says nothing of one that just moves
+        if holds && speed_mps == 0.0 && accel_mps2 <= 0.0 {
+            return;
+        }
+        let Some(torque_nm) = table2.torque_from_accel(speed_mps, accel_mps2) else {
+            out.beyond_axes += 1;
+            return;
+        };
+        let Some(given_mps2) = surface.accel_from_torque_clamped(speed_mps, torque_nm) else { return };
+        let error_mps2 = given_mps2 - accel_mps2;
+        let limit_mps2 = limit.at_most_mps2 + limit.standard_errors * std_err_mps2;
+        out.places += 1;
+        out.rms_mps2 += error_mps2 * error_mps2;
+        out.failed += usize::from(error_mps2.abs() > limit_mps2);
+        if error_mps2.abs() - limit_mps2 > excess {
+            excess = error_mps2.abs() - limit_mps2;
+            out.worst = Some(Worst { speed_mps, accel_mps2, torque_nm, right_torque_nm, error_mps2, limit_mps2 });
+        }
+    };
+    for (i, &torque_nm) in map1.torque_nm.iter().enumerate() {
+        for (j, &speed_mps) in map1.speed_mps.iter().enumerate() {
+            if map1.status[i][j] == CellStatus::Measured {
+                check(&mut out, speed_mps, map1.accel_mps2[i][j], torque_nm, map1.std_err_mps2[i][j]);
+            }
+        }
+    }
+    for &speed_mps in table2.speed_mps().breaks() {
+        for &accel_mps2 in table2.accel_mps2().breaks() {
+            let Some((right_nm, true)) = torque_for(surface, speed_mps, accel_mps2) else { continue };
+            if let Some(std_err_mps2) = measured(map1, speed_mps, right_nm) {
+                check(&mut out, speed_mps, accel_mps2, right_nm, std_err_mps2);
+            }
+        }
+    }
+    out.pass = out.places > 0 && out.failed == 0;
+    out.rms_mps2 = (out.rms_mps2 / out.places.max(1) as f64).sqrt();
+    Ok(out)
+}
+
+/// Standard error of Table 1 [m/s²] at a place whose surrounding cells were all measured; `None` elsewhere.
+fn measured(map1: &AccelMap, speed_mps: f64, torque_nm: f64) -> Option<f64> {
+    let inside = |breaks: &[f64], x: f64| x >= breaks[0] && x <= breaks[breaks.len() - 1];
+    if !inside(&map1.speed_mps, speed_mps) || !inside(&map1.torque_nm, torque_nm) {
+        return None;
+    }
+    let (i, p) = lookup::bracket(&map1.torque_nm, torque_nm)?;
+    let (j, q) = lookup::bracket(&map1.speed_mps, speed_mps)?;
+    let mut std_err = 0.0;
+    for (row, row_share) in [(i, 1.0 - p), (i + 1, p)] {
+        for (column, column_share) in [(j, 1.0 - q), (j + 1, q)] {
+            let share = row_share * column_share;
+            if share > 0.0 {
+                if map1.status.get(row)?.get(column) != Some(&CellStatus::Measured) {
+                    return None;
+                }
+                std_err += share * map1.std_err_mps2.get(row)?.get(column)?;
+            }
+        }
+    }
+    Some(std_err)
+}

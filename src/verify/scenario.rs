@@ -1,0 +1,185 @@
+//! The scenarios: which turns, what disturbs them, how they should end.
+
+use crate::control::{Failure, Phase, SteeringFault, WheelPolicy};
+use serde::{Deserialize, Serialize};
+
+/// What kind of scenario it is: the gate's limits go by class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Class {
+    /// A turn on a good floor.
+    Turn,
+    /// A turn under circumstances that the map does not know of.
+    Hard,
+    /// Something fails, and the vehicle has to stop safely.
+    Failure,
+}
+
+/// What the world does to the vehicle; figures that depend on the vehicle are relative to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Disturbance {
+    /// An obstacle: emergency stop.
+    Obstacle,
+    /// The steering does not move any more.
+    SteeringStuck,
+    /// The steering moves at this share of its rate.
+    SteeringSlow {
+        /// 0 to 1.
+        rate_factor: f64,
+    },
+    /// The steering angle reads nonsense.
+    SteeringImplausible,
+    /// The speed sensor gives no reading.
+    SpeedLost,
+    /// A slope along x, uphill.
+    Slope {
+        /// Rise over run.
+        grade: f64,
+    },
+    /// Grip of breakaway torque plus this share of what is left to the torque limit.
+    WetFloor {
+        /// 0 to 1.
+        share: f64,
+    },
+    /// Torque limit of breakaway torque plus this share of what is left to the torque limit.
+    LowBattery {
+        /// 0 to 1.
+        share: f64,
+    },
+}
+
+/// When a disturbance begins.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Onset {
+    /// In this phase …
+    pub phase: Phase,
+    /// … after this time in it [s].
+    pub after_s: f64,
+}
+
+/// How a scenario should end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Expected {
+    /// Every turn succeeds.
+    Success,
+    /// The turn fails for this reason.
+    Failure(Failure),
+}
+
+/// One scenario.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scenario {
+    /// Its name on the command line.
+    pub name: String,
+    /// What it is, for people.
+    pub what: String,
+    /// Class.
+    pub class: Class,
+    /// The turns, one after the other [°], left positive.
+    pub turns_deg: Vec<f64>,
+    /// Wheel policy.
+    pub policy: WheelPolicy,
+    /// Wheel angle at the start [°].
+    pub start_wheel_deg: f64,
+    /// What disturbs it, and when; `None` from the start.
+    pub disturbance: Option<(Disturbance, Option<Onset>)>,
+    /// How it should end.
+    pub expected: Expected,
+}
+
+impl Scenario {
+    fn turn(name: &str, what: &str, turns_deg: &[f64], policy: WheelPolicy) -> Self {
+        Self {
+            name: name.to_owned(),
+            what: what.to_owned(),
+            class: Class::Turn,
+            turns_deg: turns_deg.to_vec(),
+            policy,
+            start_wheel_deg: 0.0,
+            disturbance: None,
+            expected: Expected::Success,
+        }
+    }
+
+    /// Whether a turn of it needs reverse gear.
+    pub fn needs_reverse(&self) -> bool {
+        self.policy == WheelPolicy::HoldLeft && self.turns_deg.iter().any(|&t| t < 0.0)
+    }
+
+    /// Whether a turn of it drives forward with the wheel on the other side than in the test.
+    pub fn assumes_symmetry(&self) -> bool {
+        self.policy == WheelPolicy::Mirror && self.turns_deg.iter().any(|&t| t < 0.0)
+    }
+
+    /// Every scenario, in the order in which they are shown.
+    pub fn all() -> Vec<Self> {
+        let (hold, mirror) = (WheelPolicy::HoldLeft, WheelPolicy::Mirror);
+        let mut all = Vec::new();
+        for size in [30.0, 90.0, 180.0] {
+            all.push(Self::turn(&format!("left-{size}"), &format!("{size}° to the left"), &[size], hold));
+        }
+        for size in [30.0, 90.0, 180.0] {
+            all.push(Self::turn(&format!("right-{size}"), &format!("{size}° to the right in reverse gear"), &[-size], hold));
+        }
+        for size in [30.0, 90.0, 180.0] {
+            let what = format!("{size}° to the right with the wheel to the right");
+            all.push(Self::turn(&format!("right-{size}-mirror"), &what, &[-size], mirror));
+        }
+        all.push(Self::turn("chained", "left 90°, right 90°, left 180° in a row", &[90.0, -90.0, 180.0], hold));
+        all.push(Self::turn("chained-mirror", "left 90°, right 90°, left 180° in a row, mirrored", &[90.0, -90.0, 180.0], mirror));
+        let left = |name: &str, what: &str| Self::turn(name, what, &[90.0], hold);
+        all.push(Self { start_wheel_deg: -35.0, ..left("wheel-off-angle", "left 90°, the wheel at −35° at the start") });
+        let hard =
+            |name: &str, what: &str, disturbance| Self { class: Class::Hard, disturbance: Some((disturbance, None)), ..left(name, what) };
+        all.push(hard("wet-floor", "left 90° on a floor that takes half of the torque", Disturbance::WetFloor { share: 0.3 }));
+        all.push(hard("slope", "left 90° on a slope of 2 %", Disturbance::Slope { grade: 0.02 }));
+        all.push(hard("low-battery", "left 90° with a third of the torque", Disturbance::LowBattery { share: 0.3 }));
+        let failing = |name: &str, what: &str, disturbance, phase, after_s, failure| Self {
+            class: Class::Failure,
+            disturbance: Some((disturbance, Some(Onset { phase, after_s }))),
+            expected: Expected::Failure(failure),
+            ..left(name, what)
+        };
+        for (name, what, phase, after_s) in [
+            ("stop-steering", "obstacle while the wheel turns to its angle", Phase::WaitingForAngle, 0.5),
+            ("stop-gear", "obstacle while the gear is set", Phase::SettingGear, 0.0),
+            ("stop-driving", "obstacle while driving", Phase::Driving, 1.5),
+            ("stop-standstill", "obstacle while the wheel comes to rest", Phase::WaitingForStandstill, 0.0),
+            ("stop-restoring", "obstacle while the wheel returns", Phase::RestoringAngle, 0.5),
+        ] {
+            all.push(failing(name, what, Disturbance::Obstacle, phase, after_s, Failure::ObstacleStop));
+        }
+        let (out, back) = (Phase::WaitingForAngle, Phase::RestoringAngle);
+        let eps = Failure::Steering;
+        for (name, what, disturbance, phase, failure) in [
+            ("eps-stuck", "steering stuck on its way out", Disturbance::SteeringStuck, out, eps(SteeringFault::Stuck)),
+            ("eps-stuck-back", "steering stuck on its way back", Disturbance::SteeringStuck, back, eps(SteeringFault::Stuck)),
+            ("eps-slow-back", "steering creeps back", Disturbance::SteeringSlow { rate_factor: 0.05 }, back, eps(SteeringFault::TooSlow)),
+            (
+                "eps-implausible",
+                "steering angle out of range on its way back",
+                Disturbance::SteeringImplausible,
+                back,
+                eps(SteeringFault::Implausible),
+            ),
+            ("speed-lost", "speed sensor lost while driving", Disturbance::SpeedLost, Phase::Driving, Failure::SpeedLost),
+        ] {
+            all.push(failing(name, what, disturbance, phase, 0.5, failure));
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_scenario_has_its_own_name() {
+        let all = Scenario::all();
+        assert_eq!(all.iter().map(|s| s.name.as_str()).collect::<BTreeSet<_>>().len(), all.len());
+    }
+}

@@ -1,0 +1,167 @@
+//! The verdict: everything that `verify.json` holds.
+
+use super::draws::Spread;
+use super::gate::{Check, Limit};
+use super::metric::Summary;
+use super::round_trip::{RoundTrip, RoundTripLimit};
+use super::scenario::Class;
+use crate::control::HeadingLawSettings;
+use serde::{Deserialize, Serialize};
+
+/// What the `format` field of a `verify.json` says.
+pub const FORMAT: &str = "pivot-cal/verify";
+
+/// Whether a scenario, or a map, keeps its limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Every limit is kept.
+    Pass,
+    /// A limit is not.
+    Fail,
+    /// It could not be run; that is told, and no failure.
+    NotTested,
+}
+
+/// `verify.json`. The same maps, settings and seed give the same bytes: it holds no time of day.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Always [`FORMAT`].
+    pub format: String,
+    /// Version of this layout.
+    pub format_version: u32,
+    /// Version of the program that wrote it.
+    pub tool_version: String,
+    /// Whether the map passes: the round trip, and every scenario that was tested.
+    pub status: Status,
+    /// What failed or was left out, in words.
+    pub notes: Vec<String>,
+    /// SHA-256 of the Table 2 files that were judged, forward first.
+    pub table2_csv_sha256: Vec<String>,
+    /// What did not fit together and was let pass with `--force`.
+    pub forced: Vec<String>,
+    /// The plant.
+    pub plant: PlantSummary,
+    /// Draws per scenario.
+    pub draws: usize,
+    /// Draws of the comparison.
+    pub comparison_draws: usize,
+    /// Seed.
+    pub seed: u64,
+    /// How far the draws vary the plant.
+    pub spread: Spread,
+    /// Settings of the controller, as used.
+    pub controller: serde_json::Value,
+    /// The limit of the round trip.
+    pub round_trip_limit: RoundTripLimit,
+    /// The limits of the scenarios.
+    pub limits: Vec<Limit>,
+    /// The round trip, per gear.
+    pub round_trip: Vec<RoundTrip>,
+    /// The scenarios.
+    pub scenarios: Vec<ScenarioVerdict>,
+    /// The map beside other laws.
+    pub comparison: Option<Comparison>,
+}
+
+/// The plant that was driven.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlantSummary {
+    /// `identified` (a fitted Table 1) or `physical`.
+    pub kind: String,
+    /// Dead time of its drive [s].
+    pub dead_time_s: f64,
+    /// Time constant of its drive [s].
+    pub lag_s: f64,
+    /// Torque limit of its drive [N·m].
+    pub torque_limit_nm: f64,
+    /// Torque that sets the resting wheel in motion [N·m].
+    pub breakaway_nm: f64,
+}
+
+/// One scenario judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioVerdict {
+    /// Name.
+    pub name: String,
+    /// What it is.
+    pub what: String,
+    /// Class, by which limits are chosen.
+    pub class: Class,
+    /// Judgement.
+    pub status: Status,
+    /// What a reader should know: why it was not tested, what was assumed.
+    pub notes: Vec<String>,
+    /// The metrics.
+    pub metrics: Vec<Summary>,
+    /// The limits applied.
+    pub checks: Vec<Check>,
+}
+
+/// The map beside other laws, on the same plant and the same draws.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// The scenario that all of them drive.
+    pub scenario: String,
+    /// The laws.
+    pub laws: Vec<LawSummary>,
+    /// Gain of the constant-gain map and of the conventional law [N·m per m/s²].
+    pub constant_gain_nm_per_mps2: f64,
+    /// Gains that the search found for the conventional law.
+    pub conventional: ConventionalGains,
+    /// Median start jerk of the map over that of the conventional law; the goal is at most 1/3.
+    pub start_jerk_ratio: Option<f64>,
+    /// Median speed tracking RMS of the map over that of the perfect inverse; the goal is at most 1.15.
+    pub speed_rms_ratio: Option<f64>,
+}
+
+/// One law of the comparison.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LawSummary {
+    /// `map`, `perfect inverse`, `constant gain`, `conventional`.
+    pub name: String,
+    /// The metrics.
+    pub metrics: Vec<Summary>,
+}
+
+/// Tuned gains of the conventional law.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ConventionalGains {
+    /// Kp of the heading [m/s per rad].
+    pub heading_proportional: f64,
+    /// Ki of the heading [m/s per rad·s].
+    pub heading_integral: f64,
+    /// Kd of the heading [m/s per rad/s].
+    pub heading_derivative: f64,
+    /// Kp of the speed loop [1/s].
+    pub speed_proportional_per_s: f64,
+    /// Ki of the speed loop [1/s²].
+    pub speed_integral_per_s2: f64,
+}
+
+impl From<&HeadingLawSettings> for ConventionalGains {
+    fn from(settings: &HeadingLawSettings) -> Self {
+        Self {
+            heading_proportional: settings.heading_proportional,
+            heading_integral: settings.heading_integral,
+            heading_derivative: settings.heading_derivative,
+            speed_proportional_per_s: settings.speed_loop.proportional_per_s,
+            speed_integral_per_s2: settings.speed_loop.integral_per_s2,
+        }
+    }
+}
+
+impl Verdict {
+    /// Whether the map passes.
+    pub fn passes(&self) -> bool {
+        self.status == Status::Pass
+    }
+
+    /// The text of `verify.json`, with a final line end.
+    ///
+    /// # Errors
+    /// None in practice; serialisation is fallible by its signature.
+    pub fn to_json(&self) -> super::Result<String> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+}
