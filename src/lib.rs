@@ -15,5 +15,6 @@
 
 pub mod cli;
 pub mod map;
+pub mod record;
 pub mod sim;
 pub mod units;

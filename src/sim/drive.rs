@@ -1,7 +1,7 @@
 //! The drive: commanded torque → quantisation, saturation, slew limit, dead time, first-order lag → effective torque.
 //!
-//! With dead time T_d and time constant T_c, u̇ = (τ(t − T_d) − u)/T_c. The command is constant over a step, so the solution is exact:
-//! u⁺ = τ + (u − τ)·exp(−t/T_c), piecewise before and after the instant inside the step at which the delayed command changes.
+//! With dead time `T_d` and time constant `T_c`, `u̇ = (τ(t − T_d) − u)/T_c`. The command is constant over a step, so the solution is exact:
+//! `u⁺ = τ + (u − τ)·exp(−t/T_c)`, piecewise before and after the instant inside the step at which the delayed command changes.
 
 use super::error::{Result, within};
 use serde::{Deserialize, Serialize};
@@ -175,7 +175,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// 1 − exp(−(t − T_d)/T_c), the textbook step response.
+    /// `1 − exp(−(t − T_d)/T_c)`, the textbook step response.
     fn response(t_s: f64, dead_time_s: f64, lag_s: f64) -> f64 {
         if t_s <= dead_time_s { 0.0 } else { 1.0 - (-(t_s - dead_time_s) / lag_s).exp() }
     }
