@@ -128,6 +128,13 @@ impl Drive {
         self.effective_nm
     }
 
+    /// Makes `command_nm` the command of all time so far: nothing is under way, and the effective torque is the command.
+    pub fn settle(&mut self, command_nm: f64) {
+        let settled_nm = self.limited(command_nm);
+        self.underway_nm.fill(settled_nm);
+        (self.setpoint_nm, self.before_nm, self.effective_nm) = (settled_nm, settled_nm, settled_nm);
+    }
+
     /// Advances one step under `command_nm` (a command that is not a number counts as zero).
     #[inline]
     pub fn step(&mut self, command_nm: f64) -> TorqueStep {

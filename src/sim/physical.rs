@@ -178,8 +178,8 @@ impl Plant {
     #[inline]
     pub(super) fn arriving_nm(&self, way: Way, s: f64, torque_nm: f64) -> f64 {
         if torque_nm * way.sign >= 0.0 {
-            let most = if s > 0.0 { self.power_nm_mps / s } else { f64::INFINITY };
-            self.settings.drive_efficiency * torque_nm.clamp(-most, most)
+            let within_power = torque_nm.abs() * s <= self.power_nm_mps;
+            self.settings.drive_efficiency * if within_power { torque_nm } else { (self.power_nm_mps / s).copysign(torque_nm) }
         } else {
             self.settings.brake_efficiency * torque_nm
         }
