@@ -20,6 +20,7 @@ pub mod fit;
 pub mod invert;
 pub mod log;
 pub mod map;
+pub mod record;
 pub mod signal;
 pub mod sim;
 pub mod units;
