@@ -2,7 +2,12 @@
 //!
 //! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
 
+mod breaks;
+mod calibrate;
 mod completions;
+mod fit;
+mod invert;
+mod logs;
 mod record;
 mod ui;
 mod verify;
@@ -60,8 +65,14 @@ struct Global {
 enum Command {
     /// Drive a torque-step campaign on a simulated vehicle and write its log
     Record(record::Arguments),
+    /// Fit Table 1, acceleration over speed and torque, to logs
+    Fit(fit::Arguments),
+    /// Invert Table 1 into Table 2, torque over speed and desired acceleration
+    Invert(invert::Arguments),
     /// Judge a map in closed loop: pivots, failures, perturbed plants, other laws beside it
     Verify(verify::Arguments),
+    /// Fit, invert and verify in one go
+    Calibrate(calibrate::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -79,7 +90,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
         Command::Record(arguments) => record::run(&arguments, ui),
+        Command::Fit(arguments) => fit::run(&arguments, ui),
+        Command::Invert(arguments) => invert::run(&arguments, ui),
         Command::Verify(arguments) => verify::run(&arguments, ui),
+        Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

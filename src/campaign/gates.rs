@@ -54,7 +54,10 @@ pub(super) fn emergency_stops(estop: &Series) -> Intervals {
         let active = estop.value[i] != 0.0;
         if active && !on {
             found.push((if i > 0 { estop.t_s[i - 1] } else { f64::NEG_INFINITY }, f64::INFINITY));
-        } else if !active && on && let Some(last) = found.last_mut() {
+        } else if !active
+            && on
+            && let Some(last) = found.last_mut()
+        {
             last.1 = estop.t_s[i];
         }
         on = active;

@@ -70,7 +70,18 @@ mod tests {
     #[test]
     fn steps_become_holds_and_quick_changes_one() {
         let t_s: Vec<f64> = (0..400).map(|k| f64::from(k) * 0.02).collect();
-        let value = t_s.iter().map(|t| if *t < 2.0 { 0.0 } else if *t < 5.0 { 20.0 } else { 10.0 + 5.0 * ((t * 8.0).floor() % 3.0) }).collect();
+        let value = t_s
+            .iter()
+            .map(|t| {
+                if *t < 2.0 {
+                    0.0
+                } else if *t < 5.0 {
+                    20.0
+                } else {
+                    10.0 + 5.0 * ((t * 8.0).floor() % 3.0)
+                }
+            })
+            .collect();
         let holds = holds(&Series { t_s, value }, &Settings::default());
         assert_eq!(holds.len(), 3);
         assert!(holds[1].steady && (holds[1].torque_nm - 20.0).abs() < 1e-9 && (holds[1].to_s - 5.0).abs() < 0.03);

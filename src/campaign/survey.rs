@@ -123,7 +123,8 @@ impl Survey {
     /// Says which gate removed everything, if one did.
     fn check(&self, settings: &Settings, at_rest: &[bool], commanded: f64) -> Result<()> {
         let values = &self.track.command_nm.value;
-        let (low_nm, high_nm) = (values.iter().fold(f64::INFINITY, |m, v| m.min(*v)), values.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)));
+        let (low_nm, high_nm) =
+            (values.iter().fold(f64::INFINITY, |m, v| m.min(*v)), values.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)));
         if high_nm - low_nm <= 1e-6 * commanded.max(1e-9) || commanded == 0.0 {
             return Err(Error::NoTorqueStep { low_nm, high_nm });
         }
@@ -240,7 +241,11 @@ fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], setting
         }
         i = last + 1;
         if encoder.t_s[last] - encoder.t_s[first] < settings.shortest_stretch_s {
-            (first..=last).filter(|s| verdicts[*s] == Verdict::Used).collect::<Vec<_>>().into_iter().for_each(|s| verdicts[s] = Verdict::TooShort);
+            (first..=last)
+                .filter(|s| verdicts[*s] == Verdict::Used)
+                .collect::<Vec<_>>()
+                .into_iter()
+                .for_each(|s| verdicts[s] = Verdict::TooShort);
             continue;
         }
         let rested = |s: usize| at_rest[s] && matches!(verdicts[s], Verdict::AtRest | Verdict::NoTorque);
@@ -263,8 +268,11 @@ fn start_trials(encoder: &Series, gears: &[Option<Gear>], holds: &[Hold], verdic
             let starts_at_rest = matches!(verdicts.get(first)?, Verdict::AtRest | Verdict::NoTorque);
             let moving = samples.clone().filter(|i| verdicts[*i] == Verdict::Used).count();
             let resting = samples.clone().filter(|i| verdicts[*i] == Verdict::AtRest).count();
-            (starts_at_rest && torque_nm > 0.0 && moving + resting > samples.len() / 2)
-                .then_some(StartTrial { gear, torque_nm, moved: moving > resting })
+            (starts_at_rest && torque_nm > 0.0 && moving + resting > samples.len() / 2).then_some(StartTrial {
+                gear,
+                torque_nm,
+                moved: moving > resting,
+            })
         })
         .collect()
 }

@@ -7,7 +7,7 @@ use crate::verify::{
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `verify`.
 #[derive(Debug, clap::Args)]
@@ -69,6 +69,16 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     show(&verdict, ui);
     ui.say(format!("written: {}", path.display()));
     Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
+}
+
+/// Judges the map in `folder` with the defaults and writes `verify.json` there.
+pub(super) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
+    let maps = Maps::read(folder, false)?;
+    let bar = ui.progress(0, "verifying");
+    let verdict = verify(&maps, &Settings::new()?)?;
+    bar.finish_and_clear();
+    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
+    Ok(verdict)
 }
 
 /// The scenarios named, or all.

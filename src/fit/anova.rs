@@ -81,8 +81,14 @@ impl Design {
             column
         };
         let plain = || {
-            let mut columns =
-                vec![tensor(&one_v, &one_u), tensor(&one_v, &u), tensor(&one_v, &drive), tensor(&w, &one_u), tensor(&v, &one_u), tensor(&v, &u)];
+            let mut columns = vec![
+                tensor(&one_v, &one_u),
+                tensor(&one_v, &u),
+                tensor(&one_v, &drive),
+                tensor(&w, &one_u),
+                tensor(&v, &one_u),
+                tensor(&v, &u),
+            ];
             columns.extend((0..EXTRAS).map(extra));
             columns
         };

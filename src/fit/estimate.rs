@@ -74,8 +74,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
     let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
     let mut calibration = first_calibration(surveys);
     let mut noise = first_noise(surveys);
-    let gears: Vec<Gear> =
-        Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
+    let gears: Vec<Gear> = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
 
     // dead time and lag, coarsely
     let lagged0: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
@@ -143,8 +142,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
             let system = System::new(&design, &pairs, nuisances);
             let updates = if stage == 1 && round + 1 == rounds { 30 } else { 6 };
-            let solution =
-                system.solve(&design.blocks, &penalties, updates, &prior[..nuisances]).ok_or(Error::Singular)?;
+            let solution = system.solve(&design.blocks, &penalties, updates, &prior[..nuisances]).ok_or(Error::Singular)?;
             penalties.clone_from(&solution.penalties);
             if with_nuisance {
                 step_nuisance(&solution, design.coefficients(), settings, has_yaw, &mut calibration);
@@ -248,10 +246,7 @@ fn first_noise(surveys: &[Survey]) -> Noise {
         disturbance_mps2: 0.15,
         disturbance_time_s: 0.3,
         offset_mps2: 0.05,
-        reading_mps: [
-            largest(&|s| Some(reading(&s.track.encoder_mps))),
-            largest(&|s| s.track.yaw_speed_mps.as_ref().map(reading)),
-        ],
+        reading_mps: [largest(&|s| Some(reading(&s.track.encoder_mps))), largest(&|s| s.track.yaw_speed_mps.as_ref().map(reading))],
     }
 }
 

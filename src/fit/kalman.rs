@@ -68,7 +68,11 @@ fn predict(p: &mut Covariance, noise: &Noise, dt: f64) -> (f64, f64) {
     let drift = tau * (1.0 - decay);
     let variance = noise.disturbance_mps2 * noise.disturbance_mps2;
     // ∫∫ of the disturbance's covariance; the series avoids cancellation for short steps
-    let q_vv = if x < 1e-2 { variance * tau * tau * x * x * x * (2.0 / 3.0 - 0.5 * x) } else { variance * tau * tau * (2.0 * x - 3.0 + 4.0 * decay - decay * decay) };
+    let q_vv = if x < 1e-2 {
+        variance * tau * tau * x * x * x * (2.0 / 3.0 - 0.5 * x)
+    } else {
+        variance * tau * tau * (2.0 * x - 3.0 + 4.0 * decay - decay * decay)
+    };
     let q_vd = variance * tau * (1.0 - decay) * (1.0 - decay);
     let q_dd = variance * (1.0 - decay * decay);
     let f = [[1.0, drift, dt], [0.0, decay, 0.0], [0.0, 0.0, 1.0]];

@@ -36,7 +36,14 @@ struct Difference {
 }
 
 /// Makes the surfaces of `gears` monotone by changing `beta` in place.
-pub(crate) fn enforce(design: &Design, lattice: &Lattice, system: &System, solution: &Solution, gears: &[Gear], beta: &mut [f64]) -> Outcome {
+pub(crate) fn enforce(
+    design: &Design,
+    lattice: &Lattice,
+    system: &System,
+    solution: &Solution,
+    gears: &[Gear],
+    beta: &mut [f64],
+) -> Outcome {
     let q = design.coefficients();
     let all: Vec<Difference> = gears
         .iter()
@@ -122,11 +129,7 @@ fn programme(h: &Mat<f64>, scale: &[f64], rows: &[Vec<f64>], start: &[f64], leas
         pointers.push(indices.len());
     }
     let a = CscMatrix::new(rows.len(), q, pointers, indices, values);
-    let b: Vec<f64> = rows
-        .iter()
-        .zip(&lengths)
-        .map(|(r, l)| (r.iter().zip(start).map(|(r, b)| r * b).sum::<f64>() - least) / l)
-        .collect();
+    let b: Vec<f64> = rows.iter().zip(&lengths).map(|(r, l)| (r.iter().zip(start).map(|(r, b)| r * b).sum::<f64>() - least) / l).collect();
     let settings = DefaultSettingsBuilder::default()
         .verbose(false)
         .tol_feas(1e-10)

@@ -90,10 +90,8 @@ impl System {
     /// repair (data that hold no information at all).
     pub(crate) fn solve(&self, blocks: &[Block], penalties: &[f64], updates: usize, nuisance_prior_std: &[f64]) -> Option<Solution> {
         let size = self.matrix.nrows();
-        let scale: Vec<f64> = blocks
-            .iter()
-            .map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12))
-            .collect();
+        let scale: Vec<f64> =
+            blocks.iter().map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12)).collect();
         let mut penalties: Vec<f64> =
             if penalties.len() == blocks.len() { penalties.to_vec() } else { scale.iter().map(|s| 1e-2 * s).collect() };
         let mut solution = None;

@@ -8,7 +8,8 @@ use super::uncertainty::Uncertainty;
 use super::{Error, Result, Settings, monotone};
 use crate::campaign::{Survey, Verdict, ledger};
 use crate::map::{
-    Actuator, CellStatus, DelayEstimate, FORMAT_VERSION, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Witness,
+    Actuator, CellStatus, DelayEstimate, FORMAT_VERSION, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
+    Witness,
 };
 use crate::signal::median;
 
@@ -38,7 +39,8 @@ pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
     surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
     same_vehicle(&surveys)?;
     let mut estimate = estimate(&surveys, settings)?;
-    let mut notes: Vec<String> = surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))).collect();
+    let mut notes: Vec<String> =
+        surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))).collect();
     let moved = make_monotone(&mut estimate, &mut notes);
     notes.extend(estimate_notes(&estimate));
     let uncertainty = Uncertainty::new(&estimate);
@@ -162,10 +164,8 @@ fn estimate_notes(estimate: &Estimate) -> Vec<String> {
 
 /// Dead times, lag and clock offsets, each with its status.
 fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Actuator {
-    let feedback: Vec<Option<FeedbackDelays>> = surveys
-        .iter()
-        .map(|s| s.track.feedback_nm.as_ref().and_then(|f| delays(&s.track.command_nm, f, settings.lag_s)))
-        .collect();
+    let feedback: Vec<Option<FeedbackDelays>> =
+        surveys.iter().map(|s| s.track.feedback_nm.as_ref().and_then(|f| delays(&s.track.command_nm, f, settings.lag_s))).collect();
     let status = |given: bool, std_err_s: f64| {
         if given {
             "given"

@@ -50,8 +50,7 @@ pub(crate) fn rows(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> Vec<RunRow
                 used_s: table.iter().find(|r| r.verdict == used).map_or(0.0, |r| r.seconds),
                 speed_rmse_mps: rmse(&inside).map(|v| round(v, 1e5)),
                 r_squared: r_squared(&inside).map(|v| round(v, 1e4)),
-                offset_mps2: (!inside.is_empty())
-                    .then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
+                offset_mps2: (!inside.is_empty()).then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
                 rejected: table.into_iter().filter(|r| r.verdict != used).collect(),
             });
         }
@@ -76,8 +75,7 @@ fn gear_of(survey: &crate::campaign::Survey, t_s: f64) -> Option<Gear> {
 }
 
 fn rmse(inside: &[&&Compared]) -> Option<f64> {
-    (inside.len() > 4)
-        .then(|| (inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum::<f64>() / inside.len() as f64).sqrt())
+    (inside.len() > 4).then(|| (inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum::<f64>() / inside.len() as f64).sqrt())
 }
 
 fn r_squared(inside: &[&&Compared]) -> Option<f64> {
@@ -96,8 +94,7 @@ fn simulate(estimate: &Estimate) -> Vec<Compared> {
     let mut compared = Vec::new();
     for ((segment, smoothed), offset) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets) {
         let surface = estimate.surface(segment.gear);
-        let torque =
-            |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
         let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
         let mut t = segment.start_s;
         for reading in &segment.readings {
@@ -127,8 +124,7 @@ pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
     let (mut sum, mut count) = (0.0, 0usize);
     for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
         let surface = estimate.surface(segment.gear);
-        let torque =
-            |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
         let model = predicted(segment, smoothed, &torque, surface);
         // over windows of about 0.1 s: the difference quotient of the deviation
         let n = segment.readings.len();

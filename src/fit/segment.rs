@@ -76,7 +76,10 @@ impl LogData<'_> {
             let dead_time_s = calibration.dead_time_s[log];
             let mut start_s = stretch.from_s;
             let mut anchored = false;
-            if stretch.from_rest && self.may_anchor && let Some(breakaway) = breakaway_nm {
+            if stretch.from_rest
+                && self.may_anchor
+                && let Some(breakaway) = breakaway_nm
+            {
                 let threshold = breakaway(stretch.gear);
                 let torque = |t: f64| stretch.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
                 if let Some(t) = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, torque)

@@ -114,10 +114,8 @@ pub(crate) fn accel_map(
     }
     let measured: Vec<Vec<bool>> = count.iter().map(|row| row.iter().map(|c| *c >= MEASURED_SAMPLES).collect()).collect();
     let status = statuses(&measured);
-    let std_err: Vec<Vec<f64>> = torque
-        .iter()
-        .map(|u| speed.iter().map(|v| round6(uncertainty.std_err_mps2(estimate, gear, *v, *u))).collect())
-        .collect();
+    let std_err: Vec<Vec<f64>> =
+        torque.iter().map(|u| speed.iter().map(|v| round6(uncertainty.std_err_mps2(estimate, gear, *v, *u))).collect()).collect();
     let confidence = std_err
         .iter()
         .zip(&status)
@@ -183,10 +181,8 @@ fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Brea
     let surface = estimate.surface(gear);
     let trials = || estimate.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);
     let moved_from_nm = trials().filter(|t| t.moved).map(|t| t.torque_nm).min_by(f64::total_cmp);
-    let at_rest_up_to_nm = trials()
-        .filter(|t| !t.moved && moved_from_nm.is_none_or(|m| t.torque_nm <= m))
-        .map(|t| t.torque_nm)
-        .max_by(f64::total_cmp);
+    let at_rest_up_to_nm =
+        trials().filter(|t| !t.moved && moved_from_nm.is_none_or(|m| t.torque_nm <= m)).map(|t| t.torque_nm).max_by(f64::total_cmp);
     let crossing = surface.zero_torque_nm(0.0).map(|u| u.max(0.0));
     let mut torque_nm = crossing.or(moved_from_nm).or(at_rest_up_to_nm).unwrap_or(0.0);
     if let Some(low) = at_rest_up_to_nm {

@@ -106,8 +106,7 @@ fn run_scores(estimate: &Estimate) -> Vec<Vec<f64>> {
             let t = estimate.design.transform(s.gear);
             let mut score = vec![0.0; t.ncols()];
             for a in 0..width - 1 {
-                let fitted: f64 =
-                    (0..width - 1).map(|b| gram.values[(a, b)] * surface.theta[gram.columns[b] as usize]).sum();
+                let fitted: f64 = (0..width - 1).map(|b| gram.values[(a, b)] * surface.theta[gram.columns[b] as usize]).sum();
                 let residual = gram.values[(a, width - 1)] - fitted;
                 let row = gram.columns[a] as usize;
                 for (c, s) in score.iter_mut().enumerate() {

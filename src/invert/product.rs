@@ -28,10 +28,8 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &Settings) -> Result<
     if let Some(found) = settings.place.filter(|n| !(3..=200).contains(n)) {
         return Err(Error::BadPlace { found });
     }
-    let limit_nm = file
-        .vehicle
-        .torque_limit_nm
-        .unwrap_or_else(|| file.maps.iter().flat_map(|m| &m.torque_nm).fold(0.0f64, |m, u| m.max(u.abs())));
+    let limit_nm =
+        file.vehicle.torque_limit_nm.unwrap_or_else(|| file.maps.iter().flat_map(|m| &m.torque_nm).fold(0.0f64, |m, u| m.max(u.abs())));
     let mut maps = Vec::new();
     let mut csvs = Vec::new();
     for map in &file.maps {
@@ -85,22 +83,23 @@ fn invert_map(map: &AccelMap, other: Option<&AccelMap>, limit_nm: f64, settings:
         let beyond = torque < tested[0] - 1e-9 || torque > tested[1] + 1e-9 || v > known.speed_mps().last() + 1e-9;
         if beyond { CellStatus::Extrapolated } else { map.status[known.torque_nm().nearest(torque)][known.speed_mps().nearest(v)] }
     };
-    let status: Vec<Vec<CellStatus>> = speeds
-        .iter()
-        .zip(&reach)
-        .map(|(v, [low, high])| {
-            accels
-                .iter()
-                .map(|a| {
-                    if *a < *low - 1e-9 || *a > *high + 1e-9 {
-                        CellStatus::Unreachable
-                    } else {
-                        status_of(*v, inverse.torque_nm(*v, *a))
-                    }
-                })
-                .collect()
-        })
-        .collect();
+    let status: Vec<Vec<CellStatus>> =
+        speeds
+            .iter()
+            .zip(&reach)
+            .map(|(v, [low, high])| {
+                accels
+                    .iter()
+                    .map(|a| {
+                        if *a < *low - 1e-9 || *a > *high + 1e-9 {
+                            CellStatus::Unreachable
+                        } else {
+                            status_of(*v, inverse.torque_nm(*v, *a))
+                        }
+                    })
+                    .collect()
+            })
+            .collect();
     let errors = crate::map::AccelTable::new(known.speed_mps().clone(), known.torque_nm().clone(), map.std_err_mps2.concat())?;
     let std_err_nm = speeds
         .iter()

@@ -7,7 +7,12 @@ use crate::map::{CellStatus, Place, RoundTrip, TorqueTable};
 const PER_INTERVAL: usize = 5;
 
 /// Over the nodes and between them, wherever `measured` says that the torque was tested at the speed.
-pub(super) fn round_trip(inverse: &Inverse, table: &TorqueTable, status: &[Vec<CellStatus>], measured: impl Fn(f64, f64) -> bool) -> RoundTrip {
+pub(super) fn round_trip(
+    inverse: &Inverse,
+    table: &TorqueTable,
+    status: &[Vec<CellStatus>],
+    measured: impl Fn(f64, f64) -> bool,
+) -> RoundTrip {
     let (speeds, accels) = (table.speed_mps().breaks(), table.accel_mps2().breaks());
     let mut nodes = Tally::default();
     for (i, v) in speeds.iter().enumerate() {

@@ -33,10 +33,8 @@ impl Alignment {
         points = points.into_iter().step_by(stride).collect();
         let smooth = Series { t_s: reference.t_s.clone(), value: reference.smoothed(0.02) };
         let judge = |delay_s: f64| {
-            let pairs: Vec<(f64, f64)> = points
-                .iter()
-                .filter_map(|&(t, v)| smooth.interpolated(t - delay_s).filter(|r| r.abs() > 0.05).map(|r| (v, r)))
-                .collect();
+            let pairs: Vec<(f64, f64)> =
+                points.iter().filter_map(|&(t, v)| smooth.interpolated(t - delay_s).filter(|r| r.abs() > 0.05).map(|r| (v, r))).collect();
             if pairs.len() < 50 {
                 return (f64::INFINITY, 1.0);
             }
@@ -72,7 +70,10 @@ mod tests {
     #[test]
     fn a_known_scale_and_delay_are_found() {
         let speed = |t: f64| 0.5 + 0.4 * (1.7 * t).sin();
-        let reference = Series { t_s: (0..4000).map(|k| f64::from(k) * 0.01).collect(), value: (0..4000).map(|k| speed(f64::from(k) * 0.01)).collect() };
+        let reference = Series {
+            t_s: (0..4000).map(|k| f64::from(k) * 0.01).collect(),
+            value: (0..4000).map(|k| speed(f64::from(k) * 0.01)).collect(),
+        };
         let signal = Series {
             t_s: (0..2000).map(|k| f64::from(k) * 0.02).collect(),
             value: (0..2000).map(|k| 1.012 * speed(f64::from(k) * 0.02 - 0.009)).collect(),

@@ -81,10 +81,7 @@ mod tests {
 
     fn held(hold: usize) -> Series {
         let n = 600;
-        Series {
-            t_s: (0..n).map(|k| k as f64 * 0.01).collect(),
-            value: (0..n).map(|k| ((k / hold) as f64 * 0.7).sin()).collect(),
-        }
+        Series { t_s: (0..n).map(|k| k as f64 * 0.01).collect(), value: (0..n).map(|k| ((k / hold) as f64 * 0.7).sin()).collect() }
     }
 
     #[test]

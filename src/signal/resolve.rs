@@ -15,12 +15,7 @@ pub(super) fn relative_to_gear(signal: &'static str, series: &mut Series, gear: 
 
 /// Gives a magnitude its sign. The yaw rate tells best where it is clearly not zero (at a test angle on the left, a forward wheel turns the
 /// vehicle left); the gear tells otherwise.
-pub(super) fn signed(
-    signal: &'static str,
-    series: &mut Series,
-    gear: Option<&Series>,
-    yaw_speed_mps: Option<&Series>,
-) -> Result<()> {
+pub(super) fn signed(signal: &'static str, series: &mut Series, gear: Option<&Series>, yaw_speed_mps: Option<&Series>) -> Result<()> {
     if gear.is_none() && yaw_speed_mps.is_none() {
         return Err(Error::NoSign { signal });
     }

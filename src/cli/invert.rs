@@ -1,0 +1,130 @@
+//! `invert`: Table 2 from Table 1.
+
+use super::breaks::Breaks;
+use super::{Outcome, Ui};
+use crate::invert::{Inversion, Settings, ZeroRow, invert};
+use crate::map::{CsvRef, Gear, Table1File, Table2File, sha256_hex, write_whole};
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `invert`.
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal invert
+  pivot-cal invert --speed-breaks 0:0.1:1.1 --accel-breaks=-2,-1,-0.5,0,0.5,1
+  pivot-cal invert --place 12 --zero-row hold
+
+Reads table1.json and writes table2.csv and table2.json (and table2.reverse.csv) into the same folder.")]
+pub(super) struct Arguments {
+    /// Folder with table1.json
+    #[arg(long, value_name = "DIR", default_value = "maps")]
+    pub(super) maps: PathBuf,
+    /// Speed breaks [m/s]: start:step:stop or a list
+    #[arg(long, value_name = "BREAKS")]
+    pub(super) speed_breaks: Option<Breaks>,
+    /// Breaks of the desired acceleration [m/s²]: start:step:stop or a list
+    #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
+    pub(super) accel_breaks: Option<Breaks>,
+    /// Place this many breaks on each axis where they serve best
+    #[arg(long, value_name = "N")]
+    pub(super) place: Option<usize>,
+    /// The row at speed 0: torque of a wheel just moving, or 0 for a ≤ 0
+    #[arg(long, value_name = "ROW", value_parser = zero_row, default_value = "moving")]
+    pub(super) zero_row: ZeroRow,
+    /// Exact at the nodes instead of best over the whole
+    #[arg(long)]
+    pub(super) node_exact: bool,
+    /// Go on when a hash does not match
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+fn zero_row(text: &str) -> Result<ZeroRow, String> {
+    [ZeroRow::Moving, ZeroRow::Hold]
+        .into_iter()
+        .find(|z| z.name() == text)
+        .ok_or_else(|| format!("{text:?} is not known; allowed: moving, hold"))
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let inversion = make(arguments, ui)?;
+    ui.document(&inversion.file)?;
+    show(&inversion.file, ui);
+    Ok(Outcome::Done)
+}
+
+/// Inverts and writes.
+pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
+    let path = arguments.maps.join("table1.json");
+    let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
+    let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
+    check_csvs(&file, &arguments.maps, arguments.force, ui)?;
+    let settings = Settings {
+        speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
+        accel_breaks_mps2: arguments.accel_breaks.clone().map(|b| b.0),
+        place: arguments.place,
+        zero_row: arguments.zero_row,
+        node_exact: arguments.node_exact,
+    };
+    let table1 = CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(text.as_bytes()) };
+    let inversion = invert(&file, table1, &settings).with_context(|| path.display().to_string())?;
+    for gear in Gear::ALL {
+        let name = format!("table2{}.csv", gear.file_infix());
+        let stale = arguments.maps.join(&name);
+        if !inversion.csvs.iter().any(|(n, _)| *n == name) && stale.exists() {
+            fs_err::remove_file(stale)?;
+        }
+    }
+    for (name, text) in &inversion.csvs {
+        write_whole(&arguments.maps.join(name), text.as_bytes())?;
+    }
+    write_whole(&arguments.maps.join("table2.json"), inversion.file.to_json()?.as_bytes())?;
+    Ok(inversion)
+}
+
+/// A `table1.csv` that was edited by hand is not what `table1.json` holds, and what is inverted is the JSON.
+fn check_csvs(file: &Table1File, folder: &Path, force: bool, ui: Ui) -> anyhow::Result<()> {
+    for map in &file.maps {
+        let path = folder.join(&map.csv.file);
+        let Ok(bytes) = std::fs::read(&path) else { continue };
+        if sha256_hex(&bytes) == map.csv.sha256 {
+            continue;
+        }
+        let what = format!("{} is not the file that table1.json describes: its hash differs", path.display());
+        if force {
+            ui.warn(format!("{what}; the numbers of table1.json are inverted, since --force was given"));
+        } else {
+            bail!("{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or go on with --force");
+        }
+    }
+    Ok(())
+}
+
+/// The summary for people.
+pub(super) fn show(file: &Table2File, ui: Ui) {
+    for map in &file.maps {
+        let trip = &map.round_trip;
+        ui.say(format!(
+            "{} gear: {} speeds × {} accelerations, {:.1} to {:.1} m/s²; dead band {:.2} to {:.2} N·m",
+            map.gear,
+            map.speed_mps.len(),
+            map.accel_mps2.len(),
+            map.accel_mps2[0],
+            map.accel_mps2[map.accel_mps2.len() - 1],
+            map.dead_band.low_nm,
+            map.dead_band.high_nm
+        ));
+        ui.say(format!(
+            "  round trip at nodes {:.4} m/s² rms, {:.4} at most; between nodes {:.4} rms, {:.4} at most (at {:.2} m/s, {:.2} m/s²)",
+            trip.node_rms_mps2,
+            trip.node_max_mps2,
+            trip.between_rms_mps2,
+            trip.between_max_mps2,
+            trip.between_max_at.speed_mps,
+            trip.between_max_at.accel_mps2
+        ));
+        ui.say(format!("written: {}", map.csv.file));
+    }
+    ui.say("written: table2.json");
+}

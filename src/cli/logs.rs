@@ -1,0 +1,124 @@
+//! Logs on the command line: where they are, where their signals are, and what is said of the vehicle.
+
+use super::Ui;
+use crate::campaign::{self, Survey};
+use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, read};
+use crate::signal::Track;
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+
+/// Arguments of every command that reads logs.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct LogArguments {
+    /// Logs (MCAP) of one vehicle, in any order
+    #[arg(required = true, value_name = "LOG")]
+    pub(super) logs: Vec<PathBuf>,
+    /// Signal map: which message path is which signal
+    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
+    pub(super) signals: Option<PathBuf>,
+    /// Signal map that comes with the program: pivot-cal, autoware, joint-state
+    #[arg(long, value_name = "NAME")]
+    pub(super) preset: Option<Preset>,
+    /// Wheelbase [m], over any signal map
+    #[arg(long, value_name = "M")]
+    wheelbase_m: Option<f64>,
+    /// Rolling radius of the front wheel [m], over any signal map
+    #[arg(long, value_name = "M")]
+    wheel_radius_m: Option<f64>,
+    /// Wheel angle of the test [°], left positive, over any signal map
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    test_angle_deg: Option<f64>,
+    /// Stop with status 3 when a log is damaged
+    #[arg(long)]
+    pub(super) strict: bool,
+}
+
+/// Surveyed logs, and whether any was damaged.
+pub(super) struct Surveyed {
+    pub(super) surveys: Vec<Survey>,
+    pub(super) damaged: bool,
+}
+
+impl LogArguments {
+    /// Where the signals are, as the arguments say.
+    pub(super) fn source(&self) -> anyhow::Result<Source> {
+        match (&self.signals, self.preset) {
+            (Some(path), _) => {
+                let text = fs_err::read_to_string(path)?;
+                Ok(Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?))
+            }
+            (None, Some(preset)) => Ok(Source::Preset(preset)),
+            (None, None) => Ok(Source::Detect),
+        }
+    }
+
+    /// What the arguments say of the vehicle.
+    pub(super) fn overrides(&self) -> VehicleOverrides {
+        VehicleOverrides {
+            wheelbase_m: self.wheelbase_m,
+            wheel_radius_m: self.wheel_radius_m,
+            test_angle_deg: self.test_angle_deg,
+            torque_limit_nm: None,
+        }
+    }
+
+    /// Reads every log; the same log given twice is read once.
+    pub(super) fn read(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Recording>> {
+        let source = self.source()?;
+        let mut overrides = self.overrides();
+        overrides.test_angle_deg = angle_deg.or(overrides.test_angle_deg);
+        let total = self.logs.iter().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
+        let bar = ui.progress(total, "reading");
+        let mut recordings: Vec<Recording> = Vec::new();
+        for path in &self.logs {
+            let recording = read(path, &source, &overrides, &|bytes| bar.inc(bytes)).with_context(|| path.display().to_string())?;
+            if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
+                ui.warn(format!("{}: the same log as {}; read once", path.display(), same.path.display()));
+                continue;
+            }
+            told(&recording, matches!(source, Source::Map(_)), path, ui);
+            recordings.push(recording);
+        }
+        bar.finish_and_clear();
+        Ok(recordings)
+    }
+
+    /// Reads and surveys every log. A log without anything to use is left aside with a warning, unless it is the only one.
+    pub(super) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Surveyed> {
+        let recordings = self.read(angle_deg, ui)?;
+        let damaged = recordings.iter().any(|r| r.loss.is_damaged());
+        let alone = recordings.len() == 1;
+        let mut surveys = Vec::new();
+        let mut reasons = Vec::new();
+        for recording in &recordings {
+            let name = recording.path.display();
+            let track = Track::new(recording).with_context(|| name.to_string())?;
+            match Survey::new(track, &campaign::Settings::default()) {
+                Ok(survey) => surveys.push(survey),
+                Err(error) if alone => return Err(error).with_context(|| name.to_string()),
+                Err(error) => {
+                    ui.warn(format!("{name} is left aside: {error}"));
+                    reasons.push(format!("{name}: {error}"));
+                }
+            }
+        }
+        if surveys.is_empty() {
+            bail!("no log holds anything to use: {}", reasons.join("; "));
+        }
+        Ok(Surveyed { surveys, damaged })
+    }
+}
+
+/// Says what was lost, and where the signals were found unless a map said so.
+fn told(recording: &Recording, mapped: bool, path: &Path, ui: Ui) {
+    if let Some(loss) = recording.loss.summary() {
+        ui.warn(format!("{}: {loss}", path.display()));
+    }
+    for note in &recording.notes {
+        ui.detail(format!("{}: {note}", path.display()));
+    }
+    for origin in &recording.origins {
+        let line = format!("{}: {} = {} [{}] ({})", path.display(), origin.signal.key(), origin.path, origin.unit, origin.reason);
+        if mapped { ui.detail(line) } else { ui.say(line) }
+    }
+}
