@@ -95,7 +95,7 @@ fn residual(log: &LogView, lagged: &LaggedCommand, dead_time_s: f64, noise: &Noi
             sums[COLUMNS] = reading.speed_mps;
             line.copy_from_slice(&sums);
         }
-        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, noise, segment.anchored);
+        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, noise, segment.start_std_mps);
         for line in data.chunks_exact(WIDTH) {
             for a in 0..WIDTH {
                 for b in a..WIDTH {

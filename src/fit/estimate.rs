@@ -119,29 +119,33 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
         for round in 0..rounds {
             iterations += 1;
             let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
-            let transients = if stage == 0 { none.clone() } else { transients(&lagged, &calibration, surveys, settings) };
-            let breakaway = |gear: Gear| surfaces[usize::from(gear == Gear::Reverse)].zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
-            let breakaway: Option<&dyn Fn(Gear) -> f64> = if have_surface { Some(&breakaway) } else { None };
+            let cut = if stage == 0 { none.clone() } else { transients(&lagged, &calibration, surveys, settings) };
+            let known = have_surface.then_some(&surfaces);
             // robust cuts: twice with delays free, once with them fixed, each time from all readings
             if have_surface && ((stage == 0 && (round == 2 || round == 4)) || (stage == 1 && round == 0)) {
                 let threshold = if stage == 0 && round == 2 { 6.0 } else { 5.0 };
                 for log in &mut logs {
                     log.cuts = Cuts::default();
                 }
-                let segments = build(&logs, &calibration, &lagged, breakaway, &none);
+                // judged without the moments after steps, which no static map explains
+                let steps = transients(&lagged, &calibration, surveys, settings);
+                let segments = build(&logs, &calibration, &lagged, known, &steps);
                 let (_, _, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
                 for (segment, white) in segments.iter().zip(&white) {
                     robust::find(segment, white, threshold, &mut logs[segment.log].cuts);
                 }
             }
-            let segments = build(&logs, &calibration, &lagged, breakaway, &transients);
+            let segments = build(&logs, &calibration, &lagged, known, &cut);
             let speeds = if have_surface { along(&segments, &lagged, &calibration, &surfaces, &noise).0 } else { wide_speeds(&segments) };
             let with_nuisance = stage == 0 && have_surface;
             let grams = assemble(&segments, &speeds, &lagged, &calibration, &surfaces, &noise, with_nuisance, logs.len());
             let nuisances = if with_nuisance { prior.len() } else { 0 };
             let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
             let system = System::new(&design, &pairs, nuisances);
-            let updates = if stage == 1 && round + 1 == rounds { 30 } else { 6 };
+            let updates = if stage == 1 { 50 } else { 4 };
+            if stage == 1 && round == 0 {
+                penalties.clear();
+            }
             let solution = system.solve(&design.blocks, &penalties, updates, &prior[..nuisances]).ok_or(Error::Singular)?;
             penalties.clone_from(&solution.penalties);
             if with_nuisance {
@@ -167,10 +171,13 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
                 noise = found.noise;
                 noise_bounds = found.at_bounds;
             }
-            let offsets =
-                segments.iter().zip(&residuals).map(|(s, r)| smooth(r, &s.readings, s.start_s, &noise, s.anchored).offset_mps2).collect();
+            let offsets = segments
+                .iter()
+                .zip(&residuals)
+                .map(|(s, r)| smooth(r, &s.readings, s.start_s, &noise, s.start_std_mps).offset_mps2)
+                .collect();
             last = Some((solution, system));
-            final_parts = Some((segments, speeds, offsets, white, transients));
+            final_parts = Some((segments, speeds, offsets, white, cut));
             converged = moved < STILL_MPS2;
             if converged && round >= if stage == 0 { 5 } else { 1 } {
                 break;
@@ -258,10 +265,10 @@ fn build(
     logs: &[LogData],
     calibration: &Calibration,
     lagged: &[LaggedCommand],
-    breakaway: Option<&dyn Fn(Gear) -> f64>,
+    surfaces: Option<&[LatticeSurface; 2]>,
     transients: &[Vec<(f64, f64)>],
 ) -> Vec<Segment> {
-    logs.iter().enumerate().flat_map(|(k, log)| log.segments(k, calibration, &lagged[k], breakaway, &transients[k])).collect()
+    logs.iter().enumerate().flat_map(|(k, log)| log.segments(k, calibration, &lagged[k], surfaces, &transients[k])).collect()
 }
 
 /// Speeds along the segments from their readings alone.
@@ -270,7 +277,7 @@ fn wide_speeds(segments: &[Segment]) -> Vec<Vec<f64>> {
         .par_iter()
         .map(|s| {
             let readings: Vec<f64> = s.readings.iter().map(|r| r.speed_mps).collect();
-            smooth(&readings, &s.readings, s.start_s, &WIDE, s.anchored).speed_mps
+            smooth(&readings, &s.readings, s.start_s, &WIDE, s.start_std_mps).speed_mps
         })
         .collect()
 }
@@ -296,11 +303,11 @@ fn along(
             for _ in 0..2 {
                 let model = predicted(s, &speed, &torque, surface);
                 residual = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-                let deviation = smooth(&residual, &s.readings, s.start_s, noise, s.anchored).speed_mps;
+                let deviation = smooth(&residual, &s.readings, s.start_s, noise, s.start_std_mps).speed_mps;
                 speed = model.iter().zip(&deviation).map(|(m, d)| (m + d).max(0.0)).collect();
             }
             let mut white = residual.clone();
-            whiten(&mut white, 1, &s.readings, s.start_s, noise, s.anchored);
+            whiten(&mut white, 1, &s.readings, s.start_s, noise, s.start_std_mps);
             (speed, residual, white)
         })
         .collect();
@@ -336,7 +343,7 @@ fn assemble(
                 let surface = &surfaces[usize::from(s.gear == Gear::Reverse)];
                 let mut local = matrix(s, speed, &lagged[s.log], calibration.dead_time_s[s.log], surface, with_nuisance);
                 let width = local.columns.len();
-                whiten(&mut local.data, width, &s.readings, s.start_s, noise, s.anchored);
+                whiten(&mut local.data, width, &s.readings, s.start_s, noise, s.start_std_mps);
                 (s.gear, LocalGram::new(local.columns, &local.data))
             })
             .collect();
@@ -402,7 +409,7 @@ fn offset_spread(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) ->
         .iter()
         .zip(residuals)
         .filter(|(s, _)| span_s(s) > 0.5)
-        .map(|(s, r)| smooth(r, &s.readings, s.start_s, &loose, s.anchored).offset_mps2)
+        .map(|(s, r)| smooth(r, &s.readings, s.start_s, &loose, s.start_std_mps).offset_mps2)
         .collect();
     let centre = crate::signal::median(&offsets);
     let spread: Vec<f64> = offsets.iter().map(|o| (o - centre).abs()).collect();

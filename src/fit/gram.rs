@@ -11,8 +11,6 @@ pub(crate) struct Gram {
     pub(crate) size: usize,
     /// Symmetric, row-major.
     pub(crate) values: Vec<f64>,
-    /// Readings behind it.
-    pub(crate) rows: usize,
 }
 
 /// The same over the columns that one segment touches.
@@ -22,8 +20,6 @@ pub(crate) struct LocalGram {
     pub(crate) columns: Vec<u32>,
     /// Symmetric.
     pub(crate) values: Mat<f64>,
-    /// Readings behind it.
-    pub(crate) rows: usize,
 }
 
 impl LocalGram {
@@ -34,14 +30,14 @@ impl LocalGram {
         let x = faer::MatRef::from_row_major_slice(white, rows, width);
         let mut values = Mat::zeros(width, width);
         matmul(values.as_mut(), Accum::Replace, x.transpose(), x, 1.0, Par::Seq);
-        Self { columns, values, rows }
+        Self { columns, values }
     }
 }
 
 impl Gram {
     /// Zeros over `size` columns, the speed included.
     pub(crate) fn new(size: usize) -> Self {
-        Self { size, values: vec![0.0; size * size], rows: 0 }
+        Self { size, values: vec![0.0; size * size] }
     }
 
     /// Adds one segment's.
@@ -54,12 +50,5 @@ impl Gram {
                 line[pb] += local.values[(a, b)];
             }
         }
-        self.rows += local.rows;
-    }
-
-    /// Adds another one of the same size.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
-        self.rows += other.rows;
     }
 }

@@ -47,7 +47,7 @@ pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Nois
     let cost = |x: &[f64; 5]| {
         let noise = unpack(x);
         // collected in order, then summed in order: the same bits for any number of threads
-        let parts: Vec<f64> = chosen.par_iter().map(|(s, r)| deviance(r, &s.readings, s.start_s, &noise, s.anchored)).collect();
+        let parts: Vec<f64> = chosen.par_iter().map(|(s, r)| deviance(r, &s.readings, s.start_s, &noise, s.start_std_mps)).collect();
         let prior: f64 = x.iter().zip(centre).map(|(x, c)| ((x / c).ln() / 20f64.ln()).powi(2)).sum();
         parts.iter().sum::<f64>() + prior
     };

@@ -19,9 +19,7 @@ pub(crate) struct Noise {
 }
 
 /// Prior standard deviation of the speed where a stretch does not start from rest [m/s].
-const UNKNOWN_SPEED_MPS: f64 = 3.0;
-/// Prior standard deviation of the speed at breakaway [m/s].
-const ANCHOR_MPS: f64 = 3e-3;
+pub(crate) const UNKNOWN_SPEED_MPS: f64 = 3.0;
 
 /// One reading in a stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,15 +44,13 @@ struct Step {
     gain: [f64; 3],
     /// 1/√S.
     inverse_root: f64,
-    log_s: f64,
 }
 
 type Covariance = [[f64; 3]; 3];
 
-fn start_covariance(noise: &Noise, anchored: bool) -> Covariance {
-    let v = if anchored { ANCHOR_MPS } else { UNKNOWN_SPEED_MPS };
+fn start_covariance(noise: &Noise, start_std_mps: f64) -> Covariance {
     let mut p = [[0.0; 3]; 3];
-    p[0][0] = v * v;
+    p[0][0] = start_std_mps * start_std_mps;
     p[1][1] = noise.disturbance_mps2 * noise.disturbance_mps2;
     p[2][2] = noise.offset_mps2 * noise.offset_mps2;
     p
@@ -75,49 +71,30 @@ fn predict(p: &mut Covariance, noise: &Noise, dt: f64) -> (f64, f64) {
     };
     let q_vd = variance * tau * (1.0 - decay) * (1.0 - decay);
     let q_dd = variance * (1.0 - decay * decay);
-    let f = [[1.0, drift, dt], [0.0, decay, 0.0], [0.0, 0.0, 1.0]];
-    let mut fp = [[0.0; 3]; 3];
-    for r in 0..3 {
-        for c in 0..3 {
-            fp[r][c] = (0..3).map(|k| f[r][k] * p[k][c]).sum();
-        }
-    }
-    for r in 0..3 {
-        for c in 0..3 {
-            p[r][c] = (0..3).map(|k| fp[r][k] * f[c][k]).sum();
-        }
-    }
-    p[0][0] += q_vv;
-    p[0][1] += q_vd;
-    p[1][0] += q_vd;
-    p[1][1] += q_dd;
+    // F·P·Fᵀ + Q with F = [[1, drift, dt], [0, decay, 0], [0, 0, 1]], written out
+    let [[vv, vd, vb], [_, dd, db], [_, _, bb]] = *p;
+    let (vd1, vb1) = (vd + drift * dd + dt * db, vb + drift * db + dt * bb);
+    let vv1 = vv + drift * vd + dt * vb + drift * vd1 + dt * vb1 + q_vv;
+    let (vd2, db2) = (decay * vd1 + q_vd, decay * db);
+    *p = [[vv1, vd2, vb1], [vd2, decay * decay * dd + q_dd, db2], [vb1, db2, bb]];
     (drift, decay)
 }
 
 /// Measures v with variance `r`; returns (gain, S).
 fn measure(p: &mut Covariance, r: f64) -> ([f64; 3], f64) {
     let s = p[0][0] + r;
-    let gain = [p[0][0] / s, p[1][0] / s, p[2][0] / s];
-    let row = p[0];
-    for a in 0..3 {
-        for b in 0..3 {
-            p[a][b] -= gain[a] * row[b];
-        }
-    }
-    // Joseph's form is not needed: S ≥ r > 0 and the prior's largest variance is 1e6 times r at most; symmetrise all the same
-    for a in 0..3 {
-        for b in 0..a {
-            let mean = 0.5 * (p[a][b] + p[b][a]);
-            p[a][b] = mean;
-            p[b][a] = mean;
-        }
-    }
+    let [[vv, vd, vb], [_, dd, db], [_, _, bb]] = *p;
+    let gain = [vv / s, vd / s, vb / s];
+    // (1 − k_v)·P of the first row is r/s·P: no cancellation, however vague the prior
+    let kept = r / s;
+    let (dd1, db1, bb1) = (dd - gain[1] * vd, db - gain[1] * vb, bb - gain[2] * vb);
+    *p = [[kept * vv, kept * vd, kept * vb], [kept * vd, dd1, db1], [kept * vb, db1, bb1]];
     (gain, s)
 }
 
 /// The filter's gains over a stretch that starts at `start_s`; they do not depend on the data.
-fn steps(readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> Vec<Step> {
-    let mut p = start_covariance(noise, anchored);
+fn steps(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Vec<Step> {
+    let mut p = start_covariance(noise, start_std_mps);
     let mut last = start_s;
     readings
         .iter()
@@ -127,17 +104,17 @@ fn steps(readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> V
             let (drift, decay) = predict(&mut p, noise, dt);
             let sigma = noise.reading_mps[usize::from(reading.witness)];
             let (gain, s) = measure(&mut p, sigma * sigma);
-            Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt(), log_s: s.ln() }
+            Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt() }
         })
         .collect()
 }
 
 /// Replaces each column of `matrix` (row-major, one row per reading, `columns` wide) by its whitened innovations.
-pub(crate) fn whiten(matrix: &mut [f64], columns: usize, readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) {
+pub(crate) fn whiten(matrix: &mut [f64], columns: usize, readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) {
     let mut v = vec![0.0; columns];
     let mut d = vec![0.0; columns];
     let mut b = vec![0.0; columns];
-    for (step, row) in steps(readings, start_s, noise, anchored).iter().zip(matrix.chunks_exact_mut(columns)) {
+    for (step, row) in steps(readings, start_s, noise, start_std_mps).iter().zip(matrix.chunks_exact_mut(columns)) {
         let [kv, kd, kb] = step.gain;
         for (((z, v), d), b) in row.iter_mut().zip(&mut v).zip(&mut d).zip(&mut b) {
             let ahead = *v + step.drift * *d + step.dt * *b;
@@ -152,11 +129,26 @@ pub(crate) fn whiten(matrix: &mut [f64], columns: usize, readings: &[Reading], s
 }
 
 /// −2 log likelihood of a residual sequence, without its constant.
-pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> f64 {
-    let mut white = residual_mps.to_vec();
-    whiten(&mut white, 1, readings, start_s, noise, anchored);
-    let logs: f64 = steps(readings, start_s, noise, anchored).iter().map(|s| s.log_s).sum();
-    logs + white.iter().map(|e| e * e).sum::<f64>()
+pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> f64 {
+    let mut p = start_covariance(noise, start_std_mps);
+    let (mut v, mut d, mut b) = (0.0, 0.0, 0.0);
+    let mut last = start_s;
+    let mut sum = 0.0;
+    for (reading, residual) in readings.iter().zip(residual_mps) {
+        let dt = (reading.t_s - last).max(0.0);
+        last = reading.t_s;
+        let (drift, decay) = predict(&mut p, noise, dt);
+        let sigma = noise.reading_mps[usize::from(reading.witness)];
+        let (gain, s) = measure(&mut p, sigma * sigma);
+        v += drift * d + dt * b;
+        d *= decay;
+        let innovation = residual - v;
+        v += gain[0] * innovation;
+        d += gain[1] * innovation;
+        b += gain[2] * innovation;
+        sum += s.ln() + innovation * innovation / s;
+    }
+    sum
 }
 
 /// Smoothed deviation from the surface over a stretch.
@@ -169,9 +161,9 @@ pub(crate) struct Smoothed {
 }
 
 /// Fixed-interval smoothing (Rauch, Tung & Striebel 1965) of a residual sequence.
-pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, anchored: bool) -> Smoothed {
+pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Smoothed {
     let n = readings.len();
-    let mut p = start_covariance(noise, anchored);
+    let mut p = start_covariance(noise, start_std_mps);
     let mut x = [0.0; 3];
     let (mut predicted, mut filtered, mut transitions) = (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
     let mut last = start_s;
@@ -274,7 +266,7 @@ mod tests {
     #[test]
     fn innovations_of_the_true_model_are_white_with_unit_variance() {
         let (readings, mut values) = simulated(6000, 3);
-        whiten(&mut values, 1, &readings, 0.0, &NOISE, true);
+        whiten(&mut values, 1, &readings, 0.0, &NOISE, 3e-3);
         let n = values.len() as f64;
         let variance = values.iter().map(|e| e * e).sum::<f64>() / n;
         let lag_one = values.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / n;
@@ -286,7 +278,7 @@ mod tests {
     #[test]
     fn the_likelihood_prefers_the_true_noise() {
         let (readings, values) = simulated(3000, 5);
-        let at = |noise: Noise| deviance(&values, &readings, 0.0, &noise, true);
+        let at = |noise: Noise| deviance(&values, &readings, 0.0, &noise, 3e-3);
         let truth = at(NOISE);
         assert!(truth < at(Noise { disturbance_mps2: 0.2, ..NOISE }));
         assert!(truth < at(Noise { disturbance_mps2: 0.05, ..NOISE }));
@@ -296,7 +288,7 @@ mod tests {
     #[test]
     fn smoothing_comes_nearer_to_the_truth_than_a_reading() {
         let (readings, values) = simulated(2000, 7);
-        let smoothed = smooth(&values, &readings, 0.0, &NOISE, true);
+        let smoothed = smooth(&values, &readings, 0.0, &NOISE, 3e-3);
         let rough: f64 = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum();
         let fine: f64 = smoothed.speed_mps.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum();
         let miss = values.iter().zip(&smoothed.speed_mps).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / values.len() as f64;

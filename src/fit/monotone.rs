@@ -77,7 +77,7 @@ pub(crate) fn enforce(
     let mut h = Mat::from_fn(q, q, |a, b| system.matrix[(a, b)]);
     for (block, penalty) in design.blocks.iter().zip(&solution.penalties) {
         for k in block.range.clone() {
-            h[(k, k)] += if block.penalised { *penalty } else { 0.0 };
+            h[(k, k)] += if block.penalised { penalty.min(1e12) } else { 0.0 };
         }
     }
     // the variables are scaled by the diagonal so that the programme is well conditioned

@@ -18,10 +18,6 @@ pub(crate) struct System {
     pub(crate) matrix: Mat<f64>,
     /// Xᵀy.
     pub(crate) right: Col<f64>,
-    /// yᵀy.
-    pub(crate) square: f64,
-    /// Readings.
-    pub(crate) rows: usize,
     /// Coefficients of the design; the nuisance columns follow.
     pub(crate) design: usize,
 }
@@ -37,14 +33,16 @@ pub(crate) struct Solution {
     pub(crate) penalties: Vec<f64>,
     /// Effective degrees of freedom of each block.
     pub(crate) degrees: Vec<f64>,
-    /// ‖y − Xβ‖².
-    pub(crate) residual_square: f64,
     /// Whether the penalties settled.
     pub(crate) settled: bool,
 }
 
-/// What the penalties may be, relative to the mean diagonal of their block.
-const PENALTY_RANGE: (f64, f64) = (1e-7, 1e9);
+/// First penalty, relative to the mean diagonal of its block: smooth, yet far from vanishing.
+const FIRST_PENALTY: f64 = 1.0;
+/// Least penalty, relative to the mean diagonal of its block.
+const LEAST_PENALTY: f64 = 1e-7;
+/// Effective degrees of freedom below which a block has vanished.
+const VANISHED: f64 = 2e-3;
 /// Largest change of a penalty's logarithm in one step.
 const LARGEST_STEP: f64 = 3.0;
 
@@ -53,7 +51,7 @@ impl System {
     pub(crate) fn new(design: &Design, grams: &[(Gear, &Gram)], nuisances: usize) -> Self {
         let q = design.coefficients();
         let size = q + nuisances;
-        let mut system = Self { matrix: Mat::zeros(size, size), right: Col::zeros(size), square: 0.0, rows: 0, design: q };
+        let mut system = Self { matrix: Mat::zeros(size, size), right: Col::zeros(size), design: q };
         for (gear, gram) in grams {
             let t = design.transform(*gear);
             let base = t.nrows();
@@ -78,8 +76,6 @@ impl System {
                 }
                 system.right[q + n] += whole[(base + n, gram.size - 1)];
             }
-            system.square += whole[(gram.size - 1, gram.size - 1)];
-            system.rows += gram.rows;
         }
         system
     }
@@ -93,51 +89,77 @@ impl System {
         let scale: Vec<f64> =
             blocks.iter().map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12)).collect();
         let mut penalties: Vec<f64> =
-            if penalties.len() == blocks.len() { penalties.to_vec() } else { scale.iter().map(|s| 1e-2 * s).collect() };
+            if penalties.len() == blocks.len() { penalties.to_vec() } else { scale.iter().map(|s| FIRST_PENALTY * s).collect() };
+        // Fellner-Schall climbs slowly where a block wants to vanish: steps that keep their direction grow
+        let mut pace = vec![(1.0f64, 0.0f64); blocks.len()];
         let mut solution = None;
         for round in 0..=updates {
-            let mut h = self.matrix.clone();
+            // a block that the data do not want is at an infinite penalty: its coefficients are zero and leave the equations
+            let active: Vec<usize> = blocks
+                .iter()
+                .zip(&penalties)
+                .filter(|(_, penalty)| penalty.is_finite())
+                .flat_map(|(b, _)| b.range.clone())
+                .chain(self.design..size)
+                .collect();
+            let mut ridge = vec![0.0; size];
             for (block, (penalty, scale)) in blocks.iter().zip(penalties.iter().zip(&scale)) {
                 for k in block.range.clone() {
                     // a ridge relative to the data keeps columns without data from blowing up
-                    h[(k, k)] += if block.penalised { *penalty } else { 1e-9 * (h[(k, k)] + scale) };
+                    ridge[k] = if block.penalised { *penalty } else { 1e-9 * (self.matrix[(k, k)] + scale) };
                 }
             }
             for (n, std) in nuisance_prior_std.iter().enumerate() {
-                h[(self.design + n, self.design + n)] += 1.0 / (std * std);
+                ridge[self.design + n] = 1.0 / (std * std);
             }
-            let factor = h.llt(faer::Side::Lower).ok()?;
-            let beta_col = factor.solve(&self.right);
-            let covariance = factor.inverse();
-            let beta: Vec<f64> = (0..size).map(|k| beta_col[k]).collect();
+            let small = Mat::from_fn(active.len(), active.len(), |a, b| {
+                self.matrix[(active[a], active[b])] + if a == b { ridge[active[a]] } else { 0.0 }
+            });
+            let factor = small.llt(faer::Side::Lower).ok()?;
+            let right = Col::from_fn(active.len(), |a| self.right[active[a]]);
+            let answer = factor.solve(&right);
+            let inverse = factor.inverse();
+            let mut beta = vec![0.0; size];
+            let mut variance = vec![0.0; size];
+            for (a, k) in active.iter().enumerate() {
+                beta[*k] = answer[a];
+                variance[*k] = inverse[(a, a)];
+            }
             let mut degrees = Vec::with_capacity(blocks.len());
             let mut largest_change = 0.0f64;
             let mut next = penalties.clone();
             for (j, block) in blocks.iter().enumerate() {
                 let p = block.range.len() as f64;
-                if !block.penalised {
-                    degrees.push(p);
+                if !block.penalised || !penalties[j].is_finite() {
+                    degrees.push(if block.penalised { 0.0 } else { p });
                     continue;
                 }
-                let trace: f64 = block.range.clone().map(|k| covariance[(k, k)]).sum();
-                let edf = (p - penalties[j] * trace).clamp(1e-6, p);
+                let trace: f64 = block.range.clone().map(|k| variance[k]).sum();
+                let edf = (p - penalties[j] * trace).clamp(1e-9, p);
                 degrees.push(edf);
                 let norm: f64 = block.range.clone().map(|k| beta[k] * beta[k]).sum();
-                let wanted = (edf / norm.max(1e-300)).clamp(PENALTY_RANGE.0 * scale[j], PENALTY_RANGE.1 * scale[j]);
-                let change = (wanted / penalties[j]).ln().clamp(-LARGEST_STEP, LARGEST_STEP);
-                // a block that has all but vanished may go on shrinking without moving the surface
-                if edf > 0.01 {
+                let wanted = (edf / norm.max(1e-300)).max(LEAST_PENALTY * scale[j]);
+                let plain = (wanted / penalties[j]).ln();
+                let (speed, before) = pace[j];
+                pace[j] = (if plain * before > 0.0 { (1.6 * speed).min(10.0) } else { 1.0 }, plain);
+                let change = (pace[j].0 * plain).clamp(-LARGEST_STEP, LARGEST_STEP);
+                next[j] = penalties[j] * change.exp();
+                let change = plain;
+                if edf < VANISHED {
+                    next[j] = f64::INFINITY;
+                } else {
                     largest_change = largest_change.max(change.abs());
                 }
-                next[j] = penalties[j] * change.exp();
             }
             let settled = largest_change < 0.05;
-            let fitted: f64 = (0..size).map(|k| beta[k] * self.right[k]).sum();
-            let hb = &self.matrix * &beta_col;
-            let quadratic: f64 = (0..size).map(|k| beta[k] * hb[k]).sum();
-            let residual_square = (self.square - 2.0 * fitted + quadratic).max(0.0);
-            solution = Some(Solution { beta, covariance, penalties: penalties.clone(), degrees, residual_square, settled });
             if settled || round == updates {
+                let mut covariance = Mat::zeros(size, size);
+                for (a, k) in active.iter().enumerate() {
+                    for (b, l) in active.iter().enumerate() {
+                        covariance[(*k, *l)] = inverse[(a, b)];
+                    }
+                }
+                solution = Some(Solution { beta, covariance, penalties: penalties.clone(), degrees, settled });
                 break;
             }
             penalties = next;

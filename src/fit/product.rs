@@ -263,7 +263,7 @@ fn diagnostics(estimate: &Estimate, moved: monotone::Outcome) -> serde_json::Val
                 "block": block.name,
                 "coefficients": block.range.len(),
                 "effective": round(*degrees, 1e3),
-                "penalty": if block.penalised { serde_json::json!(penalty) } else { serde_json::Value::Null },
+                "penalty": if block.penalised && penalty.is_finite() { serde_json::json!(penalty) } else { serde_json::Value::Null },
             })
         })
         .collect();

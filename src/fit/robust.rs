@@ -59,7 +59,7 @@ mod tests {
 
     fn segment(n: u32) -> Segment {
         let readings = (0..n).map(|k| Reading { t_s: f64::from(k) * 0.01, speed_mps: 0.0, witness: 1, sample: k }).collect();
-        Segment { log: 0, run: 0, gear: Gear::Forward, start_s: 0.0, anchored: false, readings }
+        Segment { log: 0, run: 0, gear: Gear::Forward, start_s: 0.0, anchored: false, start_std_mps: 3.0, readings }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Segments: stretches of readings on one clock, ready to be integrated.
 
 use super::actuator::LaggedCommand;
-use super::kalman::Reading;
+use super::kalman::{Reading, UNKNOWN_SPEED_MPS};
+use super::lattice::LatticeSurface;
 use crate::campaign::{Survey, Verdict};
 use crate::map::Gear;
 
@@ -30,6 +31,8 @@ pub(crate) struct Segment {
     pub(crate) start_s: f64,
     /// Whether the speed is 0 at the start.
     pub(crate) anchored: bool,
+    /// Prior standard deviation of the speed at the start [m/s].
+    pub(crate) start_std_mps: f64,
     pub(crate) readings: Vec<Reading>,
 }
 
@@ -48,6 +51,10 @@ const FEWEST_READINGS: usize = 8;
 const SHORTEST_S: f64 = 0.08;
 /// Speed at breakaway above which a start is not believed to start from 0 [m/s].
 const BELIEVABLE_START_MPS: f64 = 0.03;
+/// Standard deviation of the speed at breakaway [m/s].
+const ANCHOR_MPS: f64 = 3e-3;
+/// Standard deviation of the time at which a step takes effect, beyond the log's dead time: jitter and sampling [s].
+const STEP_TIMING_S: f64 = 2e-3;
 
 /// One log as the estimator sees it.
 #[derive(Debug, Clone)]
@@ -61,14 +68,14 @@ pub(crate) struct LogData<'a> {
 }
 
 impl LogData<'_> {
-    /// The segments of this log. `surface` (per gear) tells when a resting wheel breaks away; without it starts are not anchored.
+    /// The segments of this log. `surfaces` (forward, reverse) tell when a resting wheel breaks away; without it starts are not anchored.
     /// `transient_s` is left out after each step of the effective torque, unless the stretch starts from rest there.
     pub(crate) fn segments(
         &self,
         log: usize,
         calibration: &Calibration,
         lagged: &LaggedCommand,
-        breakaway_nm: Option<&dyn Fn(Gear) -> f64>,
+        surfaces: Option<&[LatticeSurface; 2]>,
         transients: &[(f64, f64)],
     ) -> Vec<Segment> {
         let mut segments = Vec::new();
@@ -76,24 +83,34 @@ impl LogData<'_> {
             let dead_time_s = calibration.dead_time_s[log];
             let mut start_s = stretch.from_s;
             let mut anchored = false;
+            let mut start_std_mps = UNKNOWN_SPEED_MPS;
             if stretch.from_rest
                 && self.may_anchor
-                && let Some(breakaway) = breakaway_nm
+                && let Some(surfaces) = surfaces
             {
-                let threshold = breakaway(stretch.gear);
+                let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
+                let threshold = surface.zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
                 let torque = |t: f64| stretch.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
                 if let Some(t) = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, torque)
                     && self.mean_speed(stretch.gear, t, calibration).is_none_or(|v| v < BELIEVABLE_START_MPS)
                 {
                     start_s = t;
                     anchored = true;
+                    // a step known to 2 ms only is a speed known to 2 ms × the acceleration it leads to
+                    let accel = surface.accel_mps2(0.0, torque(t + 0.2)).max(0.0);
+                    start_std_mps = ANCHOR_MPS.hypot(STEP_TIMING_S * accel);
                 }
             }
             let readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
             let mut cuts: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).collect();
             // what follows the first step of a start from rest is anchored, and worth keeping
             cuts.extend(transients.iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
-            split(&readings, &cuts, Segment { log, run, gear: stretch.gear, start_s, anchored, readings: Vec::new() }, &mut segments);
+            split(
+                &readings,
+                &cuts,
+                Segment { log, run, gear: stretch.gear, start_s, anchored, start_std_mps, readings: Vec::new() },
+                &mut segments,
+            );
         }
         segments
     }
@@ -152,8 +169,9 @@ fn split(readings: &[Reading], cuts: &[(f64, f64)], model: Segment, segments: &m
     let between = |a: f64, b: f64| cuts.iter().any(|(from, to)| *from > a && *to < b);
     let mut current = Segment { readings: Vec::new(), ..model.clone() };
     let mut whole = true;
-    let mut close = |current: &mut Segment, next_anchored: bool| {
-        let done = std::mem::replace(current, Segment { anchored: next_anchored, ..model.clone() });
+    let mut close = |current: &mut Segment| {
+        let next = Segment { anchored: false, start_std_mps: UNKNOWN_SPEED_MPS, ..model.clone() };
+        let done = std::mem::replace(current, next);
         if let (Some(first), Some(last)) = (done.readings.first(), done.readings.last())
             && done.readings.len() >= FEWEST_READINGS
             && last.t_s - first.t_s >= SHORTEST_S
@@ -166,14 +184,14 @@ fn split(readings: &[Reading], cuts: &[(f64, f64)], model: Segment, segments: &m
         let last = current.readings.last().map_or(if whole { model.start_s } else { reading.t_s }, |r| r.t_s);
         let broken = reading.t_s - last > 0.15 || between(last, reading.t_s);
         if broken || inside(reading.t_s) {
-            close(&mut current, false);
+            close(&mut current);
             whole = false;
         }
         if !inside(reading.t_s) {
             current.readings.push(*reading);
         }
     }
-    close(&mut current, false);
+    close(&mut current);
 }
 
 #[cfg(test)]
@@ -183,8 +201,9 @@ mod tests {
     #[test]
     fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
         let readings: Vec<Reading> =
-            (0..100).map(|k| Reading { t_s: f64::from(k) * 0.01, speed_mps: 0.1, witness: 1, sample: k.unsigned_abs() }).collect();
-        let model = Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, readings: Vec::new() };
+            (0..100u32).map(|k| Reading { t_s: f64::from(k) * 0.01, speed_mps: 0.1, witness: 1, sample: k }).collect();
+        let model =
+            Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
         let mut segments = Vec::new();
         split(&readings, &[(0.405, 0.505)], model, &mut segments);
         assert_eq!(segments.len(), 2);

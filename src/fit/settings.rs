@@ -13,8 +13,8 @@ pub struct Settings {
     pub speed_nodes: usize,
     /// Torque nodes of the surface, about. Default 21: finer than the usual steps of a campaign.
     pub torque_nodes: usize,
-    /// Time after a step of the effective torque that the surface does not use [s]. Default 0.1: no static map explains it, and much more
-    /// would leave half of the cells without data.
+    /// Time after a step of the effective torque that the surface does not use [s]. Default 0.06: no static map explains it, and much more
+    /// would leave the cells of a fast coast without data.
     pub transient_s: f64,
     /// Most iterations with delays free, then with delays fixed and transients cut. Default 6 and 4.
     pub iterations: [usize; 2],
@@ -34,7 +34,7 @@ impl Default for Settings {
             lag_s: None,
             speed_nodes: 15,
             torque_nodes: 21,
-            transient_s: 0.1,
+            transient_s: 0.06,
             iterations: [6, 4],
             speed_breaks_mps: None,
             torque_breaks_nm: None,

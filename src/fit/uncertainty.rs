@@ -28,7 +28,7 @@ impl Uncertainty {
         let mut pull = Col::zeros(q);
         for (block, penalty) in estimate.design.blocks.iter().zip(&estimate.solution.penalties) {
             for k in block.range.clone() {
-                pull[k] = if block.penalised { penalty * estimate.solution.beta[k] } else { 0.0 };
+                pull[k] = if block.penalised && penalty.is_finite() { penalty * estimate.solution.beta[k] } else { 0.0 };
             }
         }
         let moved = &posterior * &pull;
@@ -101,7 +101,7 @@ fn run_scores(estimate: &Estimate) -> Vec<Vec<f64>> {
             let surface = estimate.surface(s.gear);
             let mut local = matrix(s, speed, &lagged[s.log], estimate.calibration.dead_time_s[s.log], surface, false);
             let width = local.columns.len();
-            whiten(&mut local.data, width, &s.readings, s.start_s, &estimate.noise, s.anchored);
+            whiten(&mut local.data, width, &s.readings, s.start_s, &estimate.noise, s.start_std_mps);
             let gram = LocalGram::new(local.columns, &local.data);
             let t = estimate.design.transform(s.gear);
             let mut score = vec![0.0; t.ncols()];
