@@ -124,6 +124,7 @@ impl Drive {
     }
 
     /// Effective torque now [N·m].
+    #[inline]
     pub fn effective_nm(&self) -> f64 {
         self.effective_nm
     }

@@ -244,17 +244,21 @@ impl Sensors {
         &self.pose
     }
 
-    /// Brings all sensors to the time of `scene`.
+    /// The next time at which [`Sensors::poll`] has anything to do [s].
     #[inline]
-    pub(super) fn poll(&mut self, scene: &Scene) {
-        if scene.t_s >= self.next_event_s {
-            self.poll_due(scene);
-        } else if self.took {
-            self.forget_taken();
+    pub(super) fn next_event_s(&self) -> f64 {
+        self.next_event_s
+    }
+
+    /// Nothing was read in the last step.
+    #[inline]
+    pub(super) fn forget_taken(&mut self) {
+        if self.took {
+            self.forget_all_taken();
         }
     }
 
-    fn forget_taken(&mut self) {
+    fn forget_all_taken(&mut self) {
         self.took = false;
         self.encoder.forget_taken();
         self.gyro.forget_taken();
@@ -263,7 +267,8 @@ impl Sensors {
         self.pose.forget_taken();
     }
 
-    fn poll_due(&mut self, scene: &Scene) {
+    /// Brings all sensors to the time of `scene`.
+    pub(super) fn poll(&mut self, scene: &Scene) {
         let now_s = scene.t_s;
         let s = &self.settings;
         // a reading falls between two steps: the state is carried back to its time
@@ -320,6 +325,10 @@ mod tests {
         let mut speeds = Vec::new();
         for k in 0..20_000 {
             let t_s = f64::from(k) * 1e-3;
+            sensors.forget_taken();
+            if t_s < sensors.next_event_s() {
+                continue;
+            }
             sensors.poll(&Scene { t_s, rim_speed_mps: speed_mps, rolled_m: speed_mps * t_s, ..Scene::default() });
             speeds.extend(sensors.encoder().taken().map(|r| r.value));
         }
