@@ -62,6 +62,9 @@ pub struct TorqueStep {
 pub struct Drive {
     settings: DriveSettings,
     slew_per_step_nm: f64,
+    /// The last command and what is left of it after rounding and limits: most steps repeat it.
+    last_command_nm: f64,
+    wanted_nm: f64,
     setpoint_nm: f64,
     /// Commands on their way, oldest at `oldest`; as many as the dead time has whole steps.
     underway_nm: Vec<f64>,
@@ -109,6 +112,8 @@ impl Drive {
         Ok(Self {
             settings: *settings,
             slew_per_step_nm: settings.slew_limit_nm_s.map_or(f64::INFINITY, |limit| limit * step_s),
+            last_command_nm: 0.0,
+            wanted_nm: 0.0,
             setpoint_nm: 0.0,
             underway_nm: vec![0.0; whole as usize],
             oldest: 0,
@@ -121,6 +126,7 @@ impl Drive {
     /// Lowers or raises the saturation [N·m], as a low battery does.
     pub fn set_torque_limit_nm(&mut self, limit_nm: f64) {
         self.settings.torque_limit_nm = limit_nm.max(0.0);
+        self.wanted_nm = self.limited(self.last_command_nm);
     }
 
     /// Effective torque now [N·m].
@@ -132,6 +138,7 @@ impl Drive {
     /// Makes `command_nm` the command of all time so far: nothing is under way, and the effective torque is the command.
     pub fn settle(&mut self, command_nm: f64) {
         let settled_nm = self.limited(command_nm);
+        (self.last_command_nm, self.wanted_nm) = (command_nm, settled_nm);
         self.underway_nm.fill(settled_nm);
         (self.setpoint_nm, self.before_nm, self.effective_nm) = (settled_nm, settled_nm, settled_nm);
     }
@@ -139,8 +146,11 @@ impl Drive {
     /// Advances one step under `command_nm` (a command that is not a number counts as zero).
     #[inline]
     pub fn step(&mut self, command_nm: f64) -> TorqueStep {
-        let wanted = self.limited(command_nm);
-        self.setpoint_nm += (wanted - self.setpoint_nm).clamp(-self.slew_per_step_nm, self.slew_per_step_nm);
+        if command_nm != self.last_command_nm {
+            self.last_command_nm = command_nm;
+            self.wanted_nm = self.limited(command_nm);
+        }
+        self.setpoint_nm += (self.wanted_nm - self.setpoint_nm).clamp(-self.slew_per_step_nm, self.slew_per_step_nm);
         let after = match self.underway_nm.get_mut(self.oldest) {
             None => self.setpoint_nm,
             Some(slot) => {
