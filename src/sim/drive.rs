@@ -84,6 +84,7 @@ struct Decays {
     mid_to_change: f64,
     change_to_mid: f64,
     to_end: f64,
+    whole: f64,
 }
 
 impl Drive {
@@ -108,6 +109,7 @@ impl Drive {
             mid_to_change: remains(fraction - 0.5),
             change_to_mid: remains(0.5 - fraction),
             to_end: remains(1.0 - fraction),
+            whole: remains(1.0),
         };
         Ok(Self {
             settings: *settings,
@@ -162,8 +164,13 @@ impl Drive {
                 due
             }
         };
-        let (before, decay) = (self.before_nm, self.decay);
+        let (before, decay) = (self.before_nm, &self.decay);
         let toward = |goal: f64, from: f64, remains: f64| goal + (from - goal) * remains;
+        if after == before {
+            let start_nm = self.effective_nm;
+            self.effective_nm = toward(after, start_nm, decay.whole);
+            return TorqueStep { start_nm, mid_nm: toward(after, start_nm, decay.to_mid), end_nm: self.effective_nm };
+        }
         let start_nm = if decay.to_mid == 0.0 && decay.to_change == 1.0 { after } else { self.effective_nm };
         let (mid_nm, at_change) = if decay.change_before_mid {
             let at_change = toward(before, start_nm, decay.to_change);

@@ -194,15 +194,16 @@ impl Plant {
         way.friction * (at.coulomb_nm + fading + (p.viscous_nm_s_m + p.quadratic_nm_s2_m2 * s) * s)
     }
 
-    /// The same and its derivative by speed [N·m per m/s].
-    #[inline]
-    fn friction_and_slope(&self, at: AtAngle, way: Way, s: f64) -> (f64, f64) {
+    /// The friction curve of one way at one angle.
+    fn curve(&self, at: AtAngle, way: Way) -> Curve {
         let p = &self.settings;
-        let fraction = 1.0 / (1.0 + s * s * self.per_stribeck2);
-        let fading = (p.static_nm - p.coulomb_nm) * fraction;
-        let value = at.coulomb_nm + fading + (p.viscous_nm_s_m + p.quadratic_nm_s2_m2 * s) * s;
-        let slope = p.viscous_nm_s_m + 2.0 * s * (p.quadratic_nm_s2_m2 - fading * fraction * self.per_stribeck2);
-        (way.friction * value, way.friction * slope)
+        let scale = at.accel_per_nm * way.friction;
+        Curve {
+            constant: scale * at.coulomb_nm,
+            fading: scale * (p.static_nm - p.coulomb_nm),
+            viscous: scale * p.viscous_nm_s_m,
+            quadratic: scale * p.quadratic_nm_s2_m2,
+        }
     }
 
     /// v̇ [m/s²] while moving along `way`, vehicle frame.
@@ -215,6 +216,27 @@ impl Plant {
     }
 }
 
+/// `T_f/(M r)` [m/s²] over speed: the friction curve in units of acceleration.
+#[derive(Debug, Clone, Copy, Default)]
+struct Curve {
+    constant: f64,
+    fading: f64,
+    viscous: f64,
+    quadratic: f64,
+}
+
+impl Curve {
+    /// Value at `s` ≥ 0 and derivative by `s`.
+    #[inline]
+    fn at(&self, s: f64, per_stribeck2: f64) -> (f64, f64) {
+        let fraction = 1.0 / (1.0 + s * s * per_stribeck2);
+        let fading = self.fading * fraction;
+        let linear = self.viscous + self.quadratic * s;
+        let value = self.constant + fading + linear * s;
+        (value, linear + (self.quadratic - 2.0 * per_stribeck2 * (fading * fraction)) * s)
+    }
+}
+
 /// The physical plant's state.
 #[derive(Debug, Clone)]
 pub struct PhysicalMotion {
@@ -222,6 +244,8 @@ pub struct PhysicalMotion {
     step_s: f64,
     at: [AtAngle; 3],
     steady: bool,
+    /// Friction forward and in reverse at the steady angle, this run's.
+    curves: [Curve; 2],
     speed_mps: f64,
     accel_mps2: f64,
     run_factor: f64,
@@ -241,6 +265,7 @@ impl PhysicalMotion {
             step_s,
             at: [plant.at_angle(0.0, 1.0); 3],
             steady: true,
+            curves: [Curve::default(); 2],
             speed_mps: 0.0,
             accel_mps2: 0.0,
             run_factor: 1.0,
@@ -255,6 +280,11 @@ impl PhysicalMotion {
     pub fn begin_run(&mut self) {
         let spread = self.plant.settings.friction_spread;
         self.run_factor = if spread > 0.0 { (1.0 + spread * self.run.normal()).max(0.2) } else { 1.0 };
+        self.draw_curves();
+    }
+
+    fn draw_curves(&mut self) {
+        self.curves = [1.0, -1.0].map(|sign| self.plant.curve(self.at[0], self.plant.way(sign, self.run_factor)));
     }
 
     /// Speed now [m/s].
@@ -281,6 +311,9 @@ impl PhysicalMotion {
         for (at, (sin, cos)) in self.at.iter_mut().zip(angle.sin.into_iter().zip(angle.cos)) {
             *at = self.plant.at_angle(sin, cos);
         }
+        if self.steady {
+            self.draw_curves();
+        }
     }
 
     /// Mass on which a slope acts along the wheel [kg].
@@ -300,20 +333,22 @@ impl PhysicalMotion {
     /// Source: Chan & Tsai (2010), *On explicit two-derivative Runge-Kutta methods*, the fourth-order method of two stages.
     #[inline]
     fn two_derivatives(&self, way: Way, torque_nm: [f64; 3], external_nm: f64, brake_nm: f64) -> (SpeedStep, f64) {
-        let (plant, at, h, sign) = (&self.plant, self.at[0], self.step_s, way.sign);
-        let k = at.accel_per_nm;
+        let (plant, h, sign) = (&self.plant, self.step_s, way.sign);
+        let (k, per_stribeck2) = (self.at[0].accel_per_nm, plant.per_stribeck2);
+        let curve = &self.curves[usize::from(sign < 0.0)];
         let s0 = sign * self.speed_mps;
         // below the power limit what arrives does not depend on speed
-        let d = torque_nm.map(|t| sign * k * plant.arriving_nm(way, 0.0, t));
+        let (driving, braking) = (sign * k * plant.settings.drive_efficiency, sign * k * plant.settings.brake_efficiency);
+        let d = torque_nm.map(|t| t * if t * sign >= 0.0 { driving } else { braking });
         let constant = k * (sign * external_nm - brake_nm);
         let driven_mid = h * (5.0 * d[0] + 8.0 * d[1] - d[2]) * (1.0 / 24.0);
         let driven_end = h * (d[0] + 4.0 * d[1] + d[2]) * (1.0 / 6.0);
-        let (friction, slope) = plant.friction_and_slope(at, way, s0);
-        let z1 = constant - k * friction;
-        let z2 = -k * slope * (d[0] + z1);
+        let (friction, slope) = curve.at(s0, per_stribeck2);
+        let z1 = constant - friction;
+        let z2 = -slope * (d[0] + z1);
         let s_mid = s0 + driven_mid + 0.5 * h * z1 + 0.125 * h * h * z2;
-        let (friction, slope) = plant.friction_and_slope(at, way, s_mid.max(0.0));
-        let z2_mid = -k * slope * (d[1] + constant - k * friction);
+        let (friction, slope) = curve.at(s_mid.max(0.0), per_stribeck2);
+        let z2_mid = -slope * (d[1] + constant - friction);
         let speed = SpeedStep {
             start_mps: self.speed_mps,
             mid_mps: sign * (s0 + driven_mid + 0.5 * h * z1 + h * h * (z2 * (1.0 / 12.0) + z2_mid * (1.0 / 24.0))),

@@ -276,7 +276,7 @@ impl Sensors {
         let noisy = |value: f64, deviation: f64, random: &mut Random| {
             if deviation > 0.0 { value + deviation * random.normal() } else { value }
         };
-        let (encoder, counts_per_m, last) = (s.encoder, self.counts_per_m, &mut self.last_rolled);
+        let (encoder, counts_per_m, last) = (&s.encoder, self.counts_per_m, &mut self.last_rolled);
         let period_s = self.encoder.period_s();
         self.encoder.poll(now_s, |t_s, random| {
             let dt = ago(t_s);
@@ -290,14 +290,14 @@ impl Sensors {
             noisy(speed_mps, encoder.noise_mps, random)
         });
         self.gyro.poll(now_s, |_, random| noisy(scene.yaw_rate_rad_s + s.gyro.bias_rad_s, s.gyro.noise_rad_s, random));
-        let angle = s.steering_angle;
+        let angle = &s.steering_angle;
         self.steering_angle.poll(now_s, |_, random| {
             let true_deg = (scene.wheel_angle_rad + scene.wheel_angle_offset_rad) / RAD_PER_DEG;
             let deg = noisy(true_deg + angle.bias_deg, angle.noise_deg, random);
             RAD_PER_DEG * if angle.quantum_deg > 0.0 { (deg / angle.quantum_deg).round() * angle.quantum_deg } else { deg }
         });
         self.torque_feedback.poll(now_s, |_, random| noisy(scene.torque_nm, s.torque_feedback.noise_nm, random));
-        let pose = s.pose;
+        let pose = &s.pose;
         self.pose.poll(now_s, |t_s, random| {
             let [x, y, heading] = scene.pose;
             let heading = heading - scene.yaw_rate_rad_s * ago(t_s);
