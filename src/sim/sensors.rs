@@ -179,7 +179,9 @@ pub(super) struct Scene {
     pub(super) wheel_angle_rad: f64,
     pub(super) wheel_angle_offset_rad: f64,
     pub(super) torque_nm: f64,
+    pub(super) torque_slope_nm_s: f64,
     pub(super) yaw_rate_rad_s: f64,
+    pub(super) yaw_accel_rad_s2: f64,
     pub(super) pose: [f64; 3],
 }
 
@@ -289,14 +291,18 @@ impl Sensors {
             };
             noisy(speed_mps, encoder.noise_mps, random)
         });
-        self.gyro.poll(now_s, |_, random| noisy(scene.yaw_rate_rad_s + s.gyro.bias_rad_s, s.gyro.noise_rad_s, random));
+        self.gyro.poll(now_s, |t_s, random| {
+            let yaw_rate_rad_s = scene.yaw_rate_rad_s - scene.yaw_accel_rad_s2 * ago(t_s);
+            noisy(yaw_rate_rad_s + s.gyro.bias_rad_s, s.gyro.noise_rad_s, random)
+        });
         let angle = &s.steering_angle;
         self.steering_angle.poll(now_s, |_, random| {
             let true_deg = (scene.wheel_angle_rad + scene.wheel_angle_offset_rad) / RAD_PER_DEG;
             let deg = noisy(true_deg + angle.bias_deg, angle.noise_deg, random);
             RAD_PER_DEG * if angle.quantum_deg > 0.0 { (deg / angle.quantum_deg).round() * angle.quantum_deg } else { deg }
         });
-        self.torque_feedback.poll(now_s, |_, random| noisy(scene.torque_nm, s.torque_feedback.noise_nm, random));
+        self.torque_feedback
+            .poll(now_s, |t_s, random| noisy(scene.torque_nm - scene.torque_slope_nm_s * ago(t_s), s.torque_feedback.noise_nm, random));
         let pose = &s.pose;
         self.pose.poll(now_s, |t_s, random| {
             let [x, y, heading] = scene.pose;
