@@ -316,7 +316,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::physical::PhysicalSettings;
+    use crate::sim::PhysicalSettings;
     use std::f64::consts::FRAC_PI_2;
 
     fn settings() -> Settings {
