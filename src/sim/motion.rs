@@ -4,7 +4,8 @@ use super::body::SpeedStep;
 use super::drive::TorqueStep;
 use super::error::Result;
 use super::identified::{IdentifiedMotion, IdentifiedSettings};
-use super::physical::{PhysicalMotion, PhysicalSettings};
+use super::physical::PhysicalMotion;
+use super::plant::PhysicalSettings;
 use super::{AngleTerms, Gear};
 use crate::map::Vehicle;
 
@@ -53,6 +54,7 @@ impl Motion {
     }
 
     /// Speed now [m/s], vehicle frame.
+    #[inline]
     pub fn speed_mps(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.speed_mps(),
@@ -61,6 +63,7 @@ impl Motion {
     }
 
     /// Acceleration at the end of the last step [m/s²].
+    #[inline]
     pub fn accel_mps2(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.accel_mps2(),
