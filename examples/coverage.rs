@@ -51,7 +51,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     widths.sort_unstable_by(f64::total_cmp);
     errors.sort_unstable_by(f64::total_cmp);
     let at = |values: &[f64], q: f64| values[((values.len() - 1) as f64 * q) as usize];
-    println!("95 % intervals hold {:.1} % of {cells} measured cells; median width {:.4} m/s²", 100.0 * inside as f64 / cells as f64, at(&widths, 0.5));
+    println!(
+        "95 % intervals hold {:.1} % of {cells} measured cells; median width {:.4} m/s²",
+        100.0 * inside as f64 / cells as f64,
+        at(&widths, 0.5)
+    );
     println!("error: median {:.4}, 95 % {:.4}, max {:.4} m/s²", at(&errors, 0.5), at(&errors, 0.95), at(&errors, 1.0));
     Ok(())
 }

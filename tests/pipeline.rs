@@ -71,8 +71,7 @@ fn truth() -> Vec<(f64, f64, f64)> {
 fn a_messy_drive_is_judged_as_its_answer_key_says_and_fits_its_dynamometer() {
     let (survey, fit) = messy();
     let events = events();
-    let times: Vec<f64> =
-        survey.track.encoder_mps.t_s.iter().map(|t| t + (survey.track.start_ns - MESSY_START_NS) as f64 * 1e-9).collect();
+    let times: Vec<f64> = survey.track.encoder_mps.t_s.iter().map(|t| t + (survey.track.start_ns - MESSY_START_NS) as f64 * 1e-9).collect();
     let verdicts = &fit.verdicts[0];
     assert_eq!(verdicts.len(), times.len(), "every sample has one verdict");
 

@@ -203,20 +203,49 @@ fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest:
     }
 }
 
-/// The last moments before rest, where a mean already holds samples at rest.
+/// The last moments before rest. A mean over some samples tells late that the wheel stands, most of all when it brakes hard, and readings at
+/// rest would pass for motion without acceleration. So the moment of the stop is extrapolated from the readings before it, and all from a
+/// little earlier on is left out.
 fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &Settings, verdicts: &mut [Verdict]) {
+    let stands = |verdicts: &[Verdict], i: usize| at_rest[i] || verdicts[i] == Verdict::WrongGear;
     for i in 1..encoder.len() {
-        if !at_rest[i] || at_rest[i - 1] {
+        if !stands(verdicts, i) || verdicts[i - 1] != Verdict::Used {
             continue;
         }
-        let mut k = i;
-        while k > 0 && !at_rest[k - 1] && (encoder.t_s[i] - encoder.t_s[k - 1] < 0.045 || speed[k - 1].abs() < settings.stopping_mps) {
-            k -= 1;
-            if verdicts[k] == Verdict::Used {
+        let before: Vec<usize> =
+            (0..i).rev().take_while(|k| verdicts[*k] == Verdict::Used && encoder.t_s[i] - encoder.t_s[*k] < STOP_WINDOW_S).collect();
+        let clear: Vec<usize> = before.iter().copied().filter(|k| encoder.value[*k].abs() > CLEARLY_MOVING_MPS).take(6).collect();
+        let stop_s = stop_time(encoder, &clear).map_or(encoder.t_s[i] - 0.045, |t| t.min(encoder.t_s[i])) - STOP_MARGIN_S;
+        for k in before {
+            if encoder.t_s[k] > stop_s || speed[k].abs() < settings.stopping_mps {
                 verdicts[k] = Verdict::Stopping;
             }
         }
     }
+}
+
+/// How far back a stop is looked for [s].
+const STOP_WINDOW_S: f64 = 0.4;
+/// A reading above this is in motion beyond noise and quantum [m/s].
+const CLEARLY_MOVING_MPS: f64 = 0.04;
+/// What is left out before a stop: the encoder's delay, and the noise of the extrapolation [s].
+const STOP_MARGIN_S: f64 = 0.02;
+
+/// When the line through the magnitudes of the readings `at` crosses zero, if it falls.
+fn stop_time(encoder: &Series, at: &[usize]) -> Option<f64> {
+    if at.len() < 3 {
+        return None;
+    }
+    let n = at.len() as f64;
+    let mean_t = at.iter().map(|k| encoder.t_s[*k]).sum::<f64>() / n;
+    let mean_v = at.iter().map(|k| encoder.value[*k].abs()).sum::<f64>() / n;
+    let (mut stt, mut stv) = (0.0, 0.0);
+    for k in at {
+        let dt = encoder.t_s[*k] - mean_t;
+        stt += dt * dt;
+        stv += dt * (encoder.value[*k].abs() - mean_v);
+    }
+    (stv < 0.0).then(|| mean_t - mean_v * stt / stv)
 }
 
 /// Joins used samples into stretches; what is too short is marked so.
