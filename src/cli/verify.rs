@@ -121,7 +121,7 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
         table.add_row([name, "worst |Δa|".to_owned(), String::new(), value, limit, mark(trip.pass).to_owned()]);
     }
     for scenario in &verdict.scenarios {
-        rows(&mut table, scenario);
+        rows(&mut table, scenario, ui.is_verbose());
     }
     ui.say(table.to_string());
     for scenario in &verdict.scenarios {
@@ -139,21 +139,27 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
 }
 
-fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
+/// Shown of a scenario: every limit with `-v`; else those that are not kept, or the one nearest to not being kept.
+fn rows(table: &mut Table, scenario: &ScenarioVerdict, all: bool) {
     if scenario.status == Status::NotTested {
         table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
         return;
     }
-    for (k, check) in scenario.checks.iter().enumerate() {
-        let name = if k == 0 { scenario.name.clone() } else { String::new() };
-        table.add_row([
-            name,
-            check.metric.title().to_owned(),
-            check.statistic.title().to_owned(),
-            value(check),
-            limit(check),
-            mark(check.pass).to_owned(),
-        ]);
+    let failed = scenario.checks.iter().any(|c| !c.pass);
+    let nearest = scenario.checks.iter().enumerate().max_by(|a, b| used(a.1).total_cmp(&used(b.1))).map(|(k, _)| k);
+    let shown = scenario.checks.iter().enumerate().filter(|(k, c)| all || if failed { !c.pass } else { Some(*k) == nearest });
+    for (row, (_, check)) in shown.enumerate() {
+        let name = if row == 0 { scenario.name.clone() } else { String::new() };
+        let (metric, statistic) = (check.metric.title().to_owned(), check.statistic.title().to_owned());
+        table.add_row([name, metric, statistic, value(check), limit(check), mark(check.pass).to_owned()]);
+    }
+}
+
+/// How much of a limit is used up: 1 at the limit. A limit from below counts little while it is kept.
+fn used(check: &Check) -> f64 {
+    match (check.value, check.at_most) {
+        (Some(value), Some(limit)) if limit > 0.0 => value / limit,
+        _ => 0.0,
     }
 }
 
@@ -166,14 +172,15 @@ fn value(check: &Check) -> String {
 }
 
 fn limit(check: &Check) -> String {
-    let at_most = check.at_most.map(|m| format!("≤ {m}"));
-    at_most.or_else(|| check.at_least.map(|m| format!("≥ {m}"))).unwrap_or_default()
+    let at_most = check.at_most.map(|m| format!("≤ {}", number(check.metric, m)));
+    at_most.or_else(|| check.at_least.map(|m| format!("≥ {}", number(check.metric, m)))).unwrap_or_default()
 }
 
 /// A value with its unit; shares in per cent.
 fn number(metric: Metric, value: f64) -> String {
     match metric.unit() {
         "" => format!("{:.1} %", 100.0 * value),
+        "°" => format!("{value:.2}°"),
         unit => format!("{value:.3} {unit}"),
     }
 }

@@ -31,6 +31,8 @@ pub struct Settings {
     pub seed: u64,
     /// The limits.
     pub gate: Gate,
+    /// The drive law; `None`, the default, is the usual one for the map's vehicle.
+    pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
     pub plant: Option<sim::Settings>,
 }
@@ -48,6 +50,7 @@ impl Settings {
             spread: Spread::default(),
             seed: 1,
             gate: Gate::with(None)?,
+            law: None,
             plant: None,
         })
     }
@@ -64,11 +67,11 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(maps: &'a Maps, plant: Option<&sim::Settings>) -> Result<Self> {
-        let plant = plant.map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
+    fn new(maps: &'a Maps, settings: &Settings) -> Result<Self> {
+        let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
-        Ok(Self { maps, control, law: law_settings(maps), region: Region::new(&maps.table2), plant, exact })
+        Ok(Self { maps, control, law: settings.law.unwrap_or_else(|| law_settings(maps)), region: Region::new(&maps.table2), plant, exact })
     }
 
     fn bench(&self) -> Bench<'_> {
@@ -87,7 +90,7 @@ impl<'a> Stage<'a> {
 /// # Errors
 /// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
 pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
-    let stage = Stage::new(maps, settings.plant.as_ref())?;
+    let stage = Stage::new(maps, settings)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
     let scenarios = judge_scenarios(&stage, settings, &varied)?;
@@ -128,7 +131,7 @@ pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
 /// # Errors
 /// As [`verify`].
 pub fn replay(maps: &Maps, settings: &Settings, scenario: &Scenario, mut record: impl FnMut(&Moment)) -> Result<Values> {
-    let stage = Stage::new(maps, settings.plant.as_ref())?;
+    let stage = Stage::new(maps, settings)?;
     run(&stage.bench(), scenario, &stage.plant, map_law(maps, &stage.law), settings.seed, &mut record)
 }
 

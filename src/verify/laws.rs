@@ -36,13 +36,17 @@ pub(super) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
 }
 
 /// Heading gains Kp [m/s per rad], Ki, Kd, and speed-loop gains Kp [1/s], Ki [1/s²] that the search goes through.
-const SEARCH: [&[f64]; 5] = [&[0.6, 0.9, 1.3, 1.8, 2.5], &[0.0, 0.2], &[0.0, 0.15, 0.3], &[2.0, 4.0, 8.0], &[0.5, 2.0, 6.0]];
+const SEARCH: [&[f64]; 5] = [&[0.6, 0.9, 1.3, 1.8, 2.5], &[0.0, 0.2], &[0.0, 0.3], &[2.0, 4.0, 8.0], &[0.5, 2.0, 6.0]];
 
 /// Largest heading error and overshoot that tuned gains may have [°]: 1.5 each, a little more than the end threshold of the map's law.
 const TUNED_ERROR_DEG: f64 = 1.5;
 
-/// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant;
-/// of those that end within [`TUNED_ERROR_DEG`] the fastest is taken; when none does, the one with the smallest heading error.
+/// Seeds of sensor noise that a candidate drives with: gains that work by luck once do not count.
+const TUNING_SEEDS: u64 = 4;
+
+/// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` on the nominal plant with
+/// [`TUNING_SEEDS`] seeds; of those that always end within [`TUNED_ERROR_DEG`] the fastest is taken, by its slowest turn; when none does, the
+/// one with the smallest heading error.
 pub(super) fn tuned_heading_law(
     bench: &Bench<'_>,
     scenario: &Scenario,
@@ -82,7 +86,12 @@ pub(super) fn tuned_heading_law(
     };
     let scores: Result<Vec<f64>> = (0..count)
         .into_par_iter()
-        .map(|k| run(bench, scenario, plant, HeadingLaw::new(candidate(k)), 0, |_| {}).map(|values| score(&values)))
+        .map(|k| {
+            let worst = |worst: f64, seed| {
+                Ok(worst.max(score(&run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_| {})?)))
+            };
+            (0..TUNING_SEEDS).try_fold(0.0, worst)
+        })
         .collect();
     let scores = scores?;
     let best = (0..count).min_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);
