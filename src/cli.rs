@@ -3,6 +3,7 @@
 //! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
 
 mod completions;
+mod record;
 mod ui;
 mod verify;
 
@@ -57,6 +58,8 @@ struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Drive a torque-step campaign on a simulated vehicle and write its log
+    Record(record::Arguments),
     /// Judge a map in closed loop: pivots, failures, perturbed plants, other laws beside it
     Verify(verify::Arguments),
     /// Print a completion script for a shell
@@ -75,6 +78,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
+        Command::Record(arguments) => record::run(&arguments, ui),
         Command::Verify(arguments) => verify::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };

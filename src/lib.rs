@@ -16,6 +16,7 @@
 pub mod cli;
 pub mod control;
 pub mod map;
+pub mod record;
 pub mod sim;
 pub mod units;
 pub mod verify;

@@ -3,7 +3,7 @@
 use super::{Outcome, Ui};
 use crate::map::write_whole;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, verify,
+    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of, verify,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -31,6 +31,9 @@ pub(super) struct Arguments {
     /// Go on when a hash does not match
     #[arg(long)]
     force: bool,
+    /// Write a log of each scenario's nominal run into this folder
+    #[arg(long, value_name = "DIR")]
+    log: Option<PathBuf>,
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
@@ -68,6 +71,13 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&verdict)?;
     show(&verdict, ui);
     ui.say(format!("written: {}", path.display()));
+    if let Some(folder) = &arguments.log {
+        for scenario in settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()) {
+            let path = folder.join(format!("{}.mcap", scenario.name));
+            write_whole(&path, &log_of(&maps, &settings, scenario)?)?;
+            ui.detail(format!("written: {}", path.display()));
+        }
+    }
     Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
 }
 
@@ -121,7 +131,7 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
         table.add_row([name, "worst |Δa|".to_owned(), String::new(), value, limit, mark(trip.pass).to_owned()]);
     }
     for scenario in &verdict.scenarios {
-        rows(&mut table, scenario, ui.is_verbose());
+        rows(&mut table, scenario);
     }
     ui.say(table.to_string());
     for scenario in &verdict.scenarios {
@@ -139,15 +149,15 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
 }
 
-/// Shown of a scenario: every limit with `-v`; else those that are not kept, or the one nearest to not being kept.
-fn rows(table: &mut Table, scenario: &ScenarioVerdict, all: bool) {
+/// Shown of a scenario: the limits that are not kept, or the one nearest to not being kept. `verify.json` has them all.
+fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
     if scenario.status == Status::NotTested {
         table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
         return;
     }
     let failed = scenario.checks.iter().any(|c| !c.pass);
     let nearest = scenario.checks.iter().enumerate().max_by(|a, b| used(a.1).total_cmp(&used(b.1))).map(|(k, _)| k);
-    let shown = scenario.checks.iter().enumerate().filter(|(k, c)| all || if failed { !c.pass } else { Some(*k) == nearest });
+    let shown = scenario.checks.iter().enumerate().filter(|(k, c)| if failed { !c.pass } else { Some(*k) == nearest });
     for (row, (_, check)) in shown.enumerate() {
         let name = if row == 0 { scenario.name.clone() } else { String::new() };
         let (metric, statistic) = (check.metric.title().to_owned(), check.statistic.title().to_owned());

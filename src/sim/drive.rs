@@ -1,7 +1,7 @@
 //! The drive: commanded torque → quantisation, saturation, slew limit, dead time, first-order lag → effective torque.
 //!
-//! With dead time T_d and time constant T_c, u̇ = (τ(t − T_d) − u)/T_c. The command is constant over a step, so the solution is exact:
-//! u⁺ = τ + (u − τ)·exp(−t/T_c), piecewise before and after the instant inside the step at which the delayed command changes.
+//! With dead time `T_d` and time constant `T_c`, `u̇ = (τ(t − T_d) − u)/T_c`. The command is constant over a step, so the solution is exact:
+//! `u⁺ = τ + (u − τ)·exp(−t/T_c)`, piecewise before and after the instant inside the step at which the delayed command changes.
 
 use super::error::{Result, within};
 use serde::{Deserialize, Serialize};
@@ -128,6 +128,13 @@ impl Drive {
         self.effective_nm
     }
 
+    /// Makes `command_nm` the command of all time so far: nothing is under way, and the effective torque is the command.
+    pub fn settle(&mut self, command_nm: f64) {
+        let settled_nm = self.limited(command_nm);
+        self.underway_nm.fill(settled_nm);
+        (self.setpoint_nm, self.before_nm, self.effective_nm) = (settled_nm, settled_nm, settled_nm);
+    }
+
     /// Advances one step under `command_nm` (a command that is not a number counts as zero).
     #[inline]
     pub fn step(&mut self, command_nm: f64) -> TorqueStep {
@@ -175,7 +182,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// 1 − exp(−(t − T_d)/T_c), the textbook step response.
+    /// `1 − exp(−(t − T_d)/T_c)`, the textbook step response.
     fn response(t_s: f64, dead_time_s: f64, lag_s: f64) -> f64 {
         if t_s <= dead_time_s { 0.0 } else { 1.0 - (-(t_s - dead_time_s) / lag_s).exp() }
     }

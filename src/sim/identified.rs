@@ -1,7 +1,7 @@
 //! The identified plant: the fitted surface of a Table 1 with the disturbance and the run-to-run offset of its fit, so that a map can be
 //! verified on a vehicle whose physics nobody knows.
 //!
-//! Moving forward, v̇ = A_fwd(v, τ) + b + d(t); in reverse the same in the reverse table's frame, or in the forward table's mirrored where
+//! Moving forward, `v̇ = A(v, τ) + b + d(t)`; in reverse the same in the reverse table's frame, or in the forward table's mirrored where
 //! reverse was not tested. A wheel at rest stays at rest until the engaged gear's torque exceeds the breakaway torque: braking never pushes a
 //! wheel backwards. The surface knows one wheel angle only and answers for every angle. Beyond its torques it goes on linearly; beyond its
 //! speeds it keeps the last column.
@@ -81,7 +81,7 @@ impl IdentifiedSettings {
 }
 
 impl Direction {
-    /// The same plant with its inertia and its friction multiplied: a' = A(v, τ − (φ − 1)·τ_f(v))/f, τ_f(v) being the torque that holds the
+    /// The same plant with its inertia and its friction multiplied: `a' = A(v, τ − (φ − 1)·τ_f(v))/f`, `τ_f(v)` being the torque that holds the
     /// speed. Made on the surface's own grid.
     #[must_use]
     pub fn perturbed(&self, inertia_factor: f64, friction_factor: f64) -> Self {

@@ -1,12 +1,14 @@
 //! The physical plant: effective inertia, friction, scrub, slope, true stiction.
 //!
-//! At wheel angle δ, with rolling radius r and wheelbase L, the front wheel's rim carries the effective mass
-//! M(δ) = m cos²δ + J sin²δ/L² + J_w/r², and
+//! At wheel angle δ, with rolling radius r and wheelbase L, the front wheel's rim carries the effective mass M(δ), and
 //!
-//! M v̇ = [η·τ + τ_ext − sign(v)·(T_f(|v|, δ) + T_brake)]/r,
-//! T_f(s, δ) = T_c + T_scrub sin²δ + (T_s − T_c)/(1 + (s/v_s)²) + b s + c s².
+//! ```text
+//! M v̇ = [η·τ + τ_ext − sign(v)·(T_f(|v|, δ) + T_brake)]/r
+//! M(δ) = m cos²δ + J sin²δ/L² + J_w/r²
+//! T_f(s, δ) = T_c + T_scrub sin²δ + (T_s − T_c)/(1 + (s/v_s)²) + b s + c s²
+//! ```
 //!
-//! η differs between driving and braking. At rest the wheel stays exactly at rest while |η·τ + τ_ext| ≤ T_f(0, δ) + T_brake. The friction
+//! η differs between driving and braking. At rest the wheel stays exactly at rest while `|η·τ + τ_ext| ≤ T_f(0, δ) + T_brake`. The friction
 //! curve is Stribeck's in the rational form of Hess & Soom (1990), *Friction at a Lubricated Line Contact Operating at Oscillating Sliding
 //! Velocities*. The change of M while the wheel is being steered is neglected: campaigns and pivots steer at rest.
 
@@ -25,13 +27,13 @@ pub struct PhysicalSettings {
     pub mass_kg: f64,
     /// Moment of inertia J about the vertical axis through the rear axle's middle [kg·m²].
     pub yaw_inertia_kgm2: f64,
-    /// Moment of inertia J_w of wheel, gear and motor at the wheel [kg·m²].
+    /// Moment of inertia `J_w` of wheel, gear and motor at the wheel [kg·m²].
     pub wheel_inertia_kgm2: f64,
-    /// Coulomb friction T_c [N·m].
+    /// Coulomb friction `T_c` [N·m].
     pub coulomb_nm: f64,
-    /// Friction at standstill T_s [N·m], at least T_c; with the scrub torque this is what breakaway takes.
+    /// Friction at standstill `T_s` [N·m], at least `T_c`; with the scrub torque this is what breakaway takes.
     pub static_nm: f64,
-    /// Speed v_s over which static friction fades [m/s].
+    /// Speed `v_s` over which static friction fades [m/s].
     pub stribeck_speed_mps: f64,
     /// Viscous friction b [N·m per m/s].
     pub viscous_nm_s_m: f64,
@@ -127,7 +129,7 @@ pub(super) struct Plant {
 pub(super) struct AtAngle {
     /// 1/(M r) [m/s² per N·m].
     accel_per_nm: f64,
-    /// T_c + T_scrub sin²δ [N·m].
+    /// `T_c + T_scrub sin²δ` [N·m].
     coulomb_nm: f64,
 }
 
@@ -176,14 +178,14 @@ impl Plant {
     #[inline]
     pub(super) fn arriving_nm(&self, way: Way, s: f64, torque_nm: f64) -> f64 {
         if torque_nm * way.sign >= 0.0 {
-            let most = if s > 0.0 { self.power_nm_mps / s } else { f64::INFINITY };
-            self.settings.drive_efficiency * torque_nm.clamp(-most, most)
+            let within_power = torque_nm.abs() * s <= self.power_nm_mps;
+            self.settings.drive_efficiency * if within_power { torque_nm } else { (self.power_nm_mps / s).copysign(torque_nm) }
         } else {
             self.settings.brake_efficiency * torque_nm
         }
     }
 
-    /// T_f [N·m] at speed `s` ≥ 0.
+    /// `T_f` [N·m] at speed `s` ≥ 0.
     #[inline]
     pub(super) fn friction_nm(&self, at: AtAngle, way: Way, s: f64) -> f64 {
         let p = &self.settings;

@@ -32,8 +32,10 @@ pub enum Stream {
     EstopMessages = 10,
     /// The log's odometry messages.
     OdometryMessages = 11,
-    /// The order and details of a campaign.
+    /// The order of a campaign's runs.
     Campaign = 12,
+    /// Torque dithered by hand.
+    Dither = 13,
 }
 
 /// A generator of one stream.

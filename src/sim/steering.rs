@@ -1,6 +1,6 @@
 //! The steering (EPS): wheel angle target → rate limit, first-order lag, faults → wheel angle.
 //!
-//! δ̇ = clamp((δ_target − δ)/T, ±rate), solved exactly over a step: a ramp while the limit holds, then an exponential.
+//! `δ̇ = clamp((δ_target − δ)/T, ±rate)`, solved exactly over a step: a ramp while the limit holds, then an exponential.
 
 use super::error::{Result, within};
 use crate::units::RAD_PER_DEG;

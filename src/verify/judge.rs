@@ -11,7 +11,7 @@ use super::run::{Bench, Moment, run};
 use super::scenario::Scenario;
 use super::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
 use super::{Maps, Result};
-use crate::control::{self, DriveLaw, HeadingLaw, WaypointLaw, WaypointLawSettings};
+use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, WaypointLaw, WaypointLawSettings};
 use crate::map::FORMAT_VERSION;
 use crate::sim;
 use rayon::prelude::*;
@@ -130,7 +130,12 @@ pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
 ///
 /// # Errors
 /// As [`verify`].
-pub fn replay(maps: &Maps, settings: &Settings, scenario: &Scenario, mut record: impl FnMut(&Moment)) -> Result<Values> {
+pub fn replay(
+    maps: &Maps,
+    settings: &Settings,
+    scenario: &Scenario,
+    mut record: impl FnMut(&Moment, Option<&PivotRequest>),
+) -> Result<Values> {
     let stage = Stage::new(maps, settings)?;
     run(&stage.bench(), scenario, &stage.plant, map_law(maps, &stage.law), settings.seed, &mut record)
 }
@@ -144,8 +149,8 @@ fn run_all<L: DriveLaw>(
     law: impl Fn() -> L + Sync,
 ) -> Result<Vec<Summary>> {
     let bench = stage.bench();
-    let nominal = run(&bench, scenario, &stage.plant, law(), seed, |_| {})?;
-    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| run(&bench, scenario, plant, law(), *seed, |_| {})).collect();
+    let nominal = run(&bench, scenario, &stage.plant, law(), seed, |_, _| {})?;
+    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| run(&bench, scenario, plant, law(), *seed, |_, _| {})).collect();
     let runs = runs?;
     Ok(Metric::ALL.into_iter().filter_map(|metric| Summary::new(metric, &nominal, &runs)).collect())
 }

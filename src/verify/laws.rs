@@ -87,9 +87,8 @@ pub(super) fn tuned_heading_law(
     let scores: Result<Vec<f64>> = (0..count)
         .into_par_iter()
         .map(|k| {
-            let worst = |worst: f64, seed| {
-                Ok(worst.max(score(&run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_| {})?)))
-            };
+            let worst =
+                |worst: f64, seed| Ok(worst.max(score(&run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_, _| {})?)));
             (0..TUNING_SEEDS).try_fold(0.0, worst)
         })
         .collect();

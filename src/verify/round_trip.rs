@@ -67,19 +67,12 @@ pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> super::Result<Vec<Roun
     for gear in Gear::ALL {
         let (Some(table2), Some(map1)) = (maps.table(gear), maps.table1.map(gear, angle_deg, 1.0)) else { continue };
         let holds = maps.table2.map(gear, angle_deg, 1.0).is_some_and(|m| m.zero_row != "moving");
-        all.push(of_gear(gear, table2, map1, &map1.surface.table()?, holds, limit)?);
+        all.push(of_gear(gear, table2, map1, &map1.surface.table()?, holds, limit));
     }
     Ok(all)
 }
 
-fn of_gear(
-    gear: Gear,
-    table2: &TorqueTable,
-    map1: &AccelMap,
-    surface: &AccelTable,
-    holds: bool,
-    limit: &RoundTripLimit,
-) -> super::Result<RoundTrip> {
+fn of_gear(gear: Gear, table2: &TorqueTable, map1: &AccelMap, surface: &AccelTable, holds: bool, limit: &RoundTripLimit) -> RoundTrip {
     let mut out = RoundTrip { gear, places: 0, beyond_axes: 0, failed: 0, rms_mps2: 0.0, worst: None, pass: false };
     let mut excess = f64::NEG_INFINITY;
     let mut check = |out: &mut RoundTrip, speed_mps: f64, accel_mps2: f64, right_torque_nm: f64, std_err_mps2: f64| {
@@ -119,7 +112,7 @@ fn of_gear(
     }
     out.pass = out.places > 0 && out.failed == 0;
     out.rms_mps2 = (out.rms_mps2 / out.places.max(1) as f64).sqrt();
-    Ok(out)
+    out
 }
 
 /// Standard error of Table 1 [m/s²] at a place whose surrounding cells were all measured; `None` elsewhere.

@@ -4,7 +4,7 @@ use super::Result;
 use super::metric::{Metric, Values};
 use super::region::Region;
 use super::scenario::{Disturbance, Expected, Onset, Scenario};
-use crate::control::{DriveLaw, Failure, Inputs, Outputs, Phase, PivotController, Pose, Settings};
+use crate::control::{DriveLaw, Failure, Inputs, Outputs, Phase, PivotController, PivotRequest, Pose, Settings};
 use crate::map::Gear;
 use crate::sim::{self, Fault, Measurement, TrueState, World};
 use crate::units::RAD_PER_DEG;
@@ -49,7 +49,7 @@ pub(super) fn run<L: DriveLaw>(
     plant: &sim::Settings,
     law: L,
     seed: u64,
-    mut record: impl FnMut(&Moment),
+    mut record: impl FnMut(&Moment, Option<&PivotRequest>),
 ) -> Result<Values> {
     let mut settings = *bench.control;
     settings.planning.policy = scenario.policy;
@@ -120,7 +120,7 @@ fn period<L: DriveLaw>(
     controller: &mut PivotController<L>,
     steps: usize,
     watch: &mut Watch<'_>,
-    record: &mut impl FnMut(&Moment),
+    record: &mut impl FnMut(&Moment, Option<&PivotRequest>),
 ) {
     let (state, seen) = (world.state(), world.measure());
     let command = controller.step(&Inputs {
@@ -131,7 +131,7 @@ fn period<L: DriveLaw>(
         estop: seen.estop,
     });
     let moment = Moment { state, seen, command };
-    record(&moment);
+    record(&moment, controller.current());
     let order = sim::Command { torque_nm: command.torque_nm, wheel_angle_rad: command.wheel_angle_rad, gear: command.gear };
     let mut sum_mps = 0.0;
     for _ in 0..steps {

@@ -1,0 +1,295 @@
+//! The campaign plan: a TOML list of groups of runs, unrolled into single runs.
+
+use super::error::{Error, Result};
+use super::event::Event;
+use crate::map::Gear;
+use crate::sim::{self, Random, Stream, Timing};
+use serde::{Deserialize, Serialize};
+
+/// A campaign: what to drive, and how its messages are timed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Campaign {
+    /// Name, for people.
+    #[serde(default)]
+    pub name: String,
+    /// Time of the log's first instant, RFC 3339. Fixed in the file, so that the same plan and seed give the same bytes.
+    #[serde(default = "default_start_time")]
+    pub start_time: String,
+    /// Seed of everything random. Default 1.
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// Timing of the messages that are not sensors.
+    #[serde(default)]
+    pub topics: TopicSettings,
+    /// The groups of runs, driven in this order.
+    #[serde(default)]
+    pub runs: Vec<RunGroup>,
+}
+
+fn default_start_time() -> String {
+    "2026-01-15T08:00:00Z".to_owned()
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+/// Timing of the messages that are not sensors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TopicSettings {
+    /// `/drive/torque_command`: the command in force at the time of the message, so that a stamp is late by its phase. Default 50 Hz.
+    pub torque_command: Timing,
+    /// `/drive/gear`. Default 10 Hz.
+    pub gear: Timing,
+    /// `/safety/estop`. Default 10 Hz.
+    pub estop: Timing,
+    /// `/odom`, the localisation. Default 10 Hz.
+    pub odometry: Timing,
+}
+
+impl Default for TopicSettings {
+    fn default() -> Self {
+        let slow = Timing { rate_hz: 10.0, ..Timing::default() };
+        Self { torque_command: Timing::default(), gear: slow, estop: slow, odometry: slow }
+    }
+}
+
+/// Torque levels: a list, or from start to stop every step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number, a list of numbers, or { start, step, stop }")]
+pub enum Torques {
+    /// One level [N·m].
+    One(f64),
+    /// The levels [N·m].
+    List(Vec<f64>),
+    /// From `start` to `stop`, both included, every `step` [N·m].
+    Steps(Steps),
+}
+
+/// From `start` to `stop`, both included, every `step` [N·m].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steps {
+    start: f64,
+    step: f64,
+    stop: f64,
+}
+
+/// Runs that differ in torque only.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunGroup {
+    /// Torque levels [N·m], gear frame: positive drives in the gear's direction.
+    pub torque_nm: Torques,
+    /// Gear. Default forward.
+    #[serde(default = "default_gear")]
+    pub gear: Gear,
+    /// How often each level is driven. Default 1.
+    #[serde(default = "default_repeats")]
+    pub repeats: u32,
+    /// Whether the runs are driven in an order drawn from the seed, so that warm-up does not look like torque. Default false.
+    #[serde(default)]
+    pub shuffle: bool,
+    /// Speed [m/s] to spin up to before the level is applied; 0, the default, starts from rest.
+    #[serde(default)]
+    pub start_speed_mps: f64,
+    /// Torque [N·m] of the spin-up. Default 30.
+    #[serde(default = "default_spin_up_nm")]
+    pub spin_up_nm: f64,
+    /// Longest time at the level [s]. Default 3.
+    #[serde(default = "default_hold_s")]
+    pub hold_s: f64,
+    /// The level ends at this speed [m/s]. Default 1.2.
+    #[serde(default = "default_speed_limit_mps")]
+    pub speed_limit_mps: f64,
+    /// A level after a spin-up ends below this speed [m/s], so that braking does not drive backwards. Default 0.03.
+    #[serde(default = "default_end_speed_mps")]
+    pub end_speed_mps: f64,
+    /// The level ends when the wheel has not moved for so long [s]. Default 1.5.
+    #[serde(default = "default_stall_s")]
+    pub stall_s: f64,
+    /// Pause at rest after the run [s]. Default 0.8.
+    #[serde(default = "default_pause_s")]
+    pub pause_s: f64,
+    /// Wheel angle [°]. Default: the vehicle's test angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_angle_deg: Option<f64>,
+    /// Standard deviation [N·m] of a torque dithered by hand about the level. Default 0.
+    #[serde(default)]
+    pub dither_nm: f64,
+    /// Something that happens during the level.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub event: Option<Event>,
+}
+
+fn default_gear() -> Gear {
+    Gear::Forward
+}
+fn default_repeats() -> u32 {
+    1
+}
+fn default_spin_up_nm() -> f64 {
+    30.0
+}
+fn default_hold_s() -> f64 {
+    3.0
+}
+fn default_speed_limit_mps() -> f64 {
+    1.2
+}
+fn default_end_speed_mps() -> f64 {
+    0.03
+}
+fn default_stall_s() -> f64 {
+    1.5
+}
+fn default_pause_s() -> f64 {
+    0.8
+}
+
+/// One run: a group's settings at one torque.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunPlan {
+    /// The group, from 0.
+    pub group: usize,
+    /// Torque level [N·m], gear frame.
+    pub torque_nm: f64,
+    /// Everything else.
+    pub settings: RunGroup,
+}
+
+impl Campaign {
+    /// Reads the TOML text and checks every number.
+    ///
+    /// # Errors
+    /// Text that is not TOML, an unknown key (with the nearest known one), a value out of its range, no runs.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let campaign: Self = sim::from_toml(text)?;
+        campaign.start_ns()?;
+        campaign.plan(campaign.seed)?;
+        for timing in [&campaign.topics.torque_command, &campaign.topics.gear, &campaign.topics.estop, &campaign.topics.odometry] {
+            timing.check()?;
+        }
+        Ok(campaign)
+    }
+
+    /// Start of the log [ns since 1970].
+    ///
+    /// # Errors
+    /// A start time that is not RFC 3339 or before 1970.
+    pub fn start_ns(&self) -> Result<u64> {
+        let wrong = |message: String| Error::StartTime { found: self.start_time.clone(), message };
+        let time: jiff::Timestamp = self.start_time.parse().map_err(|e: jiff::Error| wrong(e.to_string()))?;
+        u64::try_from(time.as_nanosecond()).map_err(|e| wrong(e.to_string()))
+    }
+
+    /// The single runs in the order of driving.
+    ///
+    /// # Errors
+    /// A number out of its range, levels that are none, or no runs at all.
+    pub fn plan(&self, seed: u64) -> Result<Vec<RunPlan>> {
+        let mut random = Random::new(seed, Stream::Campaign);
+        let mut plan = Vec::new();
+        for (group, settings) in self.runs.iter().enumerate() {
+            settings.check(group + 1)?;
+            let levels = settings.torque_nm.levels(group + 1)?;
+            let mut runs: Vec<RunPlan> = (0..settings.repeats)
+                .flat_map(|_| levels.iter().map(|&torque_nm| RunPlan { group, torque_nm, settings: settings.clone() }))
+                .collect();
+            if settings.shuffle {
+                // Fisher-Yates
+                for k in (1..runs.len()).rev() {
+                    runs.swap(k, (random.uniform() * (k + 1) as f64) as usize);
+                }
+            }
+            plan.extend(runs);
+        }
+        if plan.is_empty() { Err(Error::NoRuns) } else { Ok(plan) }
+    }
+}
+
+impl Torques {
+    fn levels(&self, group: usize) -> Result<Vec<f64>> {
+        let levels = match self {
+            Self::One(level) => vec![*level],
+            Self::List(levels) => levels.clone(),
+            Self::Steps(Steps { start, step, stop }) => {
+                let steps = ((stop - start) / step + 1e-9).floor();
+                if *step <= 0.0 || !(0.0..10_000.0).contains(&steps) {
+                    return Err(Error::NoTorques { group, start_nm: *start, step_nm: *step, stop_nm: *stop });
+                }
+                (0..=steps as usize).map(|k| ((start + k as f64 * step) * 1e9).round() / 1e9).collect()
+            }
+        };
+        match levels.iter().find(|level| !(-1e5..=1e5).contains(*level)) {
+            Some(&value) => Err(Error::OutOfRange { group, field: "torque_nm", value, allowed: "-1e5 to 1e5" }),
+            None => Ok(levels),
+        }
+    }
+}
+
+impl RunGroup {
+    fn check(&self, group: usize) -> Result<()> {
+        let within = |field, value: f64, range: std::ops::RangeInclusive<f64>, allowed| {
+            if range.contains(&value) { Ok(()) } else { Err(Error::OutOfRange { group, field, value, allowed }) }
+        };
+        within("repeats", f64::from(self.repeats), 1.0..=1000.0, "1 to 1000")?;
+        within("start_speed_mps", self.start_speed_mps, 0.0..=20.0, "0 to 20")?;
+        within("spin_up_nm", self.spin_up_nm, 0.0..=1e5, "0 to 1e5")?;
+        within("hold_s", self.hold_s, 0.02..=600.0, "0.02 to 600")?;
+        within("speed_limit_mps", self.speed_limit_mps, 0.01..=20.0, "0.01 to 20")?;
+        within("end_speed_mps", self.end_speed_mps, 0.0..=20.0, "0 to 20")?;
+        within("stall_s", self.stall_s, 0.1..=600.0, "0.1 to 600")?;
+        within("pause_s", self.pause_s, 0.0..=600.0, "0 to 600")?;
+        within("wheel_angle_deg", self.wheel_angle_deg.unwrap_or(0.0), -180.0..=180.0, "-180 to 180")?;
+        within("dither_nm", self.dither_nm, 0.0..=1e5, "0 to 1e5")?;
+        if let Some(event) = &self.event {
+            within("event.at_s", event.at_s, 0.0..=600.0, "0 to 600")?;
+            within("event.duration_s", event.duration_s, 0.0..=600.0, "0 to 600")?;
+            within("event.grip_nm", event.grip_nm, 0.0..=1e5, "0 to 1e5")?;
+            within("event.force_n", event.force_n, -1e5..=1e5, "-1e5 to 1e5")?;
+            within("event.angle_deg", event.angle_deg, -180.0..=180.0, "-180 to 180")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn levels_are_unrolled_and_repeated() {
+        let text = "[[runs]]\ntorque_nm = { start = -8, step = 4, stop = 4 }\nrepeats = 2\n[[runs]]\ntorque_nm = 20\ngear = \"reverse\"\n";
+        let plan = Campaign::from_toml(text).unwrap().plan(1).unwrap();
+        let torques: Vec<f64> = plan.iter().map(|run| run.torque_nm).collect();
+        assert_eq!(torques, [-8.0, -4.0, 0.0, 4.0, -8.0, -4.0, 0.0, 4.0, 20.0]);
+        assert_eq!(plan[8].settings.gear, Gear::Reverse);
+    }
+
+    #[test]
+    fn a_shuffled_group_keeps_its_runs_and_repeats_its_order() {
+        let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = { start = 4, step = 4, stop = 40 }\nshuffle = true\n").unwrap();
+        let order = |seed| campaign.plan(seed).unwrap().iter().map(|run| run.torque_nm as i32).collect::<Vec<_>>();
+        assert_eq!(order(1), order(1));
+        assert_ne!(order(1), order(2));
+        let mut sorted = order(1);
+        sorted.sort_unstable();
+        assert_eq!(sorted, (1..=10).map(|k| 4 * k).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        let told = |text: &str| Campaign::from_toml(text).unwrap_err().to_string();
+        assert_eq!(told(""), Error::NoRuns.to_string());
+        assert_eq!(told("[[runs]]\ntorque_nm = 4\nhold_s = 0\n"), "runs entry 1: hold_s is 0; allowed: 0.02 to 600");
+        assert!(told("[[runs]]\ntorque_nm = 4\nholds = 2\n").ends_with("did you mean `hold_s`?"));
+        assert!(told("start_time = \"noon\"\n[[runs]]\ntorque_nm = 4\n").contains("noon"));
+        assert!(told("[[runs]]\ntorque_nm = { start = 8, step = 4, stop = 4 }\n").contains("gives no level"));
+        assert!(told("[[runs]]\ntorque_nm = \"much\"\n").contains("expected a number, a list of numbers, or { start, step, stop }"));
+        assert!(told("[[runs]]\ntorque_nm = 4\nevent = { kind = \"wet_path\" }\n").ends_with("did you mean `wet_patch`?"));
+    }
+}
