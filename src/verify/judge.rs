@@ -220,14 +220,23 @@ fn notes(maps: &Maps, trips: &[RoundTrip], scenarios: &[ScenarioVerdict]) -> Vec
     if trips.is_empty() {
         notes.push("no gear has both a Table 1 and a Table 2 at the test angle: no round trip".to_owned());
     }
-    for trip in trips.iter().filter(|t| !t.pass) {
-        notes.push(match &trip.worst {
-            Some(w) => format!(
-                "{} gear: {} of {} places do not survive the round trip; worst at {} m/s, {} m/s²: {:.2} N·m instead of {:.2} N·m",
-                trip.gear, trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
-            ),
-            None => format!("{} gear: Table 1 has no measured cell that Table 2 covers", trip.gear),
-        });
+    for trip in trips {
+        let gear = trip.gear;
+        if let Some(w) = trip.worst.filter(|_| trip.failed > 0) {
+            notes.push(format!(
+                "{gear} gear: {} of {} places do not survive the round trip; worst at {} m/s, {:.3} m/s²: {:.2} N·m instead of {:.2} N·m",
+                trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
+            ));
+        }
+        if !trip.failed_rows_mps.is_empty() {
+            notes.push(format!("{gear} gear: whole rows are off, at {:?} m/s", trip.failed_rows_mps));
+        }
+        if !trip.starts_at_zero {
+            notes.push(format!("{gear} gear: the speed axis does not start at 0, where every pivot starts"));
+        }
+        if trip.places == 0 {
+            notes.push(format!("{gear} gear: Table 1 has no measured cell that Table 2 covers"));
+        }
     }
     let named = |status: Status| scenarios.iter().filter(|s| s.status == status).map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
     let (failed, untested) = (named(Status::Fail), named(Status::NotTested));
