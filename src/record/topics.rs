@@ -78,7 +78,7 @@ impl Topics {
                 stamp,
                 frame_id: "",
                 names: &JOINTS,
-                positions: &[f64::NAN, sensors.steering_angle().latest()].map(single),
+                positions: &[f64::NAN, sensors.steering_angle().latest(world.state().t_s)].map(single),
                 velocities: &[reading.value / self.wheel_radius_m, f64::NAN].map(single),
                 efforts: &[],
             });

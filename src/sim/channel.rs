@@ -95,7 +95,7 @@ pub struct Channel<T> {
     underway: [Option<Reading<T>>; KEPT],
     oldest: usize,
     newest: usize,
-    latest: T,
+    arrived: T,
     taken: Option<Reading<T>>,
 }
 
@@ -122,14 +122,21 @@ impl<T: Copy> Channel<T> {
             underway: [None; KEPT],
             oldest: 0,
             newest: 0,
-            latest: initial,
+            arrived: initial,
             taken: None,
         })
     }
 
-    /// The latest value that has arrived.
-    pub fn latest(&self) -> T {
-        self.latest
+    /// The latest value that has arrived at `now_s`, which is not before the last [`Channel::poll`].
+    pub fn latest(&self, now_s: f64) -> T {
+        let mut latest = self.arrived;
+        for k in 0..KEPT {
+            match &self.underway[(self.oldest + k) % KEPT] {
+                Some(reading) if reading.arrival_s <= now_s => latest = reading.value,
+                _ => break,
+            }
+        }
+        latest
     }
 
     /// The reading taken by the last [`Channel::poll`], if any and not lost.
@@ -148,14 +155,26 @@ impl<T: Copy> Channel<T> {
     }
 
     /// The next time at which [`Channel::poll`] has anything to do [s].
+    #[inline]
     pub fn next_event_s(&self) -> f64 {
-        self.underway[self.oldest].as_ref().map_or(self.next_s, |reading| reading.arrival_s.min(self.next_s))
+        self.next_s
     }
 
-    /// Brings the channel to `now_s`: takes the readings that are due, `sample` being asked for the value at the exact time, and lets those
-    /// arrive that have had their latency.
-    pub fn poll(&mut self, now_s: f64, mut sample: impl FnMut(f64, &mut Random) -> T) {
+    /// Brings the channel to `now_s`: takes the readings that are due, `sample` being asked for the value at the exact time.
+    #[inline]
+    pub fn poll(&mut self, now_s: f64, sample: impl FnMut(f64, &mut Random) -> T) {
         self.taken = None;
+        if self.next_s <= now_s {
+            self.take(now_s, sample);
+        }
+    }
+
+    fn take(&mut self, now_s: f64, mut sample: impl FnMut(f64, &mut Random) -> T) {
+        while let Some(reading) = self.underway[self.oldest].filter(|r| r.arrival_s <= now_s) {
+            self.arrived = reading.value;
+            self.underway[self.oldest] = None;
+            self.oldest = (self.oldest + 1) % KEPT;
+        }
         while self.next_s <= now_s {
             let t_s = self.next_s;
             self.count += 1;
@@ -170,11 +189,6 @@ impl<T: Copy> Channel<T> {
             self.taken = Some(reading);
             self.underway[self.newest] = Some(reading);
             self.newest = (self.newest + 1) % KEPT;
-        }
-        while let Some(reading) = self.underway[self.oldest].filter(|r| r.arrival_s <= now_s) {
-            self.latest = reading.value;
-            self.underway[self.oldest] = None;
-            self.oldest = (self.oldest + 1) % KEPT;
         }
     }
 
@@ -208,12 +222,12 @@ mod tests {
                 seen.push(reading.value);
             }
             if now_s < 0.0405 {
-                assert_eq!(channel.latest(), -1.0, "nothing has arrived at {now_s} s");
+                assert_eq!(channel.latest(now_s), -1.0, "nothing has arrived at {now_s} s");
             }
         }
         assert_eq!(seen.len(), 5);
         assert!((seen[1] - 0.0305).abs() < 1e-12);
-        assert!((channel.latest() - 0.0505).abs() < 1e-12);
+        assert!((channel.latest(0.099) - 0.0505).abs() < 1e-12);
     }
 
     #[test]

@@ -62,6 +62,9 @@ pub struct TorqueStep {
 pub struct Drive {
     settings: DriveSettings,
     slew_per_step_nm: f64,
+    /// The last command and what is left of it after rounding and limits: most steps repeat it.
+    last_command_nm: f64,
+    wanted_nm: f64,
     setpoint_nm: f64,
     /// Commands on their way, oldest at `oldest`; as many as the dead time has whole steps.
     underway_nm: Vec<f64>,
@@ -81,6 +84,7 @@ struct Decays {
     mid_to_change: f64,
     change_to_mid: f64,
     to_end: f64,
+    whole: f64,
 }
 
 impl Drive {
@@ -105,10 +109,13 @@ impl Drive {
             mid_to_change: remains(fraction - 0.5),
             change_to_mid: remains(0.5 - fraction),
             to_end: remains(1.0 - fraction),
+            whole: remains(1.0),
         };
         Ok(Self {
             settings: *settings,
             slew_per_step_nm: settings.slew_limit_nm_s.map_or(f64::INFINITY, |limit| limit * step_s),
+            last_command_nm: 0.0,
+            wanted_nm: 0.0,
             setpoint_nm: 0.0,
             underway_nm: vec![0.0; whole as usize],
             oldest: 0,
@@ -121,9 +128,11 @@ impl Drive {
     /// Lowers or raises the saturation [N·m], as a low battery does.
     pub fn set_torque_limit_nm(&mut self, limit_nm: f64) {
         self.settings.torque_limit_nm = limit_nm.max(0.0);
+        self.wanted_nm = self.limited(self.last_command_nm);
     }
 
     /// Effective torque now [N·m].
+    #[inline]
     pub fn effective_nm(&self) -> f64 {
         self.effective_nm
     }
@@ -131,6 +140,7 @@ impl Drive {
     /// Makes `command_nm` the command of all time so far: nothing is under way, and the effective torque is the command.
     pub fn settle(&mut self, command_nm: f64) {
         let settled_nm = self.limited(command_nm);
+        (self.last_command_nm, self.wanted_nm) = (command_nm, settled_nm);
         self.underway_nm.fill(settled_nm);
         (self.setpoint_nm, self.before_nm, self.effective_nm) = (settled_nm, settled_nm, settled_nm);
     }
@@ -138,8 +148,11 @@ impl Drive {
     /// Advances one step under `command_nm` (a command that is not a number counts as zero).
     #[inline]
     pub fn step(&mut self, command_nm: f64) -> TorqueStep {
-        let wanted = self.limited(command_nm);
-        self.setpoint_nm += (wanted - self.setpoint_nm).clamp(-self.slew_per_step_nm, self.slew_per_step_nm);
+        if command_nm != self.last_command_nm {
+            self.last_command_nm = command_nm;
+            self.wanted_nm = self.limited(command_nm);
+        }
+        self.setpoint_nm += (self.wanted_nm - self.setpoint_nm).clamp(-self.slew_per_step_nm, self.slew_per_step_nm);
         let after = match self.underway_nm.get_mut(self.oldest) {
             None => self.setpoint_nm,
             Some(slot) => {
@@ -151,8 +164,13 @@ impl Drive {
                 due
             }
         };
-        let (before, decay) = (self.before_nm, self.decay);
+        let (before, decay) = (self.before_nm, &self.decay);
         let toward = |goal: f64, from: f64, remains: f64| goal + (from - goal) * remains;
+        if after == before {
+            let start_nm = self.effective_nm;
+            self.effective_nm = toward(after, start_nm, decay.whole);
+            return TorqueStep { start_nm, mid_nm: toward(after, start_nm, decay.to_mid), end_nm: self.effective_nm };
+        }
         let start_nm = if decay.to_mid == 0.0 && decay.to_change == 1.0 { after } else { self.effective_nm };
         let (mid_nm, at_change) = if decay.change_before_mid {
             let at_change = toward(before, start_nm, decay.to_change);

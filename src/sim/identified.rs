@@ -4,11 +4,11 @@
 //! Moving forward, `v̇ = A(v, τ) + b + d(t)`; in reverse the same in the reverse table's frame, or in the forward table's mirrored where
 //! reverse was not tested. A wheel at rest stays at rest until the engaged gear's torque exceeds the breakaway torque: braking never pushes a
 //! wheel backwards. The surface knows one wheel angle only and answers for every angle. Beyond its torques it goes on linearly; beyond its
-//! speeds it keeps the last column.
+//! speeds it keeps the last column. A step solves the cell's linear equation exactly; a cell's edge inside a step costs O(h²).
 
 use super::body::SpeedStep;
 use super::error::{Error, Result, within};
-use super::motion::{Load, runge_kutta};
+use super::motion::Load;
 use super::random::{Disturbance, Random, Stream};
 use crate::map::{AccelTable, Gear, Table1File, Vehicle};
 
@@ -144,7 +144,14 @@ impl Surface {
     /// Bilinear; clamped in speed, linear beyond the ends in torque.
     #[inline]
     fn accel(&self, cell: &mut Cell, s: f64, u: f64) -> f64 {
+        self.plane(cell, s, u).accel
+    }
+
+    /// The same with its derivatives by speed and by torque; beyond the speeds the former is zero.
+    #[inline]
+    fn plane(&self, cell: &mut Cell, s: f64, u: f64) -> Plane {
         let last = self.speed_mps.len() - 1;
+        let inside = s <= self.speed_mps[last];
         let s = s.clamp(self.speed_mps[0], self.speed_mps[last]);
         let j = walk(&self.speed_mps, cell.speed, s);
         let i = walk(&self.torque_nm, cell.torque, u);
@@ -154,10 +161,25 @@ impl Surface {
         let near = i * (last + 1) + j;
         let row = &self.accel_mps2[near..near + 2];
         let next = &self.accel_mps2[near + last + 1..near + last + 3];
-        let low = row[0] + q * (row[1] - row[0]);
-        let high = next[0] + q * (next[1] - next[0]);
-        low + p * (high - low)
+        let (low_rise, high_rise) = (row[1] - row[0], next[1] - next[0]);
+        let low = row[0] + q * low_rise;
+        let step = next[0] + q * high_rise - low;
+        let by_speed = if inside { (low_rise + p * (high_rise - low_rise)) * self.per_speed[j] } else { 0.0 };
+        Plane { accel: low + p * step, by_speed, by_torque: step * self.per_torque[i] }
     }
+}
+
+/// Acceleration and its derivatives.
+struct Plane {
+    accel: f64,
+    by_speed: f64,
+    by_torque: f64,
+}
+
+/// (eˣ − 1)/x for small x: the mean of an exponential over a step.
+#[inline]
+fn mean_growth(x: f64) -> f64 {
+    1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0)))
 }
 
 /// Index of the interval that holds `x`, or of the nearest one, walking from `from`.
@@ -241,11 +263,13 @@ impl IdentifiedMotion {
     }
 
     /// Speed now [m/s].
+    #[inline]
     pub fn speed_mps(&self) -> f64 {
         self.speed_mps
     }
 
     /// Acceleration at the end of the last step [m/s²].
+    #[inline]
     pub fn accel_mps2(&self) -> f64 {
         self.accel_mps2
     }
@@ -266,6 +290,7 @@ impl IdentifiedMotion {
         self.wheel_mass_kg
     }
 
+    #[inline]
     fn way(&self, sign: f64) -> &Way {
         if sign < 0.0 { self.reverse.as_ref().unwrap_or(&self.forward) } else { &self.forward }
     }
@@ -295,20 +320,26 @@ impl IdentifiedMotion {
             start_mps.signum()
         };
         let random_mps2 = self.disturbance.step() + self.run_offset_mps2 - load.brake_nm * self.brake_accel_per_nm;
+        let (h, s0) = (self.step_s, sign * start_mps);
+        let u = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm].map(|t| sign * (t + load.external_nm));
+        // within a cell v̇ = a + A_v·(v − v₀) + A_τ·(τ − τ̄): exact under the step's mean torque τ̄, and half way under that of its first half
+        let mean = (u[0] + 4.0 * u[1] + u[2]) * (1.0 / 6.0);
+        let mean_of_first_half = (5.0 * u[0] + 8.0 * u[1] - u[2]) * (1.0 / 12.0);
         let mut cell = self.cell;
-        let surface = &self.way(sign).surface;
-        let torque = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm].map(|t| sign * (t + load.external_nm));
-        let (along, accel) =
-            runge_kutta(self.step_s, sign * start_mps, |stage, s| surface.accel(&mut cell, s, torque[stage]) + random_mps2);
+        let plane = self.way(sign).surface.plane(&mut cell, s0, mean);
         self.cell = cell;
-        if along.end_mps <= 0.0 {
+        let accel = plane.accel + random_mps2;
+        let half_way = accel + plane.by_torque * (mean_of_first_half - mean);
+        let mid = s0 + 0.5 * h * half_way * mean_growth(0.5 * h * plane.by_speed);
+        let end = s0 + h * accel * mean_growth(h * plane.by_speed);
+        if end <= 0.0 {
             self.speed_mps = 0.0;
             self.accel_mps2 = 0.0;
-            return SpeedStep { start_mps, mid_mps: sign * along.mid_mps.max(0.0), end_mps: 0.0 };
+            return SpeedStep { start_mps, mid_mps: sign * mid.max(0.0), end_mps: 0.0 };
         }
-        self.speed_mps = sign * along.end_mps;
-        self.accel_mps2 = sign * accel;
-        SpeedStep { start_mps, mid_mps: sign * along.mid_mps, end_mps: self.speed_mps }
+        self.speed_mps = sign * end;
+        self.accel_mps2 = sign * (accel + plane.by_speed * (end - s0) + plane.by_torque * (u[2] - mean));
+        SpeedStep { start_mps, mid_mps: sign * mid, end_mps: self.speed_mps }
     }
 }
 

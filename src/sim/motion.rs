@@ -53,6 +53,7 @@ impl Motion {
     }
 
     /// Speed now [m/s], vehicle frame.
+    #[inline]
     pub fn speed_mps(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.speed_mps(),
@@ -61,6 +62,7 @@ impl Motion {
     }
 
     /// Acceleration at the end of the last step [m/s²].
+    #[inline]
     pub fn accel_mps2(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.accel_mps2(),

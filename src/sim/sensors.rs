@@ -244,17 +244,21 @@ impl Sensors {
         &self.pose
     }
 
-    /// Brings all sensors to the time of `scene`.
+    /// The next time at which [`Sensors::poll`] has anything to do [s].
     #[inline]
-    pub(super) fn poll(&mut self, scene: &Scene) {
-        if scene.t_s >= self.next_event_s {
-            self.poll_due(scene);
-        } else if self.took {
-            self.forget_taken();
+    pub(super) fn next_event_s(&self) -> f64 {
+        self.next_event_s
+    }
+
+    /// Nothing was read in the last step.
+    #[inline]
+    pub(super) fn forget_taken(&mut self) {
+        if self.took {
+            self.forget_all_taken();
         }
     }
 
-    fn forget_taken(&mut self) {
+    fn forget_all_taken(&mut self) {
         self.took = false;
         self.encoder.forget_taken();
         self.gyro.forget_taken();
@@ -263,7 +267,8 @@ impl Sensors {
         self.pose.forget_taken();
     }
 
-    fn poll_due(&mut self, scene: &Scene) {
+    /// Brings all sensors to the time of `scene`.
+    pub(super) fn poll(&mut self, scene: &Scene) {
         let now_s = scene.t_s;
         let s = &self.settings;
         // a reading falls between two steps: the state is carried back to its time
@@ -271,7 +276,7 @@ impl Sensors {
         let noisy = |value: f64, deviation: f64, random: &mut Random| {
             if deviation > 0.0 { value + deviation * random.normal() } else { value }
         };
-        let (encoder, counts_per_m, last) = (s.encoder, self.counts_per_m, &mut self.last_rolled);
+        let (encoder, counts_per_m, last) = (&s.encoder, self.counts_per_m, &mut self.last_rolled);
         let period_s = self.encoder.period_s();
         self.encoder.poll(now_s, |t_s, random| {
             let dt = ago(t_s);
@@ -285,14 +290,14 @@ impl Sensors {
             noisy(speed_mps, encoder.noise_mps, random)
         });
         self.gyro.poll(now_s, |_, random| noisy(scene.yaw_rate_rad_s + s.gyro.bias_rad_s, s.gyro.noise_rad_s, random));
-        let angle = s.steering_angle;
+        let angle = &s.steering_angle;
         self.steering_angle.poll(now_s, |_, random| {
             let true_deg = (scene.wheel_angle_rad + scene.wheel_angle_offset_rad) / RAD_PER_DEG;
             let deg = noisy(true_deg + angle.bias_deg, angle.noise_deg, random);
             RAD_PER_DEG * if angle.quantum_deg > 0.0 { (deg / angle.quantum_deg).round() * angle.quantum_deg } else { deg }
         });
         self.torque_feedback.poll(now_s, |_, random| noisy(scene.torque_nm, s.torque_feedback.noise_nm, random));
-        let pose = s.pose;
+        let pose = &s.pose;
         self.pose.poll(now_s, |t_s, random| {
             let [x, y, heading] = scene.pose;
             let heading = heading - scene.yaw_rate_rad_s * ago(t_s);
@@ -320,6 +325,10 @@ mod tests {
         let mut speeds = Vec::new();
         for k in 0..20_000 {
             let t_s = f64::from(k) * 1e-3;
+            sensors.forget_taken();
+            if t_s < sensors.next_event_s() {
+                continue;
+            }
             sensors.poll(&Scene { t_s, rim_speed_mps: speed_mps, rolled_m: speed_mps * t_s, ..Scene::default() });
             speeds.extend(sensors.encoder().taken().map(|r| r.value));
         }

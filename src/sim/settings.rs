@@ -147,3 +147,97 @@ impl Perturbation {
         within("torque_limit_factor", self.torque_limit_factor, 0.01..=100.0, "0.01 to 100")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, Gear, PlantNoise, Surface, Table1File};
+    use crate::sim::{Command, SensorSettings, World};
+    use std::f64::consts::FRAC_PI_2;
+
+    /// A fit that found a = (τ − 8)/13 forward and nothing in reverse.
+    fn fit() -> Table1File {
+        let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: "given".into() };
+        let (speed_mps, torque_nm) = (vec![0.0, 1.0], vec![-40.0, 40.0]);
+        let accel_mps2: Vec<Vec<f64>> = torque_nm.iter().map(|u| vec![(u - 8.0) / 13.0; 2]).collect();
+        let csv = CsvRef { file: "table1.csv".into(), sha256: String::new() };
+        let map = AccelMap {
+            gear: Gear::Forward,
+            wheel_angle_deg: 90.0,
+            csv,
+            speed_mps: speed_mps.clone(),
+            torque_nm: torque_nm.clone(),
+            accel_mps2: accel_mps2.clone(),
+            std_err_mps2: Vec::new(),
+            count: Vec::new(),
+            confidence: Vec::new(),
+            status: Vec::new(),
+            measured_torque_nm: Vec::new(),
+            breakaway: Breakaway { torque_nm: 8.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
+            surface: Surface { speed_mps, torque_nm, accel_mps2 },
+        };
+        Table1File {
+            format: crate::map::TABLE1_FORMAT.into(),
+            format_version: crate::map::FORMAT_VERSION,
+            tool_version: String::new(),
+            units: crate::map::Units::default(),
+            vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            logs: Vec::new(),
+            settings: serde_json::Value::Null,
+            actuator: Actuator { dead_time: delay(0.05), lag: delay(0.05), input: "torque command".into(), per_log: Vec::new() },
+            witnesses: Vec::new(),
+            noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.2, run_offset_mps2: 0.0, speed_noise_mps: 0.004 },
+            maps: vec![map],
+            report: crate::map::Stage1Report::default(),
+        }
+    }
+
+    fn speed_after_one_second(settings: &Settings, gear: Gear) -> f64 {
+        let mut world = World::new(&Settings { sensors: SensorSettings::ideal(), ..settings.clone() }, 1).unwrap();
+        world.place_wheel(FRAC_PI_2);
+        for _ in 0..1000 {
+            world.step(&Command { torque_nm: gear.sign() * 21.0, wheel_angle_rad: FRAC_PI_2, gear: Some(gear) });
+        }
+        world.state().speed_mps
+    }
+
+    #[test]
+    fn the_identified_plant_drives_as_the_fit_says_behind_its_dead_time_and_lag() {
+        let settings = Settings::identified(&fit()).unwrap();
+        assert_eq!((settings.drive.torque_limit_nm, settings.sensors.encoder.noise_mps), (40.0, 0.004));
+        // u = 21·(1 − exp(−t/T)) passes 8 N·m at t_b; from there on v = ∫ (u − 8)/13 dt, t counted after the dead time
+        let (lag, end) = (0.05, 0.95_f64);
+        let t_b = -lag * (1.0_f64 - 8.0 / 21.0).ln();
+        let rest = |t: f64| 21.0 * lag * (-t / lag).exp();
+        let expected = (13.0 * (end - t_b) + rest(end) - rest(t_b)) / 13.0;
+        let found = speed_after_one_second(&settings, Gear::Forward);
+        // it sets off at the first step after t_b: at most 1 ms of almost no torque
+        assert!((found - expected).abs() < 1e-4, "{found} for {expected}");
+    }
+
+    #[test]
+    fn without_a_reverse_table_reverse_mirrors_forward() {
+        let settings = Settings::identified(&fit()).unwrap();
+        assert_eq!(speed_after_one_second(&settings, Gear::Reverse), -speed_after_one_second(&settings, Gear::Forward));
+    }
+
+    #[test]
+    fn perturbations_change_what_their_names_say() {
+        let settings = Settings::identified(&fit()).unwrap();
+        let by = Perturbation { inertia_factor: 2.0, friction_factor: 0.5, torque_limit_factor: 0.8, ..Perturbation::default() };
+        let varied = settings.perturbed(&by).unwrap();
+        assert_eq!(varied.drive.torque_limit_nm, 32.0);
+        let found = speed_after_one_second(&varied, Gear::Forward);
+        // (21 − 4)/26 for about 0.9 s
+        assert!((0.5..0.6).contains(&found), "{found}");
+        assert!(settings.perturbed(&Perturbation { lag_factor: 0.0, ..Perturbation::default() }).is_err());
+    }
+
+    #[test]
+    fn a_fit_without_a_forward_map_is_refused() {
+        let mut file = fit();
+        file.maps[0].gear = Gear::Reverse;
+        assert!(Settings::identified(&file).unwrap_err().to_string().contains("forward gear at 90°"));
+    }
+}

@@ -99,6 +99,7 @@ impl Steering {
     }
 
     /// Wheel angle now [rad].
+    #[inline]
     pub fn angle_rad(&self) -> f64 {
         self.angle_rad
     }

@@ -24,6 +24,7 @@ impl Traction {
     }
 
     /// Speed of the rim over the floor [m/s]; 0 while the wheel rolls.
+    #[inline]
     pub fn slip_mps(&self) -> f64 {
         self.slip_mps
     }
