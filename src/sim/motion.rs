@@ -4,7 +4,8 @@ use super::body::SpeedStep;
 use super::drive::TorqueStep;
 use super::error::Result;
 use super::identified::{IdentifiedMotion, IdentifiedSettings};
-use super::physical::{PhysicalMotion, PhysicalSettings};
+use super::physical::PhysicalMotion;
+use super::plant::PhysicalSettings;
 use super::{AngleTerms, Gear};
 use crate::map::Vehicle;
 

@@ -4,8 +4,8 @@ use super::drive::DriveSettings;
 use super::error::{Result, within};
 use super::identified::IdentifiedSettings;
 use super::motion::MotionSettings;
-use super::physical::PhysicalSettings;
-use super::sensors::SensorSettings;
+use super::plant::PhysicalSettings;
+use super::sensor_settings::SensorSettings;
 use super::steering::SteeringSettings;
 use crate::map::{Table1File, Vehicle};
 

@@ -1,7 +1,7 @@
 //! The physical plant's exact steady map a(v, τ), with dead time, lag and everything random removed: what a fit is judged against.
 
 use super::error::Result;
-use super::physical::{PhysicalSettings, Plant};
+use super::plant::{PhysicalSettings, Plant};
 use crate::map::{Gear, Vehicle};
 
 /// The exact map of a physical plant.

@@ -3,8 +3,8 @@
 use super::drive::DriveSettings;
 use super::error::{Error, Result};
 use super::motion::MotionSettings;
-use super::physical::PhysicalSettings;
-use super::sensors::SensorSettings;
+use super::plant::PhysicalSettings;
+use super::sensor_settings::SensorSettings;
 use super::settings::{DEFAULT_STEP_S, Settings};
 use super::steering::SteeringSettings;
 use super::truth::Truth;

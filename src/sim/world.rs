@@ -73,6 +73,8 @@ pub struct World {
     steps: u64,
     t_s: f64,
     drive: Drive,
+    /// Effective torque at the start of the last step [N·m].
+    torque_before_nm: f64,
     traction: Traction,
     motion: Motion,
     steering: Steering,
@@ -87,6 +89,7 @@ pub struct World {
     brake_nm: f64,
     torque_limit_nm: f64,
     wheel_radius_m: f64,
+    wheelbase_m: f64,
     push_nm: f64,
     slope: Option<Slope>,
     wheel_angle_offset_rad: f64,
@@ -116,6 +119,7 @@ impl World {
             steps: 0,
             t_s: 0.0,
             drive: Drive::new(&settings.drive, step_s)?,
+            torque_before_nm: 0.0,
             traction: Traction::new(motion.wheel_mass_kg(), vehicle.wheel_radius_m, step_s),
             motion,
             steering: Steering::new(&settings.steering, step_s)?,
@@ -129,6 +133,7 @@ impl World {
             brake_nm: settings.drive.estop_brake_nm,
             torque_limit_nm: settings.drive.torque_limit_nm,
             wheel_radius_m: vehicle.wheel_radius_m,
+            wheelbase_m: vehicle.wheelbase_m,
             push_nm: 0.0,
             slope: None,
             wheel_angle_offset_rad: 0.0,
@@ -143,6 +148,7 @@ impl World {
     pub fn step(&mut self, command: &Command) {
         self.gear = command.gear;
         let commanded_nm = if self.estop || command.gear.is_none() { 0.0 } else { command.torque_nm };
+        self.torque_before_nm = self.drive.effective_nm();
         let torque = self.traction.step(self.drive.step(commanded_nm));
         self.steer(command.wheel_angle_rad);
         let load =
@@ -297,7 +303,9 @@ impl World {
             wheel_angle_rad: self.steering.angle_rad(),
             wheel_angle_offset_rad: self.wheel_angle_offset_rad,
             torque_nm: self.drive.effective_nm(),
+            torque_slope_nm_s: (self.drive.effective_nm() - self.torque_before_nm) / self.step_s,
             yaw_rate_rad_s: self.body.yaw_rate_rad_s(),
+            yaw_accel_rad_s2: self.motion.accel_mps2() * self.angle.sin[2] / self.wheelbase_m,
             pose: [self.body.x_m(), self.body.y_m(), self.body.heading_rad()],
         });
     }
@@ -308,7 +316,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::physical::PhysicalSettings;
+    use crate::sim::PhysicalSettings;
     use std::f64::consts::FRAC_PI_2;
 
     fn settings() -> Settings {
