@@ -19,6 +19,7 @@ mod round_trip;
 mod run;
 mod scenario;
 mod verdict;
+mod watch;
 
 pub use draws::Spread;
 pub use error::{Error, Result};
