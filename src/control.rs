@@ -38,4 +38,4 @@ pub use preview::Preview;
 pub use profile::Profile;
 pub use speed_loop::{SpeedLoop, SpeedLoopSettings};
 pub use torque_map::{ConstantGain, Lookup, OutsidePolicy, Tables, TorqueMap};
-pub use waypoint_law::{WaypointLaw, WaypointLawSettings};
+pub use waypoint_law::{Finish, WaypointLaw, WaypointLawSettings};

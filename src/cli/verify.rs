@@ -3,7 +3,7 @@
 use super::{Outcome, Ui};
 use crate::map::write_whole;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, verify,
+    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of, verify,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -31,6 +31,9 @@ pub(super) struct Arguments {
     /// Go on when a hash does not match
     #[arg(long)]
     force: bool,
+    /// Write a log of each scenario's nominal run into this folder
+    #[arg(long, value_name = "DIR")]
+    log: Option<PathBuf>,
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
@@ -68,6 +71,13 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&verdict)?;
     show(&verdict, ui);
     ui.say(format!("written: {}", path.display()));
+    if let Some(folder) = &arguments.log {
+        for scenario in settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()) {
+            let path = folder.join(format!("{}.mcap", scenario.name));
+            write_whole(&path, &log_of(&maps, &settings, scenario)?)?;
+            ui.detail(format!("written: {}", path.display()));
+        }
+    }
     Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
 }
 
@@ -149,21 +159,27 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
 }
 
+/// Shown of a scenario: the limits that are not kept, or the one nearest to not being kept. `verify.json` has them all.
 fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
     if scenario.status == Status::NotTested {
         table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
         return;
     }
-    for (k, check) in scenario.checks.iter().enumerate() {
-        let name = if k == 0 { scenario.name.clone() } else { String::new() };
-        table.add_row([
-            name,
-            check.metric.title().to_owned(),
-            check.statistic.title().to_owned(),
-            value(check),
-            limit(check),
-            mark(check.pass).to_owned(),
-        ]);
+    let failed = scenario.checks.iter().any(|c| !c.pass);
+    let nearest = scenario.checks.iter().enumerate().max_by(|a, b| used(a.1).total_cmp(&used(b.1))).map(|(k, _)| k);
+    let shown = scenario.checks.iter().enumerate().filter(|(k, c)| if failed { !c.pass } else { Some(*k) == nearest });
+    for (row, (_, check)) in shown.enumerate() {
+        let name = if row == 0 { scenario.name.clone() } else { String::new() };
+        let (metric, statistic) = (check.metric.title().to_owned(), check.statistic.title().to_owned());
+        table.add_row([name, metric, statistic, value(check), limit(check), mark(check.pass).to_owned()]);
+    }
+}
+
+/// How much of a limit is used up: 1 at the limit. A limit from below counts little while it is kept.
+fn used(check: &Check) -> f64 {
+    match (check.value, check.at_most) {
+        (Some(value), Some(limit)) if limit > 0.0 => value / limit,
+        _ => 0.0,
     }
 }
 
@@ -176,14 +192,15 @@ fn value(check: &Check) -> String {
 }
 
 fn limit(check: &Check) -> String {
-    let at_most = check.at_most.map(|m| format!("≤ {m}"));
-    at_most.or_else(|| check.at_least.map(|m| format!("≥ {m}"))).unwrap_or_default()
+    let at_most = check.at_most.map(|m| format!("≤ {}", number(check.metric, m)));
+    at_most.or_else(|| check.at_least.map(|m| format!("≥ {}", number(check.metric, m)))).unwrap_or_default()
 }
 
 /// A value with its unit; shares in per cent.
 fn number(metric: Metric, value: f64) -> String {
     match metric.unit() {
         "" => format!("{:.1} %", 100.0 * value),
+        "°" => format!("{value:.2}°"),
         unit => format!("{value:.3} {unit}"),
     }
 }

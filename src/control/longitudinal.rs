@@ -104,6 +104,11 @@ impl<L: DriveLaw> Longitudinal<L> {
         self.phase
     }
 
+    /// The request in force, or the last one; `None` before the first.
+    pub fn current(&self) -> Option<&PivotRequest> {
+        self.request.as_ref()
+    }
+
     /// Takes planning's request. Ignored while a pivot is under way.
     pub fn request(&mut self, request: PivotRequest) {
         if !self.phase.is_active() {

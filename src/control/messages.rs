@@ -75,6 +75,10 @@ pub struct Outputs {
     pub gear: Option<Gear>,
     /// Where the pivot stands.
     pub phase: Phase,
+    /// Which way it turns; `None` before the first request.
+    pub direction: Option<Direction>,
+    /// How far the front wheel is.
+    pub angle: AngleStatus,
     /// Whether the lateral module is told to return the wheel.
     pub restore: bool,
     /// What the drive law did; `None` unless it was asked.

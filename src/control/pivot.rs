@@ -3,7 +3,7 @@
 use super::drive_law::DriveLaw;
 use super::lateral::{Lateral, LateralSettings};
 use super::longitudinal::{Longitudinal, LongitudinalSettings};
-use super::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, Pose};
+use super::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
 use super::planning::PlanningSettings;
 use super::{Error, Result};
 use serde::Serialize;
@@ -76,6 +76,11 @@ impl<L: DriveLaw> PivotController<L> {
         self.longitudinal.phase()
     }
 
+    /// The request in force, or the last one; `None` before the first.
+    pub fn current(&self) -> Option<&PivotRequest> {
+        self.longitudinal.current()
+    }
+
     /// One control period: what is measured → what is commanded. Messages between the modules take one period.
     pub fn step(&mut self, inputs: &Inputs) -> Outputs {
         let done = self.longitudinal.step(inputs, self.angle);
@@ -88,6 +93,8 @@ impl<L: DriveLaw> PivotController<L> {
             wheel_angle_rad,
             gear: done.gear,
             phase: done.phase,
+            direction: self.longitudinal.current().map(|request| request.direction),
+            angle,
             restore: self.task == LateralTask::Restore,
             drive: done.drive,
         }

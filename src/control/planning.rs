@@ -154,8 +154,8 @@ mod tests {
         let mirror = right(&settings);
         assert_eq!(mirror.gear, Gear::Forward);
         assert!(mirror.wheel_angle_rad < 0.0);
-        let ends = [hold, mirror].map(|r| *r.path.waypoints().last().unwrap());
-        assert!((ends[0].x_m - ends[1].x_m).abs() < 1e-12 && (ends[0].y_m - ends[1].y_m).abs() < 1e-12);
+        let [p, q] = [&hold, &mirror].map(|r| *r.path.waypoints().last().unwrap());
+        assert!((p.x_m - q.x_m).abs() < 1e-12 && (p.y_m - q.y_m).abs() < 1e-12);
     }
 
     #[test]

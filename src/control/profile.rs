@@ -57,7 +57,7 @@ mod tests {
         let peak = |length_m: f64| (0..=1000).map(|k| profile.speed_at(f64::from(k) * length_m / 1000.0, length_m)).fold(0.0, f64::max);
         assert!((peak(1.445) - 0.6).abs() < 1e-12);
         // v² = v₀² + 2as = 2d(S − s) at the top: v² = (v₀² + 2aS)/2 for a = d
-        assert!((peak(0.48) - ((0.01_f64 + 0.8 * 0.48) / 2.0).sqrt()).abs() < 1e-3);
+        assert!((peak(0.48) - f64::midpoint(0.01, 0.8 * 0.48).sqrt()).abs() < 1e-3);
         assert_eq!(profile.speed_at(1.445, 1.445), 0.0);
         assert!((profile.speed_at(0.0, 1.445) - 0.1).abs() < 1e-12);
     }

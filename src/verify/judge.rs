@@ -11,7 +11,7 @@ use super::run::{Bench, Moment, run};
 use super::scenario::Scenario;
 use super::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
 use super::{Maps, Result};
-use crate::control::{self, DriveLaw, HeadingLaw, WaypointLaw, WaypointLawSettings};
+use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, WaypointLaw, WaypointLawSettings};
 use crate::map::FORMAT_VERSION;
 use crate::sim;
 use rayon::prelude::*;
@@ -31,6 +31,8 @@ pub struct Settings {
     pub seed: u64,
     /// The limits.
     pub gate: Gate,
+    /// The drive law; `None`, the default, is the usual one for the map's vehicle.
+    pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
     pub plant: Option<sim::Settings>,
 }
@@ -48,6 +50,7 @@ impl Settings {
             spread: Spread::default(),
             seed: 1,
             gate: Gate::with(None)?,
+            law: None,
             plant: None,
         })
     }
@@ -64,11 +67,11 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(maps: &'a Maps, plant: Option<&sim::Settings>) -> Result<Self> {
-        let plant = plant.map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
+    fn new(maps: &'a Maps, settings: &Settings) -> Result<Self> {
+        let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
-        Ok(Self { maps, control, law: law_settings(maps), region: Region::new(&maps.table2), plant, exact })
+        Ok(Self { maps, control, law: settings.law.unwrap_or_else(|| law_settings(maps)), region: Region::new(&maps.table2), plant, exact })
     }
 
     fn bench(&self) -> Bench<'_> {
@@ -87,7 +90,7 @@ impl<'a> Stage<'a> {
 /// # Errors
 /// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
 pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
-    let stage = Stage::new(maps, settings.plant.as_ref())?;
+    let stage = Stage::new(maps, settings)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
     let scenarios = judge_scenarios(&stage, settings, &varied)?;
@@ -127,8 +130,13 @@ pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
 ///
 /// # Errors
 /// As [`verify`].
-pub fn replay(maps: &Maps, settings: &Settings, scenario: &Scenario, mut record: impl FnMut(&Moment)) -> Result<Values> {
-    let stage = Stage::new(maps, settings.plant.as_ref())?;
+pub fn replay(
+    maps: &Maps,
+    settings: &Settings,
+    scenario: &Scenario,
+    mut record: impl FnMut(&Moment, Option<&PivotRequest>),
+) -> Result<Values> {
+    let stage = Stage::new(maps, settings)?;
     run(&stage.bench(), scenario, &stage.plant, map_law(maps, &stage.law), settings.seed, &mut record)
 }
 
@@ -141,8 +149,8 @@ fn run_all<L: DriveLaw>(
     law: impl Fn() -> L + Sync,
 ) -> Result<Vec<Summary>> {
     let bench = stage.bench();
-    let nominal = run(&bench, scenario, &stage.plant, law(), seed, |_| {})?;
-    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| run(&bench, scenario, plant, law(), *seed, |_| {})).collect();
+    let nominal = run(&bench, scenario, &stage.plant, law(), seed, |_, _| {})?;
+    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| run(&bench, scenario, plant, law(), *seed, |_, _| {})).collect();
     let runs = runs?;
     Ok(Metric::ALL.into_iter().filter_map(|metric| Summary::new(metric, &nominal, &runs)).collect())
 }
@@ -212,14 +220,23 @@ fn notes(maps: &Maps, trips: &[RoundTrip], scenarios: &[ScenarioVerdict]) -> Vec
     if trips.is_empty() {
         notes.push("no gear has both a Table 1 and a Table 2 at the test angle: no round trip".to_owned());
     }
-    for trip in trips.iter().filter(|t| !t.pass) {
-        notes.push(match &trip.worst {
-            Some(w) => format!(
-                "{} gear: {} of {} places do not survive the round trip; worst at {} m/s, {} m/s²: {:.2} N·m instead of {:.2} N·m",
-                trip.gear, trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
-            ),
-            None => format!("{} gear: Table 1 has no measured cell that Table 2 covers", trip.gear),
-        });
+    for trip in trips {
+        let gear = trip.gear;
+        if let Some(w) = trip.worst.filter(|_| trip.failed > 0) {
+            notes.push(format!(
+                "{gear} gear: {} of {} places do not survive the round trip; worst at {} m/s, {:.3} m/s²: {:.2} N·m instead of {:.2} N·m",
+                trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
+            ));
+        }
+        if !trip.failed_rows_mps.is_empty() {
+            notes.push(format!("{gear} gear: whole rows are off, at {:?} m/s", trip.failed_rows_mps));
+        }
+        if !trip.starts_at_zero {
+            notes.push(format!("{gear} gear: the speed axis does not start at 0, where every pivot starts"));
+        }
+        if trip.places == 0 {
+            notes.push(format!("{gear} gear: Table 1 has no measured cell that Table 2 covers"));
+        }
     }
     let named = |status: Status| scenarios.iter().filter(|s| s.status == status).map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
     let (failed, untested) = (named(Status::Fail), named(Status::NotTested));

@@ -36,13 +36,20 @@ pub(super) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
 }
 
 /// Heading gains Kp [m/s per rad], Ki, Kd, and speed-loop gains Kp [1/s], Ki [1/s²] that the search goes through.
-const SEARCH: [&[f64]; 5] = [&[0.6, 0.9, 1.3, 1.8, 2.5], &[0.0, 0.2], &[0.0, 0.15, 0.3], &[2.0, 4.0, 8.0], &[0.5, 2.0, 6.0]];
+const SEARCH: [&[f64]; 5] = [&[0.6, 0.9, 1.3, 1.8, 2.5], &[0.0, 0.2], &[0.0, 0.3], &[2.0, 4.0, 8.0], &[0.5, 2.0, 6.0]];
 
 /// Largest heading error and overshoot that tuned gains may have [°]: 1.5 each, a little more than the end threshold of the map's law.
 const TUNED_ERROR_DEG: f64 = 1.5;
 
-/// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant;
-/// of those that end within [`TUNED_ERROR_DEG`] the fastest is taken; when none does, the one with the smallest heading error.
+/// Seeds of sensor noise that a finalist drives with: gains that work by luck once do not count.
+const TUNING_SEEDS: u64 = 4;
+
+/// Candidates that go on to the other seeds.
+const TUNING_FINALISTS: usize = 30;
+
+/// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant,
+/// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds; of those that always end within [`TUNED_ERROR_DEG`] the fastest is taken, by its
+/// slowest turn; when none does, the one with the smallest heading error.
 pub(super) fn tuned_heading_law(
     bench: &Bench<'_>,
     scenario: &Scenario,
@@ -80,12 +87,16 @@ pub(super) fn tuned_heading_law(
         // a good end in at most some tens of seconds comes before every bad one
         if good { values.get(Metric::SettlingTimeS).unwrap_or(1e3) } else { 1e6 * (1.0 + error) }
     };
-    let scores: Result<Vec<f64>> = (0..count)
-        .into_par_iter()
-        .map(|k| run(bench, scenario, plant, HeadingLaw::new(candidate(k)), 0, |_| {}).map(|values| score(&values)))
-        .collect();
-    let scores = scores?;
-    let best = (0..count).min_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);
+    let drive = |k: usize, seed: u64| Ok(score(&run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_, _| {})?));
+    let first: Result<Vec<f64>> = (0..count).into_par_iter().map(|k| drive(k, 0)).collect();
+    let first = first?;
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| first[a].total_cmp(&first[b]).then(a.cmp(&b)));
+    order.truncate(TUNING_FINALISTS);
+    let worst: Result<Vec<f64>> =
+        order.par_iter().map(|&k| (1..TUNING_SEEDS).try_fold(first[k], |worst: f64, seed| Ok(worst.max(drive(k, seed)?)))).collect();
+    let worst = worst?;
+    let best = (0..order.len()).min_by(|&a, &b| worst[a].total_cmp(&worst[b])).map_or(0, |place| order[place]);
     Ok(candidate(best))
 }
 

@@ -102,7 +102,7 @@ impl Maps {
     /// Largest torque that the controller may ask for [N·m]: the vehicle's limit, or the largest value of the tables.
     pub fn torque_limit_nm(&self) -> f64 {
         self.table2.vehicle.torque_limit_nm.unwrap_or_else(|| {
-            let values = self.forward.values().iter().chain(self.reverse.iter().flat_map(|t| t.values()));
+            let values = self.forward.values().iter().chain(self.reverse.iter().flat_map(TorqueTable::values));
             values.fold(0.0, |largest, v| v.abs().max(largest))
         })
     }

@@ -133,7 +133,7 @@ impl Scenario {
         all.push(Self { start_wheel_deg: -35.0, ..left("wheel-off-angle", "left 90°, the wheel at −35° at the start") });
         let hard =
             |name: &str, what: &str, disturbance| Self { class: Class::Hard, disturbance: Some((disturbance, None)), ..left(name, what) };
-        all.push(hard("wet-floor", "left 90° on a floor that takes half of the torque", Disturbance::WetFloor { share: 0.3 }));
+        all.push(hard("wet-floor", "left 90° on a floor that takes half of the torque", Disturbance::WetFloor { share: 0.5 }));
         all.push(hard("slope", "left 90° on a slope of 2 %", Disturbance::Slope { grade: 0.02 }));
         all.push(hard("low-battery", "left 90° with a third of the torque", Disturbance::LowBattery { share: 0.3 }));
         let failing = |name: &str, what: &str, disturbance, phase, after_s, failure| Self {

@@ -1,0 +1,120 @@
+//! A scenario's nominal run as a log of standard ROS 2 messages, which Foxglove, `PlotJuggler` and rerun draw: what the vehicle did, what was
+//! desired, and the messages between the controller's modules.
+
+use super::judge::{Settings, replay};
+use super::run::Moment;
+use super::scenario::Scenario;
+use super::{Maps, Result};
+use crate::control::{AngleStatus, Phase, PivotRequest};
+use crate::map::Gear;
+use crate::record::{JointState, LogWriter, Message, Odometry, Stamp};
+use crate::units::NS_PER_S;
+use std::fmt::Write as _;
+
+/// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
+const START_NS: u64 = 1_767_225_600_000_000_000;
+
+/// The bytes of an MCAP file with the nominal run of `scenario`.
+///
+/// # Errors
+/// As [`replay`], and what the MCAP writer refuses.
+pub fn log_of(maps: &Maps, settings: &Settings, scenario: &Scenario) -> Result<Vec<u8>> {
+    let mut log = LogWriter::new();
+    log.metadata("pivot-cal/scenario", [("name", scenario.name.clone()), ("what", scenario.what.clone())]);
+    let vehicle = &maps.table2.vehicle;
+    let mut outcome = Ok(());
+    let mut last_phase = None;
+    replay(maps, settings, scenario, |moment, request| {
+        if outcome.is_ok() {
+            outcome = write(&mut log, vehicle.wheel_radius_m, moment, request, last_phase);
+        }
+        last_phase = Some(moment.command.phase);
+    })?;
+    outcome?;
+    Ok(log.finish()?)
+}
+
+fn write(
+    log: &mut LogWriter,
+    wheel_radius_m: f64,
+    moment: &Moment,
+    request: Option<&PivotRequest>,
+    last_phase: Option<Phase>,
+) -> crate::record::Result<()> {
+    let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
+    let ns = START_NS + (state.t_s * NS_PER_S).round() as u64;
+    let stamp = Stamp { ns };
+    let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
+    put(
+        "/joint_states",
+        &Message::JointState(JointState {
+            stamp,
+            frame_id: "base_link",
+            names: &["front_steer_joint", "front_drive_joint"],
+            positions: &[seen.wheel_angle_rad, f64::NAN],
+            velocities: &[f64::NAN, seen.speed_mps.map_or(f64::NAN, |v| v / wheel_radius_m)],
+            efforts: &[f64::NAN, state.torque_nm],
+        }),
+    )?;
+    put(
+        "/odom",
+        &Message::Odometry(Odometry {
+            stamp,
+            frame_id: "odom",
+            child_frame_id: "base_link",
+            x_m: state.x_m,
+            y_m: state.y_m,
+            heading_rad: state.heading_rad,
+            speed_mps: state.speed_mps * state.wheel_angle_rad.cos(),
+            yaw_rate_rad_s: seen.yaw_rate_rad_s,
+        }),
+    )?;
+    put("/drive/torque_command", &Message::Float64(command.torque_nm))?;
+    put("/drive/gear", &Message::Int8(gear_number(command.gear)))?;
+    put("/safety/estop", &Message::Bool(seen.estop))?;
+    put("/pivot/speed_actual", &Message::Float64(state.speed_mps))?;
+    put("/pivot/accel_actual", &Message::Float64(state.accel_mps2))?;
+    put("/pivot/wheel_angle_desired", &Message::Float64(command.wheel_angle_rad))?;
+    if let Some(drive) = &command.drive {
+        let sign = command.gear.map_or(1.0, Gear::sign);
+        put("/pivot/speed_desired", &Message::Float64(sign * drive.target_speed_mps))?;
+        put("/pivot/accel_desired", &Message::Float64(sign * drive.accel_mps2))?;
+        put("/pivot/arc", &Message::Float64(drive.arc_m))?;
+    }
+    put("/pivot/restore", &Message::Bool(command.restore))?;
+    put("/pivot/angle_status", &Message::String(&angle_name(command.angle)))?;
+    if last_phase != Some(command.phase) {
+        put("/pivot/phase", &Message::String(&format!("{:?}", command.phase)))?;
+        if let Some(request) = request.filter(|_| command.phase == Phase::WaitingForAngle) {
+            put("/pivot/pivot_flag", &Message::Bool(request.pivot))?;
+            put("/pivot/direction_flag", &Message::Int8(request.direction.flag().cast_signed()))?;
+            put("/pivot/waypoints", &Message::String(&waypoints(request)))?;
+        }
+    }
+    Ok(())
+}
+
+/// 0 neutral, 1 forward, 2 reverse.
+fn gear_number(gear: Option<Gear>) -> i8 {
+    match gear {
+        None => 0,
+        Some(Gear::Forward) => 1,
+        Some(Gear::Reverse) => 2,
+    }
+}
+
+fn angle_name(angle: AngleStatus) -> String {
+    match angle {
+        AngleStatus::InProgress => "in progress".to_owned(),
+        AngleStatus::Reached => "reached".to_owned(),
+        AngleStatus::Fault(fault) => format!("fault: {fault:?}"),
+    }
+}
+
+/// The waypoints as CSV: x [m], y [m], speed [m/s].
+fn waypoints(request: &PivotRequest) -> String {
+    request.path.waypoints().iter().fold("x_m,y_m,speed_mps\n".to_owned(), |mut text, p| {
+        let _ = writeln!(text, "{:.4},{:.4},{:.4}", p.x_m, p.y_m, p.speed_mps);
+        text
+    })
+}
