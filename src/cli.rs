@@ -3,6 +3,7 @@
 //! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
 
 mod completions;
+mod inspect;
 mod ui;
 
 use clap::{Args, Parser, Subcommand};
@@ -56,6 +57,8 @@ struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Say what is in logs: topics, time span, and which signals are found
+    Inspect(inspect::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -72,6 +75,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
+        Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

@@ -20,10 +20,12 @@ mod detect;
 mod error;
 mod gather;
 mod input;
+mod inputs;
 mod loss;
 mod path;
 mod plan;
 mod presets;
+mod rate;
 mod read;
 mod record;
 mod recording;
@@ -33,17 +35,21 @@ mod schema;
 mod signal_map;
 mod stamp;
 mod summary;
+mod survey;
 mod vehicle;
 
 pub use error::{Error, Result};
+pub use inputs::find_logs;
 pub use loss::{Damage, Loss, Why};
 pub use path::{Compare, Literal, MessagePath, Step, Test};
 pub use plan::PlanError;
 pub use presets::Preset;
+pub use rate::{Rate, rate};
 pub use read::{read, read_bytes};
 pub use recording::{Origin, Recording, Signal, Signals};
 pub use schema::SchemaError;
 pub use signal_map::{Code, SignalMap, SignalName, SignalSpec, VehicleOverrides};
+pub use survey::{Depth, Found, Missing, Survey, Topic, survey, survey_bytes};
 pub use vehicle::VEHICLE_METADATA;
 
 /// Where the signals of a log are.

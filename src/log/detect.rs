@@ -74,7 +74,12 @@ impl Words {
         let (around, field) = inside.rsplit_once('.').unwrap_or(("", inside));
         let mut around = words(around);
         around.extend(words(candidate.schema.rsplit(['/', '.']).next().unwrap_or_default()));
-        Self { field: words(field), around, topic: words(&candidate.topic) }
+        let mut field = words(field);
+        if matches!(field.first().map(String::as_str), Some("data" | "value")) {
+            // such a field says nothing: the topic's last part is the name
+            field.extend(words(candidate.topic.rsplit('/').next().unwrap_or_default()));
+        }
+        Self { field, around, topic: words(&candidate.topic) }
     }
 
     /// How close the nearest of `any` stands: 4 the field's own name, 2 around it, 2 the topic, 0 nowhere.

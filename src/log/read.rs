@@ -179,7 +179,7 @@ pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
 }
 
 /// Sorts samples by time, equal times in the order of the log.
-fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
+pub(super) fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
     samples.sort_by_key(|sample| sample.time_ns);
     Signal {
         time_ns: samples.iter().map(|sample| sample.time_ns).collect(),
