@@ -19,6 +19,7 @@ mod convert;
 mod detect;
 mod error;
 mod gather;
+mod infer;
 mod input;
 mod inputs;
 mod loss;

@@ -17,6 +17,9 @@ pub struct Rate {
 /// Changes that are needed before their spacing says anything.
 const ENOUGH_CHANGES: usize = 20;
 
+/// Messages that may hold the same value before it counts as constant rather than repeated.
+const MOST_REPEATS: i64 = 20;
+
 /// The rate of `signal`; `None` with fewer than two values or without any time between them.
 ///
 /// While a value that is measured anew with each message moves, it changes with most messages. If even the closest tenth of the changes
@@ -31,13 +34,13 @@ pub fn rate(signal: &Signal) -> Option<Rate> {
     }
     let mut steps: Vec<i64> = changes.windows(2).map(|pair| (pair[1] - pair[0]) as i64).collect();
     let closest = quantile(&mut steps, 10)?;
-    if closest < 2 {
-        return Some(Rate { logged_hz, true_hz: logged_hz });
-    }
+    let all = steps.len();
     // a rate that is no whole fraction shows up in the mean over the moving part, where changes follow each other closely
-    let close: Vec<i64> = steps.into_iter().filter(|step| *step <= 2 * closest).collect();
+    let close: Vec<i64> = steps.into_iter().filter(|step| *step <= closest + closest.div_euclid(2) + 1).collect();
     let mean = close.iter().sum::<i64>() as f64 / close.len().max(1) as f64;
-    Some(Rate { logged_hz, true_hz: logged_hz / mean })
+    // a command that is held, with changes far apart or at any distance, is not repeated but constant
+    let is_regular = close.len() * 2 >= all && closest <= MOST_REPEATS;
+    Some(Rate { logged_hz, true_hz: if closest >= 2 && is_regular { logged_hz / mean } else { logged_hz } })
 }
 
 /// The value that one in `part` lies below or at.
@@ -65,6 +68,13 @@ mod tests {
     #[test]
     fn a_fast_value_that_sometimes_rests_keeps_its_rate() {
         let found = rate(&logged(|i| if i % 200 < 100 { 0.0 } else { (i as f64 * 0.37).sin() })).unwrap();
+        assert!((found.true_hz - 100.0).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn a_command_in_steps_is_not_called_repeated() {
+        let step = |i: usize| if i % 35 < 12 { 1.0 } else { (i / 35) as f64 };
+        let found = rate(&logged(step)).unwrap();
         assert!((found.true_hz - 100.0).abs() < 1e-6, "{found:?}");
     }
 
