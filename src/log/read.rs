@@ -23,7 +23,16 @@ const MAX_PASSES: usize = 3;
 /// Damage is no error as long as something is left: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, name, path.to_owned(), source, overrides, progress)
+    read_input(Input::open(path)?, (name, path.to_owned(), true), source, overrides, progress)
+}
+
+/// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    read_input(Input::open(path)?, (name, path.to_owned(), false), source, overrides, progress)
 }
 
 /// Reads a log from memory, under the name `name`; otherwise as [`read`].
@@ -31,13 +40,12 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    read_input(Input::Memory(bytes), name.to_owned(), PathBuf::from(name), source, overrides, &|_| {})
+    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), source, overrides, &|_| {})
 }
 
 fn read_input(
     input: Input,
-    file: String,
-    path: PathBuf,
+    (file, path, hashed): (String, PathBuf, bool),
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
@@ -45,7 +53,8 @@ fn read_input(
     let mut container = Container::open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding
-    let (sha256, read) = rayon::join(|| input.sha256(), || pass(&mut container, source, overrides, progress));
+    let (sha256, read) =
+        rayon::join(|| if hashed { input.sha256() } else { Ok(String::new()) }, || pass(&mut container, source, overrides, progress));
     let Pass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
     let mut loss = loss(&container, &gathered);
