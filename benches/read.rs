@@ -9,7 +9,7 @@
 use mcap::records::{MessageHeader, Record, op};
 use mcap::{Compression, WriteOptions, Writer};
 use pivot_cal::log::{Preset, SignalMap, Source, VehicleOverrides, read_bytes, read_signals};
-use rand::{Rng, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -48,13 +48,13 @@ fn words(text: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut lower_before = false;
     for character in text.chars() {
-        if !character.is_alphanumeric() {
-            words.push(String::new());
-        } else {
+        if character.is_alphanumeric() {
             if character.is_uppercase() && lower_before {
                 words.push(String::new());
             }
             words.last_mut().into_iter().for_each(|word| word.extend(character.to_lowercase()));
+        } else {
+            words.push(String::new());
         }
         lower_before = character.is_lowercase();
     }

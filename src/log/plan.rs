@@ -5,6 +5,8 @@
 
 mod cdr;
 mod json;
+#[cfg(test)]
+mod oracle;
 mod protobuf;
 mod wish;
 

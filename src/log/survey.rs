@@ -171,10 +171,8 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
     let missing = |(signal, candidates): (SignalName, Vec<String>)| Missing { signal, required: signal.is_required(), candidates };
     notes.append(&mut choices.notes);
     let loss = gathered.as_ref().map(|gathered| loss(&container, gathered));
-    if let (Some(loss), Some(gathered)) = (&loss, &gathered) {
-        if gathered.tallies.is_empty() {
-            return Err(Error::NoMessages { damage: loss.summary() });
-        }
+    if gathered.as_ref().is_some_and(|gathered| gathered.tallies.is_empty()) {
+        return Err(Error::NoMessages { damage: loss.as_ref().and_then(Loss::summary) });
     }
     let counts: Option<BTreeMap<u16, u64>> = match (&gathered, &container.statistics) {
         (Some(gathered), _) => Some(gathered.tallies.iter().map(|(id, tally)| (*id, tally.messages)).collect()),
