@@ -8,7 +8,7 @@
 
 use mcap::records::{MessageHeader, Record, op};
 use mcap::{Compression, WriteOptions, Writer};
-use pivot_cal::log::{Preset, SignalMap, Source, VehicleOverrides, read_signals};
+use pivot_cal::log::{FieldReader, Preset, Source, VehicleOverrides, read_signals};
 use rand::{Rng, RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -242,35 +242,19 @@ fn peak_memory_mb() -> Option<f64> {
     line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kilobytes| kilobytes / 1024.0)
 }
 
-/// Writes a log of `count` messages of one channel, not compressed.
-fn one_channel(path: &Path, encoding: &str, schema: Option<(&str, &str, &[u8])>, count: u64, payload: impl Fn(u64) -> Vec<u8>) {
-    let options = WriteOptions::new().compression(None).chunk_size(Some(1 << 20));
-    let mut writer = Writer::with_options(BufWriter::new(File::create(path).unwrap()), options).unwrap();
-    let id = schema.map_or(0, |(name, encoding, data)| writer.add_schema(name, encoding, data).unwrap());
-    let channel_id = writer.add_channel(id, "/t", encoding, &BTreeMap::new()).unwrap();
-    for number in 0..count {
-        let header = MessageHeader { channel_id, sequence: 0, log_time: number, publish_time: number };
-        writer.write_to_known_channel(&header, &payload(number)).unwrap();
-    }
-    writer.finish().unwrap();
-}
-
-/// Messages per second of our plan, walk over the records and all, and of the dynamic decoder over the same payloads; one thread.
-fn decoder(name: &str, log: &Path, field: &str, count: u64, mut dynamic: impl FnMut(&[u8])) {
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let map = format!(
-        "[vehicle]\nwheelbase_m = 1\nwheel_radius_m = 0.1\n[signals]\nspeed = {{ path = '/t{field}' }}\ntorque = {{ path = '/t{field}' }}\nangle = {{ path = '/t{field}' }}\n"
-    );
-    let source = Source::Map(SignalMap::from_toml(&map).unwrap());
+/// Messages per second of our plan and of the dynamic decoder over the same payloads; one thread.
+fn decoder(name: &str, reader: &FieldReader, payloads: &[Vec<u8>], mut dynamic: impl FnMut(&[u8])) {
+    let count = payloads.len() as u64;
     let ours = best(|| {
-        let recording = one.install(|| read_signals(log, &source, &VehicleOverrides::default(), &|_| {}).unwrap());
-        assert_eq!(recording.signals.speed.len() as u64, count);
+        let mut read = 0;
+        reader.read_all(payloads.iter().map(Vec::as_slice), |values| {
+            read += u64::from(std::hint::black_box(values).is_some_and(|values| values.iter().all(Option::is_some)));
+        });
+        assert_eq!(read, count);
         count
     });
-    let bytes = std::fs::read(log).unwrap();
-    let payloads: Vec<Vec<u8>> = mcap::MessageStream::new(&bytes).unwrap().map(|message| message.unwrap().data.into_owned()).collect();
     let theirs = best(|| {
-        for payload in &payloads {
+        for payload in payloads {
             dynamic(payload);
         }
         count
@@ -279,32 +263,43 @@ fn decoder(name: &str, log: &Path, field: &str, count: u64, mut dynamic: impl Fn
     println!("{name:12} {:>8.2} {:>8.2} {:>8.1}", rate(ours), rate(theirs), theirs / ours);
 }
 
-fn decoders(path: &Path) {
+fn decoders() {
     const COUNT: u64 = 200_000;
-    println!("decoder      M msg/s  dynamic    ratio   (ours three signals, reading, checksum, walk and sorting included; one thread)");
-    one_channel(path, "cdr", Some(("sensor_msgs/msg/JointState", "ros2msg", JOINT_STATE.as_bytes())), COUNT, |n| {
-        joint_state(1_700_000_000_000_000_000 + n, n as f64)
-    });
+    println!("decoder      M msg/s  dynamic    ratio   (the value and its stamp, one thread)");
+    let reader = |encoding: &str, schema: Option<(&str, &str, &[u8])>, paths: &[&str]| {
+        let paths: Vec<_> = paths.iter().map(|path| path.parse().unwrap()).collect();
+        FieldReader::new(encoding, schema, &paths).unwrap()
+    };
+    let payloads: Vec<_> = (0..COUNT).map(|n| joint_state(1_700_000_000_000_000_000 + n, n as f64)).collect();
     let schema = re_ros_msg::MessageSchema::parse("sensor_msgs/msg/JointState", JOINT_STATE).unwrap();
     let specs = schema.dependencies.iter().map(|spec| (spec.name.clone(), spec));
     let resolver = re_ros_msg::deserialize::MapResolver::new(specs);
-    decoder("JointState", path, r#".velocity{name=="front_drive_joint"}"#, COUNT, |payload| {
+    let joints = reader(
+        "cdr",
+        Some(("sensor_msgs/msg/JointState", "ros2msg", JOINT_STATE.as_bytes())),
+        &[r#"/t.velocity{name=="front_drive_joint"}"#, "/t.header.stamp.sec", "/t.header.stamp.nanosec"],
+    );
+    decoder("JointState", &joints, &payloads, |payload| {
         let mut reader = re_cdr::CdrReader::<re_cdr::LittleEndian>::new(&payload[4..]);
         std::hint::black_box(re_ros_msg::deserialize::decode_message(&mut reader, &schema.spec, &resolver).unwrap());
     });
     let descriptors: &[u8] = include_bytes!("../fuzz/message.binpb");
-    one_channel(path, "protobuf", Some(("f.M", "protobuf", descriptors)), COUNT, |n| {
-        [&[0x10, 5, 0x1d, 1, 0, 0, 0, 0x22, 3, 1, 2, 3, 0x09][..], &(n as f64).to_le_bytes(), &[0x38, 3, 0x42, 1, b'x']].concat()
-    });
+    let payloads: Vec<_> = (0..COUNT)
+        .map(|n| [&[0x10, 5, 0x1d, 1, 0, 0, 0, 0x22, 3, 1, 2, 3, 0x09][..], &(n as f64).to_le_bytes(), &[0x38, 3, 0x42, 1, b'x']].concat())
+        .collect();
     let message = prost_reflect::DescriptorPool::decode(descriptors).unwrap().get_message_by_name("f.M").unwrap();
-    decoder("protobuf", path, ".value", COUNT, |payload| {
+    let fields = reader("protobuf", Some(("f.M", "protobuf", descriptors)), &["/t.value", "/t.zigzag", "/t.id"]);
+    decoder("protobuf", &fields, &payloads, |payload| {
         std::hint::black_box(prost_reflect::DynamicMessage::decode(message.clone(), payload).unwrap());
     });
-    one_channel(path, "json", None, COUNT, |n| {
-        format!(r#"{{"stamp":{{"sec":1700000000,"nsec":{n}}},"wheel":{{"speed_kmh":{n}.5,"angle_rad":-0.1}},"gear":"D","flags":{{"estop":false}}}}"#)
-            .into_bytes()
-    });
-    decoder("JSON", path, ".wheel.speed_kmh", COUNT, |payload| {
+    let text = |n| {
+        format!(
+            r#"{{"stamp":{{"sec":1700000000,"nsec":{n}}},"wheel":{{"speed_kmh":{n}.5,"angle_rad":-0.1}},"gear":"D","flags":{{"estop":false}}}}"#
+        )
+    };
+    let payloads: Vec<_> = (0..COUNT).map(|n| text(n).into_bytes()).collect();
+    let fields = reader("json", None, &["/t.wheel.speed_kmh", "/t.stamp.sec", "/t.stamp.nsec"]);
+    decoder("JSON", &fields, &payloads, |payload| {
         std::hint::black_box(serde_json::from_slice::<serde_json::Value>(payload).unwrap());
     });
 }
@@ -320,7 +315,7 @@ fn main() {
         println!("{megabytes} MB, {read} messages: peak memory {:.0} MB", peak_memory_mb().unwrap_or(f64::NAN));
         return;
     }
-    decoders(&path("decoders.mcap"));
+    decoders();
     println!("log of {megabytes} MB uncompressed; best of 3; MB/s of uncompressed data");
     println!("{:22} {:>8} {:>13} {:>13} {:>7} {:>14}", "file", "threads", "decompression", "six signals", "ratio", "MessageStream");
     let mut indexed_s = BTreeMap::new();

@@ -18,6 +18,7 @@ mod container;
 mod convert;
 mod detect;
 mod error;
+mod fields;
 mod gather;
 mod infer;
 mod input;
@@ -40,6 +41,7 @@ mod survey;
 mod vehicle;
 
 pub use error::{Error, Result};
+pub use fields::{FieldError, FieldReader};
 pub use inputs::find_logs;
 pub use loss::{Damage, Loss, Why};
 pub use path::{Compare, Literal, MessagePath, Step, Test};
