@@ -6,6 +6,8 @@ mod breaks;
 mod calibrate;
 mod completions;
 mod fit;
+mod inspect;
+mod inspect_runs;
 mod invert;
 mod logs;
 mod record;
@@ -65,6 +67,8 @@ struct Global {
 enum Command {
     /// Drive a torque-step campaign on a simulated vehicle and write its log
     Record(record::Arguments),
+    /// Say what is in logs: topics, time span, and which signals are found
+    Inspect(inspect::Arguments),
     /// Fit Table 1, acceleration over speed and torque, to logs
     Fit(fit::Arguments),
     /// Invert Table 1 into Table 2, torque over speed and desired acceleration
@@ -94,6 +98,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Invert(arguments) => invert::run(&arguments, ui),
         Command::Verify(arguments) => verify::run(&arguments, ui),
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
+        Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

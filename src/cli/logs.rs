@@ -2,7 +2,7 @@
 
 use super::Ui;
 use crate::campaign::{self, Survey};
-use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, read};
+use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read};
 use crate::signal::Track;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of every command that reads logs.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct LogArguments {
-    /// Logs (MCAP) of one vehicle, in any order
+    /// Logs (MCAP) of one vehicle, in any order: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
     pub(super) logs: Vec<PathBuf>,
     /// Signal map: which message path is which signal
@@ -67,10 +67,14 @@ impl LogArguments {
         let source = self.source()?;
         let mut overrides = self.overrides();
         overrides.test_angle_deg = angle_deg.or(overrides.test_angle_deg);
-        let total = self.logs.iter().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
+        let mut paths = Vec::new();
+        for named in &self.logs {
+            paths.extend(find_logs(named).with_context(|| named.display().to_string())?);
+        }
+        let total = paths.iter().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
         let bar = ui.progress(total, "reading");
         let mut recordings: Vec<Recording> = Vec::new();
-        for path in &self.logs {
+        for path in &paths {
             let recording = read(path, &source, &overrides, &|bytes| bar.inc(bytes)).with_context(|| path.display().to_string())?;
             if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
                 ui.warn(format!("{}: the same log as {}; read once", path.display(), same.path.display()));

@@ -2,8 +2,8 @@
 
 use super::estimate::Estimate;
 use super::regressors::predicted;
-use crate::campaign::{Verdict, ledger};
-use crate::map::{Gear, RunRow};
+use crate::campaign::{Verdict, runs};
+use crate::map::RunRow;
 
 /// A reading against its simulation.
 struct Compared {
@@ -12,46 +12,21 @@ struct Compared {
     recorded: f64,
     simulated: f64,
     offset: f64,
-    gear: Gear,
 }
 
-/// One row per hold that has moving or resting samples at the test angle.
+/// One row per hold, with what the surface makes of it.
 pub(crate) fn rows(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> Vec<RunRow> {
     let compared = simulate(estimate);
     let mut rows = Vec::new();
     for (k, log) in estimate.logs.iter().enumerate() {
-        let survey = log.survey;
-        let track = &survey.track;
         let own: Vec<&Compared> = compared.iter().filter(|c| c.log == k).collect();
-        for hold in &survey.holds {
-            let samples = track.encoder_mps.range(hold.from_s, hold.to_s);
-            let counted = |i: usize| !matches!(verdicts[k][i], Verdict::NoTorque | Verdict::WheelNotAtAngle | Verdict::SteeringMoving);
-            if samples.is_empty() || samples.clone().filter(|i| counted(*i)).count() < 5 {
-                continue;
-            }
-            let inside: Vec<&&Compared> = own.iter().filter(|c| c.t_s >= hold.from_s && c.t_s < hold.to_s).collect();
-            let gear = inside.first().map(|c| c.gear).or_else(|| gear_of(survey, hold.from_s)).unwrap_or(Gear::Forward);
-            let speed_at = |i: usize| {
-                let t = track.encoder_mps.t_s[i];
-                let near = track.encoder_mps.range(t - 0.05, t + 0.05);
-                let n = near.len().max(1) as f64;
-                gear.sign() * track.encoder_mps.value[near].iter().sum::<f64>() / n / estimate.calibration.encoder_scale
-            };
-            let table = ledger(samples.clone().map(|i| (verdicts[k][i], survey.seconds[i])));
-            let used = Verdict::Used.to_string();
+        for (hold, row) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
+            let inside: Vec<&Compared> = own.iter().copied().filter(|c| c.t_s >= hold.from_s && c.t_s < hold.to_s).collect();
             rows.push(RunRow {
-                log: track.source.file.clone(),
-                start_s: round(hold.from_s, 1e3),
-                duration_s: round(hold.to_s - hold.from_s, 1e3),
-                gear,
-                torque_nm: round(gear.sign() * hold.torque_nm, 1e4),
-                start_speed_mps: round(speed_at(samples.start), 1e4),
-                end_speed_mps: round(speed_at(samples.end - 1), 1e4),
-                used_s: table.iter().find(|r| r.verdict == used).map_or(0.0, |r| r.seconds),
                 speed_rmse_mps: rmse(&inside).map(|v| round(v, 1e5)),
                 r_squared: r_squared(&inside).map(|v| round(v, 1e4)),
                 offset_mps2: (!inside.is_empty()).then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
-                rejected: table.into_iter().filter(|r| r.verdict != used).collect(),
+                ..row
             });
         }
     }
@@ -63,22 +38,11 @@ pub(crate) fn round(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps
 }
 
-fn gear_of(survey: &crate::campaign::Survey, t_s: f64) -> Option<Gear> {
-    let value = survey.track.gear.as_ref()?.held(t_s + 0.2)?;
-    if value == 0.0 {
-        None
-    } else if value > 0.0 {
-        Some(Gear::Forward)
-    } else {
-        Some(Gear::Reverse)
-    }
-}
-
-fn rmse(inside: &[&&Compared]) -> Option<f64> {
+fn rmse(inside: &[&Compared]) -> Option<f64> {
     (inside.len() > 4).then(|| (inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum::<f64>() / inside.len() as f64).sqrt())
 }
 
-fn r_squared(inside: &[&&Compared]) -> Option<f64> {
+fn r_squared(inside: &[&Compared]) -> Option<f64> {
     if inside.len() < 5 {
         return None;
     }
@@ -105,14 +69,7 @@ fn simulate(estimate: &Estimate) -> Vec<Compared> {
                 v = (v + dt * surface.accel_mps2(half, torque(t + 0.5 * dt))).max(0.0);
                 t += dt;
             }
-            compared.push(Compared {
-                log: segment.log,
-                t_s: reading.t_s,
-                recorded: reading.speed_mps,
-                simulated: v,
-                offset: *offset,
-                gear: segment.gear,
-            });
+            compared.push(Compared { log: segment.log, t_s: reading.t_s, recorded: reading.speed_mps, simulated: v, offset: *offset });
         }
     }
     compared

@@ -35,7 +35,7 @@ pub(super) fn list(container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> V
         let leaves = if matches!(layout, Layout::Json) { json_leaves(sample) } else { layout.leaves() };
         let mut paths = Vec::new();
         for leaf in leaves {
-            expand(&layout, &channel.topic, leaf, sample, &mut paths);
+            expand(&layout, &channel.topic, &leaf, sample, &mut paths);
             paths.truncate(MAX_PER_TOPIC);
         }
         for (path, leaf) in paths {
@@ -58,7 +58,7 @@ pub(super) fn quoted(topic: &str) -> String {
     if topic.contains(['.', '[', '{', '"', '\'']) { format!("{topic:?}") } else { topic.to_owned() }
 }
 
-fn expand(layout: &Layout, topic: &str, leaf: Leaf, sample: Option<&[u8]>, into: &mut Vec<(MessagePath, Leaf)>) {
+fn expand(layout: &Layout, topic: &str, leaf: &Leaf, sample: Option<&[u8]>, into: &mut Vec<(MessagePath, Leaf)>) {
     let whole = format!("{}{}", quoted(topic), leaf.path);
     let mut push = |text: String| {
         if let Ok(path) = text.parse() {

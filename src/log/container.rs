@@ -93,6 +93,8 @@ pub(super) struct Container {
     pub indexed: bool,
     /// The data section's checksum, if the writer computed one, and where the section ends.
     pub data_end: Option<(u64, u32)>,
+    /// Whether the scan met a footer: without one, the end of the file is missing.
+    pub footer: bool,
     pub damage: Vec<Damage>,
 }
 
@@ -122,6 +124,7 @@ impl Container {
             attachments: 0,
             indexed: false,
             data_end: None,
+            footer: false,
             damage: Vec::new(),
         };
         match summary::read(&container.input) {
@@ -154,6 +157,9 @@ impl Container {
                 container.damage.push(damage);
                 scan::run(&mut container, MAGIC.len() as u64, length);
             }
+        }
+        if !container.indexed && !container.footer && container.damage.iter().all(|damage| damage.why != Why::Truncated) {
+            container.damaged(length, 0, Why::Truncated);
         }
         container.blocks.sort_by_key(|block| block.offset);
         container.damage.sort_by_key(|damage| damage.offset);

@@ -18,6 +18,8 @@ pub(super) struct Scored<'c> {
     pub candidate: &'c Candidate,
     pub score: i32,
     pub unit: Unit,
+    /// Whether the name or the type told the unit.
+    pub unit_named: bool,
     pub reason: String,
 }
 
@@ -30,15 +32,15 @@ pub(super) fn ranked<'c>(signal: SignalName, candidates: &'c [Candidate]) -> Vec
     scored
 }
 
-/// The best candidate for `signal`, if it is good enough.
-pub(super) fn best(signal: SignalName, candidates: &[Candidate]) -> Option<(SignalSpec, String)> {
+/// The best candidate for `signal`, if it is good enough, with the reason and whether its unit was told.
+pub(super) fn best(signal: SignalName, candidates: &[Candidate]) -> Option<(SignalSpec, String, bool)> {
     let ranked = ranked(signal, candidates);
     let first = ranked.first().filter(|best| best.score >= ENOUGH)?;
     let mut reason = format!("found by name: {}", first.reason);
     if let Some(second) = ranked.get(1).filter(|second| second.score == first.score) {
         reason = format!("{reason}; {} fits as well", second.candidate.path);
     }
-    Some((SignalSpec::new(first.candidate.path.clone(), first.unit), reason))
+    Some((SignalSpec::new(first.candidate.path.clone(), first.unit), reason, first.unit_named))
 }
 
 /// Words of a name: `wheelSpeed_rpm` gives wheel, speed, rpm.
@@ -46,13 +48,13 @@ fn words(text: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut lower_before = false;
     for character in text.chars() {
-        if !character.is_alphanumeric() {
-            words.push(String::new());
-        } else {
+        if character.is_alphanumeric() {
             if character.is_uppercase() && lower_before {
                 words.push(String::new());
             }
             words.last_mut().into_iter().for_each(|word| word.extend(character.to_lowercase()));
+        } else {
+            words.push(String::new());
         }
         lower_before = character.is_lowercase();
     }
@@ -74,7 +76,12 @@ impl Words {
         let (around, field) = inside.rsplit_once('.').unwrap_or(("", inside));
         let mut around = words(around);
         around.extend(words(candidate.schema.rsplit(['/', '.']).next().unwrap_or_default()));
-        Self { field: words(field), around, topic: words(&candidate.topic) }
+        let mut field = words(field);
+        if matches!(field.first().map(String::as_str), Some("data" | "value")) {
+            // such a field says nothing: the topic's last part is the name
+            field.extend(words(candidate.topic.rsplit('/').next().unwrap_or_default()));
+        }
+        Self { field, around, topic: words(&candidate.topic) }
     }
 
     /// How close the nearest of `any` stands: 4 the field's own name, 2 around it, 2 the topic, 0 nowhere.
@@ -121,9 +128,7 @@ fn unit(words: &Words, candidate: &Candidate, signal: SignalName) -> Option<(Uni
 fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
     let words = Words::new(candidate);
     let near = |any: &[&str]| words.near(any);
-    if near(&["stamp", "header", "seq", "covariance", "current", "temperature", "timestamp"]) > 0
-        || candidate.sample.is_some_and(|value| !value.is_finite())
-    {
+    if near(&["stamp", "header", "seq", "covariance", "current", "temperature", "timestamp"]) > 0 {
         return None;
     }
     let is_number = matches!(candidate.kind, LeafKind::Float | LeafKind::Integer);
@@ -131,7 +136,8 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
     let dimension = unit.dimension();
     let commanded = near(&["command", "cmd", "commanded", "setpoint", "target", "desired", "request", "requested", "ref"]);
     let measured = near(&["feedback", "fb", "actual", "measured", "report", "state", "estimate", "estimated"]);
-    let mut score = 0;
+    // the joints that an array does not measure hold NaN; elsewhere one NaN says little
+    let mut score = if candidate.sample.is_some_and(|value| !value.is_finite()) { -3 } else { 0 };
     match signal {
         SignalName::Torque | SignalName::TorqueFeedback => {
             if !is_number || (named && dimension != Dimension::Torque) {
@@ -208,5 +214,8 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
     } else {
         format!("{}{schema}, unit {} ({origin})", candidate.path, unit.name())
     };
-    Some(Scored { candidate, score, unit, reason })
+    let standard = ["JointState", "Twist", "TwistStamped", "Imu"].iter().any(|name| candidate.schema.ends_with(name));
+    // of standard types only ROS's are bound to their units
+    let unit_named = named || (standard && candidate.schema.contains('/'));
+    Some(Scored { candidate, score, unit, unit_named, reason })
 }

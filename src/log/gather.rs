@@ -70,11 +70,12 @@ pub(super) struct Gathered {
 
 /// Reads every block; `columns` is the number of columns that `plans` fill. `progress` is told the bytes read.
 pub(super) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, progress: &(dyn Fn(u64) + Sync)) -> Gathered {
+    let known = Known::new(container, plans);
     let parts: Vec<Gathered> = container
         .blocks
         .par_iter()
         .map_init(Scratch::default, |scratch, block| {
-            let part = one(container, block, plans, columns, scratch);
+            let part = one(container, block, &known, columns, scratch);
             progress(block.length);
             part
         })
@@ -86,7 +87,7 @@ pub(super) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
     whole
 }
 
-fn one(container: &Container, block: &Block, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, scratch: &mut Scratch) -> Gathered {
+fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, scratch: &mut Scratch) -> Gathered {
     let mut found = Gathered { columns: vec![Vec::new(); columns], not_finite: vec![0; columns], ..Gathered::default() };
     let data = match load(&container.input, block, scratch) {
         Ok(data) => data,
@@ -96,8 +97,7 @@ fn one(container: &Container, block: &Block, plans: &BTreeMap<u16, ChannelPlan>,
         }
     };
     let mut taken = Taken::default();
-    // consecutive messages are often of one channel: its plan and tally are looked up once
-    let mut current: Option<(u16, Option<&ChannelPlan>, Tally)> = None;
+    let mut tallies = vec![Tally::default(); known.places.len()];
     let mut records = Records::new(data);
     for (opcode, body) in &mut records {
         if opcode != op::MESSAGE {
@@ -110,30 +110,22 @@ fn one(container: &Container, block: &Block, plans: &BTreeMap<u16, ChannelPlan>,
             found.damage.push(Damage::new(block.offset, body.len() as u64, Why::BrokenRecords));
             continue;
         };
-        let now = Tally { messages: 1, first_ns: message.log_time_ns, last_ns: message.log_time_ns };
-        let plan = match &mut current {
-            Some((channel, plan, tally)) if *channel == message.channel => {
-                tally.add(now);
-                *plan
+        let Some((place, plan)) = known.get(message.channel) else {
+            found.count(message.channel, Tally::default().with(message.log_time_ns));
+            if message.payload.len() <= MAX_SAMPLE {
+                found.samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
             }
-            _ => {
-                if let Some((channel, _, tally)) = current.take() {
-                    found.count(channel, tally);
-                }
-                let plan = plans.get(&message.channel);
-                if !container.inventory.channels.contains_key(&message.channel) && message.payload.len() <= MAX_SAMPLE {
-                    found.samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
-                }
-                current = Some((message.channel, plan, now));
-                plan
-            }
+            continue;
         };
+        tallies[place] = tallies[place].with(message.log_time_ns);
         if let Some(plan) = plan {
             found.decode(plan, &message, &mut taken);
         }
     }
-    if let Some((channel, _, tally)) = current {
-        found.count(channel, tally);
+    for ((channel, _), tally) in known.places.iter().zip(tallies) {
+        if tally.messages > 0 {
+            found.count(*channel, tally);
+        }
     }
     if records.left() > 0 && block.kind == BlockKind::Chunk {
         found.damage.push(Damage::new(block.offset, records.left() as u64, Why::BrokenRecords));
@@ -141,7 +133,43 @@ fn one(container: &Container, block: &Block, plans: &BTreeMap<u16, ChannelPlan>,
     found
 }
 
+/// The described channels, found by their number without a search: this is asked once per message.
+struct Known<'p> {
+    /// One more than the place of each channel number; 0 where no channel is described.
+    numbers: Vec<u16>,
+    places: Vec<(u16, Option<&'p ChannelPlan>)>,
+}
+
+impl<'p> Known<'p> {
+    fn new(container: &Container, plans: &'p BTreeMap<u16, ChannelPlan>) -> Self {
+        let channels = &container.inventory.channels;
+        let mut numbers = vec![0; channels.last_key_value().map_or(0, |(last, _)| usize::from(*last) + 1)];
+        // the last of 65536 channels would have no number left: it counts as not described
+        let places: Vec<_> = channels.keys().take(usize::from(u16::MAX)).map(|id| (*id, plans.get(id))).collect();
+        for (place, (id, _)) in places.iter().enumerate() {
+            numbers[usize::from(*id)] = place as u16 + 1;
+        }
+        Self { numbers, places }
+    }
+
+    fn get(&self, channel: u16) -> Option<(usize, Option<&'p ChannelPlan>)> {
+        let place = usize::from(*self.numbers.get(usize::from(channel))?).checked_sub(1)?;
+        Some((place, self.places[place].1))
+    }
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self { messages: 0, first_ns: u64::MAX, last_ns: 0 }
+    }
+}
+
 impl Tally {
+    /// The tally with one more message.
+    fn with(self, time_ns: u64) -> Self {
+        Self { messages: self.messages + 1, first_ns: self.first_ns.min(time_ns), last_ns: self.last_ns.max(time_ns) }
+    }
+
     fn add(&mut self, other: Self) {
         self.messages += other.messages;
         self.first_ns = self.first_ns.min(other.first_ns);

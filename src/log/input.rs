@@ -48,19 +48,31 @@ impl Input {
         self.read_at(offset, into)
     }
 
-    /// SHA-256 of the whole log in lower-case hexadecimal; `progress` is told how many bytes have been hashed.
-    pub(super) fn sha256(&self, progress: &(dyn Fn(u64) + Sync)) -> Result<String> {
+    /// Reads the first `length` bytes in order.
+    fn each_part(&self, length: u64, mut take: impl FnMut(&[u8])) -> std::io::Result<()> {
         const STEP: u64 = 1 << 20;
-        let mut hash = Sha256::new();
         let mut buffer = Vec::new();
         let mut at = 0;
-        while at < self.length() {
-            let step = STEP.min(self.length() - at);
-            self.read_into(at, step as usize, &mut buffer).map_err(Error::Io)?;
-            hash.update(&buffer);
+        while at < length {
+            let step = STEP.min(length - at);
+            self.read_into(at, step as usize, &mut buffer)?;
+            take(&buffer);
             at += step;
-            progress(step);
         }
+        Ok(())
+    }
+
+    /// CRC-32 of the first `length` bytes.
+    pub(super) fn crc(&self, length: u64) -> std::io::Result<u32> {
+        let mut crc = crc32fast::Hasher::new();
+        self.each_part(length, |part| crc.update(part))?;
+        Ok(crc.finalize())
+    }
+
+    /// SHA-256 of the whole log in lower-case hexadecimal.
+    pub(super) fn sha256(&self) -> Result<String> {
+        let mut hash = Sha256::new();
+        self.each_part(self.length(), |part| hash.update(part)).map_err(Error::Io)?;
         Ok(hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
             let _ = write!(text, "{byte:02x}");
             text

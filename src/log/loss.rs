@@ -82,7 +82,7 @@ fn as_text<S: serde::Serializer>(why: &Why, serializer: S) -> Result<S::Ok, S::E
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
 pub enum Why {
-    /// The file ends inside a record.
+    /// The end of the file is missing.
     Truncated,
     /// Bytes that are no record.
     NotARecord,
@@ -113,7 +113,7 @@ pub enum Why {
 impl fmt::Display for Why {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Truncated => f.write_str("the file ends inside a record"),
+            Self::Truncated => f.write_str("the end of the file is missing"),
             Self::NotARecord => f.write_str("these bytes are no record"),
             Self::ChunkCrc { saved, calculated } => write!(f, "the chunk's checksum is {calculated:08x}; the file says {saved:08x}"),
             Self::DataCrc { saved, calculated } => {

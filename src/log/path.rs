@@ -1,6 +1,6 @@
 //! Message paths: `/topic.field.sub[0]`, slices `[a:b]` with both ends inclusive, −1 the last, filters `{field=="x"}`.
 //!
-//! The syntax is that of Foxglove and PlotJuggler, with one extension: on parallel arrays such as those of `sensor_msgs/JointState` a
+//! The syntax is that of Foxglove and `PlotJuggler`, with one extension: on parallel arrays such as those of `sensor_msgs/JointState` a
 //! filter picks the element whose sibling array matches: `/joint_states.velocity{name=="front_drive_joint"}`.
 
 use super::{Error, Result};

@@ -5,6 +5,8 @@
 
 mod cdr;
 mod json;
+#[cfg(test)]
+mod oracle;
 mod protobuf;
 mod wish;
 
@@ -76,6 +78,8 @@ impl<'a> Taken<'a> {
 /// A plan for the messages of one channel.
 #[derive(Debug)]
 pub(super) struct Plan {
+    /// Number of paths: the first slots are theirs.
+    paths: usize,
     slots: usize,
     /// Slots that hold the index of a sibling's match: kept for a second walk.
     registers: Vec<usize>,
@@ -125,7 +129,12 @@ impl Plan {
             alone.add(&path.steps, 0).and_then(|()| Self::decoder(layout, &alone).map(|_| ())).map_err(|error| (slot, error))?;
         }
         let decoder = Self::decoder(layout, &wishes).map_err(|error| (0, error))?;
-        Ok(Self { slots: wishes.slots, registers: wishes.registers, decoder })
+        Ok(Self { paths: paths.len(), slots: wishes.slots, registers: wishes.registers, decoder })
+    }
+
+    /// Number of paths that the plan was compiled for.
+    pub(super) fn paths(&self) -> usize {
+        self.paths
     }
 
     fn decoder(layout: &Layout, wishes: &Wishes) -> Result<Decoder, PlanError> {

@@ -1,13 +1,13 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
-use super::container::Container;
+use super::container::{BlockKind, Container};
 use super::gather::{self, Gathered, Sample};
 use super::input::Input;
 use super::loss::{Damage, Loss, Why};
 use super::recording::{Origin, Recording, Signal, Signals};
 use super::resolve::{self, Choices};
 use super::signal_map::{SignalName, VehicleOverrides};
-use super::{Error, Result, Source};
+use super::{Error, Result, Source, infer};
 use crate::map::LogRef;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,16 @@ const MAX_PASSES: usize = 3;
 /// Damage is no error as long as something is left: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, name, path.to_owned(), source, overrides, progress)
+    read_input(Input::open(path)?, (name, path.to_owned(), true), source, overrides, progress)
+}
+
+/// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    read_input(Input::open(path)?, (name, path.to_owned(), false), source, overrides, progress)
 }
 
 /// Reads a log from memory, under the name `name`; otherwise as [`read`].
@@ -31,13 +40,12 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    read_input(Input::Memory(bytes), name.to_owned(), PathBuf::from(name), source, overrides, &|_| {})
+    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), source, overrides, &|_| {})
 }
 
 fn read_input(
     input: Input,
-    file: String,
-    path: PathBuf,
+    (file, path, hashed): (String, PathBuf, bool),
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
@@ -45,11 +53,13 @@ fn read_input(
     let mut container = Container::open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding
-    let (sha256, read) = rayon::join(|| input.sha256(&|_| {}), || pass(&mut container, source, overrides, progress));
+    let (sha256, read) =
+        rayon::join(|| if hashed { input.sha256() } else { Ok(String::new()) }, || pass(&mut container, source, overrides, progress));
     let Pass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
     let mut loss = loss(&container, &gathered);
     let mut notes = choices.notes;
+    let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
     let mut signals = Signals::default();
     let mut origins = Vec::new();
     let columns = gathered.columns.into_iter().zip(gathered.not_finite).zip(choices.found);
@@ -83,6 +93,9 @@ fn read_input(
             values: samples.len(),
         });
         signals.set(signal, series(samples, choice.spec.relative_to_gear, choice.spec.unsigned));
+    }
+    if choices.guessed {
+        notes.extend(infer::correct(&mut signals, &vehicle, &unnamed));
     }
     let source = LogRef { sha256: sha256?, file, bytes: input.length() };
     Ok(Recording { source, path, vehicle, signals, origins, loss, notes })
@@ -146,6 +159,9 @@ fn required(choices: Result<Choices>, container: &Container) -> Result<Choices> 
 pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
     let topic = |id: &u16| container.inventory.channels.get(id).map_or_else(|| format!("channel {id}"), |channel| channel.topic.clone());
     let mut places: Vec<Damage> = container.damage.iter().chain(&gathered.damage).cloned().collect();
+    if places.is_empty() {
+        places.extend(data_damage(container));
+    }
     let mut read = 0;
     for (id, tally) in &gathered.tallies {
         if container.inventory.channels.contains_key(id) {
@@ -178,8 +194,18 @@ pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
     }
 }
 
+/// Records outside of chunks have no checksum but that of the whole data section, if the writer computed one.
+fn data_damage(container: &Container) -> Option<Damage> {
+    let (end, saved) = container.data_end.filter(|(_, saved)| *saved != 0)?;
+    if container.blocks.iter().all(|block| block.kind == BlockKind::Chunk) {
+        return None;
+    }
+    let calculated = container.input.crc(end).ok()?;
+    (calculated != saved).then(|| Damage::new(0, 0, Why::DataCrc { saved, calculated }))
+}
+
 /// Sorts samples by time, equal times in the order of the log.
-fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
+pub(super) fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
     samples.sort_by_key(|sample| sample.time_ns);
     Signal {
         time_ns: samples.iter().map(|sample| sample.time_ns).collect(),

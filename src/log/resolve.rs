@@ -22,6 +22,8 @@ pub(super) struct Choice {
     pub signal: SignalName,
     pub spec: SignalSpec,
     pub reason: String,
+    /// Found by name, and neither name nor type told the unit.
+    pub is_guess: bool,
 }
 
 /// What was found for a log: the choices, what is missing, and remarks.
@@ -33,6 +35,8 @@ pub(super) struct Choices {
     pub notes: Vec<String>,
     /// Whether the user named the paths: then a path that leads nowhere is an error.
     pub told: bool,
+    /// Whether anything was found by name.
+    pub guessed: bool,
 }
 
 /// Chooses a place for each signal.
@@ -57,7 +61,7 @@ pub(super) fn choose(source: &Source, container: &Container, samples: &BTreeMap<
     for signal in SignalName::ALL {
         if let Some(spec) = map.signals.get(&signal) {
             if topics.contains(spec.path.topic.as_str()) {
-                choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone() });
+                choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
                 continue;
             }
             if choices.told && signal.is_required() {
@@ -72,8 +76,9 @@ pub(super) fn choose(source: &Source, container: &Container, samples: &BTreeMap<
             Some(preset) => candidates.iter().filter(|candidate| preset.allows(signal, &candidate.schema)).cloned().collect(),
             None => candidates.clone(),
         };
-        if let Some((spec, reason)) = detect::best(signal, &allowed) {
-            choices.found.push(Choice { signal, spec, reason });
+        if let Some((spec, reason, unit_named)) = detect::best(signal, &allowed) {
+            choices.found.push(Choice { signal, spec, reason, is_guess: !unit_named });
+            choices.guessed = true;
         } else {
             choices.missing.push((signal, nearest(signal, &candidates)));
         }

@@ -190,7 +190,10 @@ fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
                     container.data_end = Some((at, u32::from_le_bytes(crc)));
                 }
             }
-            op::FOOTER => return,
+            op::FOOTER => {
+                container.footer = true;
+                return;
+            }
             _ => {}
         }
         at = body + length;

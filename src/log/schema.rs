@@ -1,5 +1,6 @@
 //! What the messages of a channel look like: schemas of every encoding, parsed into a [`Layout`].
 
+mod idl;
 mod msg;
 mod shape;
 
@@ -58,6 +59,7 @@ impl Layout {
             ("cdr", "ros2msg") => {
                 msg::parse(&schema.name, &text(schema)?, msg::Dialect::Ros2).map(Self::Cdr).map_err(|reason| broken(schema, reason))
             }
+            ("cdr", "ros2idl") => idl::parse(&schema.name, &text(schema)?).map(Self::Cdr).map_err(|reason| broken(schema, reason)),
             ("ros1", "ros1msg") => {
                 msg::parse(&schema.name, &text(schema)?, msg::Dialect::Ros1).map(Self::Ros1).map_err(|reason| broken(schema, reason))
             }

@@ -344,6 +344,10 @@ impl<'a, const BE: bool> Walk<'a, BE> {
 
     fn skip_messages(&mut self, size: Size, each: &[Operation], taken: &mut Taken<'a>) -> Option<()> {
         let count = self.elements(size, 0)?;
+        self.skip_elements(count, each, taken)
+    }
+
+    fn skip_elements(&mut self, count: usize, each: &[Operation], taken: &mut Taken<'a>) -> Option<()> {
         for _ in 0..count {
             let before = self.at;
             self.run(each, taken)?;
@@ -400,10 +404,8 @@ impl<'a, const BE: bool> Walk<'a, BE> {
             let text = self.text()?;
             for (pick, slots) in picks {
                 match pick {
-                    Pick::Find { test, register } => {
-                        if taken.slots[*register] == Raw::Missing && test.text(text) {
-                            taken.set(*register, Raw::Integer(index as i64));
-                        }
+                    Pick::Find { test, register } if taken.slots[*register] == Raw::Missing && test.text(text) => {
+                        taken.set(*register, Raw::Integer(index as i64));
                     }
                     Pick::Index(wanted) if position(*wanted, count) == Some(index) => {
                         for slot in slots {
@@ -449,7 +451,7 @@ impl<'a, const BE: bool> Walk<'a, BE> {
             }
         }
         self.at = start;
-        self.skip_messages(size, skip, taken)
+        self.skip_elements(count, skip, taken)
     }
 }
 

@@ -107,7 +107,12 @@ impl Program {
             }
             for element in &wish.elements {
                 let is_message = matches!(field.kind(), Kind::Message(_));
-                if is_message == matches!(element.pick, Pick::At { .. } | Pick::Find { .. }) {
+                let fits = match element.pick {
+                    Pick::Index(_) => true,
+                    Pick::First { .. } => is_message,
+                    Pick::Find { .. } | Pick::At { .. } => !is_message,
+                };
+                if !fits {
                     return Err(PlanError::WholeMessage { field: name.to_owned(), known: Vec::new() });
                 }
                 let mut program = one(&element.wish)?;
@@ -128,10 +133,9 @@ impl Program {
         } else {
             one(wish)?;
             found.slots.clone_from(&wish.take);
-            if !field.supports_presence() || has_own_default(field) {
-                if let Some(value) = default(&field.default_value()) {
-                    self.defaults.extend(wish.take.iter().map(|slot| (*slot, value.clone())));
-                }
+            let absent = (!field.supports_presence() || has_own_default(field)).then(|| default(&field.default_value()));
+            if let Some(Some(value)) = absent {
+                self.defaults.extend(wish.take.iter().map(|slot| (*slot, value.clone())));
             }
         }
         self.fields.push(found);
@@ -228,11 +232,11 @@ impl Field {
                 taken.set(*slot, value.clone());
             }
             program.merge(inner, taken, depth + 1)?;
-            if let Pick::First { test, tested, slots } = pick {
-                if !taken.get(*tested).passes(test) {
-                    taken.clear(slots);
-                    return Some(false);
-                }
+            if let Pick::First { test, tested, slots } = pick
+                && !taken.get(*tested).passes(test)
+            {
+                taken.clear(slots);
+                return Some(false);
             }
             Some(true)
         })
@@ -325,7 +329,7 @@ fn unpack<'a>(scalar: Scalar, packed: &mut &'a [u8]) -> Option<Wire<'a>> {
     })
 }
 
-fn value<'a>(scalar: Scalar, wire: Wire<'a>) -> Option<Raw<'a>> {
+fn value(scalar: Scalar, wire: Wire<'_>) -> Option<Raw<'_>> {
     Some(match (scalar, wire) {
         (Scalar::Double, Wire::Fixed64(bytes)) => Raw::Number(f64::from_le_bytes(bytes)),
         (Scalar::Float, Wire::Fixed32(bytes)) => Raw::Number(f64::from(f32::from_le_bytes(bytes))),

@@ -1,0 +1,167 @@
+//! `inspect LOG…`: what is in the logs, and which signals are found.
+
+use super::{Outcome, Ui};
+use crate::log::{self, Depth, Preset, SignalMap, Source, Survey, VehicleOverrides};
+use anyhow::Context as _;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Logs up to this size are read whole without being asked: that takes no longer than looking [bytes].
+const SMALL: u64 = 64 << 20;
+
+/// Arguments of `inspect`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal inspect drive.mcap
+  pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap")]
+pub(super) struct Arguments {
+    /// Logs: files, folders of logs, rosbag2 folders, or patterns
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Signal map: which message path is which signal
+    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
+    signals: Option<PathBuf>,
+    /// Signal map that comes with the program: pivot-cal, autoware or joint-state
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+    /// Read every message: true rates, losses, and the runs
+    #[arg(long)]
+    runs: bool,
+    /// Wheelbase [m], for --runs, over any signal map
+    #[arg(long, value_name = "M")]
+    wheelbase_m: Option<f64>,
+    /// Rolling radius of the front wheel [m], for --runs, over any signal map
+    #[arg(long, value_name = "M")]
+    wheel_radius_m: Option<f64>,
+    /// Wheel angle of the test [°], for --runs, over any signal map
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    test_angle_deg: Option<f64>,
+    /// End with status 3 if a log is damaged
+    #[arg(long)]
+    strict: bool,
+}
+
+/// The JSON document.
+#[derive(serde::Serialize)]
+struct Document {
+    logs: Vec<Inspected>,
+}
+
+/// One log of the JSON document: what is in it, and with `--runs` its runs.
+#[derive(serde::Serialize)]
+struct Inspected {
+    #[serde(flatten)]
+    survey: Survey,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    runs: Option<super::inspect_runs::Runs>,
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let source = source(arguments.signals.as_deref(), arguments.preset.as_deref())?;
+    let overrides = VehicleOverrides {
+        wheelbase_m: arguments.wheelbase_m,
+        wheel_radius_m: arguments.wheel_radius_m,
+        test_angle_deg: arguments.test_angle_deg,
+        torque_limit_nm: None,
+    };
+    let mut logs = Vec::new();
+    for named in &arguments.logs {
+        logs.extend(log::find_logs(named).with_context(|| named.display().to_string())?);
+    }
+    let mut surveys = Vec::new();
+    for path in &logs {
+        let survey = survey(path, &source, arguments.runs, ui).with_context(|| path.display().to_string())?;
+        if let Some(loss) = survey.loss.as_ref().and_then(log::Loss::summary) {
+            ui.warn(format!("{}: {loss}", path.display()));
+        }
+        ui.say(text(&survey));
+        let runs = arguments.runs.then(|| super::inspect_runs::runs(path, &source, &overrides, ui)).flatten();
+        surveys.push(Inspected { survey, runs });
+    }
+    let damaged = surveys.iter().any(|inspected| inspected.survey.loss.as_ref().is_some_and(log::Loss::is_damaged));
+    ui.document(&Document { logs: surveys })?;
+    Ok(if damaged && arguments.strict { Outcome::Rejected } else { Outcome::Done })
+}
+
+/// Where the signals are, as the options `--signals` and `--preset` say.
+fn source(signals: Option<&Path>, preset: Option<&str>) -> anyhow::Result<Source> {
+    Ok(match (signals, preset) {
+        (Some(path), _) => {
+            let text = fs_err::read_to_string(path)?;
+            Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?)
+        }
+        (None, Some(name)) => Source::Preset(name.parse::<Preset>()?),
+        (None, None) => Source::Detect,
+    })
+}
+
+fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<Survey> {
+    let bytes = fs_err::metadata(path)?.len();
+    let depth = if everything || bytes <= SMALL { Depth::Everything } else { Depth::Summary };
+    let bar = ui.progress(bytes, "reading");
+    let survey = log::survey(path, source, depth, &|read| bar.inc(read));
+    bar.finish_and_clear();
+    Ok(survey?)
+}
+
+/// The survey for people.
+fn text(survey: &Survey) -> String {
+    let mut text = String::new();
+    let count = |number: Option<u64>| number.map_or_else(|| "?".to_owned(), |number| number.to_string());
+    let writer = if survey.library.is_empty() { "an unknown writer" } else { &survey.library };
+    let _ = writeln!(text, "{}  {}, by {writer}", survey.file, indicatif::HumanBytes(survey.bytes));
+    let index = if survey.indexed { "indexed" } else { "no usable index: scanned" };
+    let compression = if survey.compression.is_empty() { String::new() } else { format!(", {}", survey.compression.join(" + ")) };
+    let _ = writeln!(text, "  {} message(s) in {} chunk(s){compression}, {index}{}", count(survey.messages), survey.chunks, span(survey));
+    let mut table = comfy_table::Table::new();
+    table.load_style(comfy_table::presets::NOTHING);
+    table.set_header(["topic", "schema", "encoding", "messages", "rate [Hz]"]);
+    for topic in &survey.topics {
+        let schema = match (&topic.schema, &topic.schema_encoding) {
+            (Some(name), Some(encoding)) if *encoding != topic.encoding => format!("{name} ({encoding})"),
+            (Some(name), _) => name.clone(),
+            _ => "none".to_owned(),
+        };
+        let rate = topic.rate_hz.map_or_else(String::new, |rate| format!("{rate:.1}"));
+        table.add_row([topic.topic.clone(), schema, topic.encoding.clone(), count(topic.messages), rate]);
+    }
+    let _ = writeln!(text, "{}", indented(&table.to_string()));
+    let _ = writeln!(text, "signals");
+    for found in &survey.signals {
+        let mut rates = String::new();
+        if let Some(rate) = found.rate {
+            let _ = write!(rates, ", {:.1} Hz", rate.logged_hz);
+            if rate.true_hz < 0.9 * rate.logged_hz {
+                let _ = write!(rates, " (but the value changes at {:.1} Hz only: it is repeated)", rate.true_hz);
+            }
+        }
+        let values = found.values.map_or_else(String::new, |values| format!(", {values} values"));
+        let _ = writeln!(text, "  {:16} {} [{}]{values}{rates}: {}", found.signal.key(), found.path, found.unit, found.reason);
+    }
+    for missing in &survey.missing {
+        let need = if missing.required { "missing" } else { "not found, not required" };
+        let near = if missing.candidates.is_empty() { String::new() } else { format!("; nearest: {}", missing.candidates.join(", ")) };
+        let _ = writeln!(text, "  {:16} {need}{near}", missing.signal.key());
+    }
+    for note in &survey.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    if !survey.checked {
+        let _ = writeln!(text, "(from the summary alone; --runs reads every message)");
+    }
+    text.trim_end().to_owned()
+}
+
+fn span(survey: &Survey) -> String {
+    let Some((start, end)) = survey.start_ns.zip(survey.end_ns) else {
+        return String::new();
+    };
+    let seconds = end.saturating_sub(start) as f64 / crate::units::NS_PER_S;
+    let date = i64::try_from(start).ok().and_then(|start| jiff::Timestamp::from_nanosecond(i128::from(start)).ok());
+    date.map_or_else(|| format!(", {seconds:.1} s"), |date| format!(", {seconds:.1} s from {date:.0}"))
+}
+
+fn indented(table: &str) -> String {
+    table.lines().map(|line| format!("  {}", line.trim())).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,69 @@
+//! The runs of a log for `inspect --runs`: what a fit would use, and what it would leave out and why, before there is a model.
+
+use super::Ui;
+use crate::campaign::{self, Survey, ledger, runs as run_rows};
+use crate::log::{Source, VehicleOverrides, read};
+use crate::map::{LedgerRow, RunRow};
+use crate::signal::Track;
+use comfy_table::{Table, presets};
+use std::path::Path;
+
+/// The runs and the ledger of one log.
+#[derive(serde::Serialize)]
+pub(super) struct Runs {
+    ledger: Vec<LedgerRow>,
+    runs: Vec<RunRow>,
+}
+
+/// Surveys one log and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
+pub(super) fn runs(path: &Path, source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
+    let survey = || -> anyhow::Result<Survey> {
+        let recording = read(path, source, overrides, &|_| {})?;
+        Ok(Survey::new(Track::new(&recording)?, &campaign::Settings::default())?)
+    };
+    let survey = match survey() {
+        Ok(survey) => survey,
+        Err(error) => {
+            ui.warn(format!("{}: no runs: {error:#}", path.display()));
+            return None;
+        }
+    };
+    let rows: Vec<RunRow> = run_rows(&survey, &survey.verdicts, 1.0).into_iter().map(|(_, row)| row).collect();
+    let table = ledger(survey.verdicts.iter().copied().zip(survey.seconds.iter().copied()));
+    ui.say(text(&rows));
+    for row in &table {
+        ui.say(format!("  {:32} {:6} samples {:8.2} s", row.verdict, row.samples, row.seconds));
+    }
+    for note in &survey.track.notes {
+        ui.say(format!("  note: {note}"));
+    }
+    Some(Runs { ledger: table, runs: rows })
+}
+
+fn text(rows: &[RunRow]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header([
+        "start s",
+        "held s",
+        "gear",
+        "torque N·m",
+        "from m/s",
+        "to m/s",
+        "usable s",
+        "left out",
+    ]);
+    for row in rows {
+        let reasons: Vec<String> = row.rejected.iter().map(|r| format!("{} {:.2} s", r.verdict, r.seconds)).collect();
+        table.add_row([
+            format!("{:.2}", row.start_s),
+            format!("{:.2}", row.duration_s),
+            row.gear.to_string(),
+            format!("{:.1}", row.torque_nm),
+            format!("{:.3}", row.start_speed_mps),
+            format!("{:.3}", row.end_speed_mps),
+            format!("{:.2}", row.used_s),
+            reasons.join(", "),
+        ]);
+    }
+    table.to_string()
+}
