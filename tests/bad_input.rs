@@ -155,7 +155,7 @@ fn a_broken_message_in_the_middle_is_skipped_counted_and_told() {
 fn values_that_are_no_numbers_are_dropped() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
-    let holes = |t: f64| if (t * 50.0).round() as u64 % 97 == 0 { (f64::NAN, campaign(t).1, 90.0) } else { campaign(t) };
+    let holes = |t: f64| if ((t * 50.0).round() as u64).is_multiple_of(97) { (f64::NAN, campaign(t).1, 90.0) } else { campaign(t) };
     write_log(&folder.path().join("log.mcap"), 0.9, 36.0, holes);
     expect(folder.path(), &["fit", "log.mcap", "--signals", "signals.toml"], 0, &[]);
 }
@@ -248,7 +248,7 @@ fn a_table_edited_by_hand_is_found_out() {
     let path = folder.path().join("maps/table2.csv");
     let text = std::fs::read_to_string(&path).unwrap();
     let line = text.lines().nth(3).unwrap();
-    let edited = text.replace(line, &line.replacen(",", ",0.5", 1));
+    let edited = text.replace(line, &line.replacen(',', ",0.5", 1));
     std::fs::write(&path, edited).unwrap();
     let scenario = ["verify", "--scenario", "left-90", "--draws", "4"];
     expect(folder.path(), &scenario, 1, &["table2.csv", "--force"]);

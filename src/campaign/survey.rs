@@ -115,7 +115,7 @@ impl Survey {
         let start_trials = start_trials(encoder, &gears, &holds, &verdicts, commanded * settings.hold_tolerance);
         let seconds = sample_seconds(encoder);
         let yaw_bias_mps = rest.biases_mps().get(1).copied().unwrap_or(0.0);
-        let survey = Self { verdicts, seconds, stretches, holds, start_trials, alignment, yaw_bias_mps, moving_angle_deg, track };
+        let survey = Self { track, verdicts, seconds, stretches, holds, start_trials, alignment, yaw_bias_mps, moving_angle_deg };
         survey.check(settings, &at_rest, commanded)?;
         Ok(survey)
     }

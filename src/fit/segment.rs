@@ -108,7 +108,7 @@ impl LogData<'_> {
             split(
                 &readings,
                 &cuts,
-                Segment { log, run, gear: stretch.gear, start_s, anchored, start_std_mps, readings: Vec::new() },
+                &Segment { log, run, gear: stretch.gear, start_s, anchored, start_std_mps, readings: Vec::new() },
                 &mut segments,
             );
         }
@@ -164,7 +164,7 @@ fn first_crossing(from_s: f64, to_s: f64, threshold: f64, torque: impl Fn(f64) -
 }
 
 /// Splits readings at cuts and gaps into segments like `model`; what follows a cut is not anchored.
-fn split(readings: &[Reading], cuts: &[(f64, f64)], model: Segment, segments: &mut Vec<Segment>) {
+fn split(readings: &[Reading], cuts: &[(f64, f64)], model: &Segment, segments: &mut Vec<Segment>) {
     let inside = |t: f64| cuts.iter().any(|(from, to)| t >= *from && t <= *to);
     let between = |a: f64, b: f64| cuts.iter().any(|(from, to)| *from > a && *to < b);
     let mut current = Segment { readings: Vec::new(), ..model.clone() };
@@ -205,7 +205,7 @@ mod tests {
         let model =
             Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
         let mut segments = Vec::new();
-        split(&readings, &[(0.405, 0.505)], model, &mut segments);
+        split(&readings, &[(0.405, 0.505)], &model, &mut segments);
         assert_eq!(segments.len(), 2);
         assert!(segments[0].anchored && (segments[0].start_s + 0.005).abs() < 1e-12 && segments[0].readings.len() == 41);
         assert!(!segments[1].anchored && (segments[1].start_s - 0.51).abs() < 1e-9);

@@ -73,7 +73,9 @@ fn invert_map(map: &AccelMap, other: Option<&AccelMap>, limit_nm: f64, settings:
             }
         }
     }
-    nodes.iter_mut().for_each(|u| *u = (*u * 1e6).round() / 1e6);
+    for torque in &mut nodes {
+        *torque = round6(*torque);
+    }
     let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
     let csv = table.to_matrix().to_csv();
 

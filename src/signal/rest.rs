@@ -47,13 +47,9 @@ impl RestDetector {
         let mut heard = false;
         for w in &self.witnesses {
             let range = w.series.range(t_s - self.half_width_s, t_s + self.half_width_s);
-            if range.is_empty() {
-                continue;
-            }
+            let distance = |k: &usize| (w.series.t_s[*k] - t_s).abs();
+            let Some(nearest) = range.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
             heard = true;
-            let nearest = range
-                .min_by(|a, b| (w.series.t_s[*a] - t_s).abs().total_cmp(&(w.series.t_s[*b] - t_s).abs()))
-                .expect("the range is not empty");
             if (w.smooth[nearest] - w.bias_mps).abs() > w.threshold_mps {
                 return false;
             }
