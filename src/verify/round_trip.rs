@@ -2,7 +2,7 @@
 //!
 //! Twice over everything that was measured: at each measured cell of Table 1, (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a),
 //! whose true torque lies among measured cells. Δa = A(v, T₂(v, a)) − a must stay within 0.15 m/s² + 3 standard errors of Table 1 there, and its
-//! mean over a row of Table 2 within 0.05 m/s² + 3: interpolation makes a cell miss, but not a whole row the same way. Beyond its torques the
+//! mean over a row of Table 2 above 0 m/s within 0.05 m/s² + 3: interpolation makes a cell miss, but not a whole row the same way. Beyond its torques the
 //! surface goes on linearly, so that a torque which the drive cannot give is seen too. The speed axis has to start at 0.
 
 use super::Maps;
@@ -132,8 +132,10 @@ fn of_gear(gear: Gear, table2: &TorqueTable, map1: &AccelMap, surface: &AccelTab
                 count += 1.0;
             }
         }
-        // a row of one or two cells is judged by its cells
-        if count > 2.0 && sum_mps2.abs() > limit.row_mean_at_most_mps2 * count + limit.standard_errors * std_err_sum_mps2 {
+        // a row of one or two cells is judged by its cells; so is the row at 0, where friction is so steep that the table which is best between
+        // the rows may miss it as a whole
+        if count > 2.0 && speed_mps > 0.0 && sum_mps2.abs() > limit.row_mean_at_most_mps2 * count + limit.standard_errors * std_err_sum_mps2
+        {
             out.failed_rows_mps.push(speed_mps);
         }
     }
