@@ -3,6 +3,8 @@
 //! `cargo run --release --example coverage -- [CAMPAIGNS]` prints, per gear and in all, the share of measured cells whose 95 % interval
 //! holds the truth, the median width of the interval, and the error's quantiles.
 
+#![allow(clippy::print_stdout)] // a study prints
+
 use pivot_cal::campaign::{self, Survey};
 use pivot_cal::fit::{self, fit};
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};

@@ -1,7 +1,7 @@
 //! From a log to Table 1, judged against answers that do not come from the estimator: the answer key and the dynamometer of a vehicle
 //! simulated by other software, and the exact map of the bundled simulator.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
 use pivot_cal::campaign::{self, Survey, Verdict};
 use pivot_cal::fit::{self, Fit, fit};
