@@ -121,8 +121,8 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
             let cut = if stage == 0 { none.clone() } else { transients(&lagged, &calibration, surveys, settings) };
             let known = have_surface.then_some(&surfaces);
-            // robust cuts: twice with delays free, once with them fixed, each time from all readings
-            if have_surface && ((stage == 0 && (round == 2 || round == 4)) || (stage == 1 && round == 0)) {
+            // robust cuts: each time from all readings, so that an early mistake is taken back
+            if have_surface && ((stage == 0 && round >= 2) || (stage == 1 && round == 0)) {
                 let threshold = if stage == 0 && round == 2 { 6.0 } else { 5.0 };
                 for log in &mut logs {
                     log.cuts = Cuts::default();
@@ -130,7 +130,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
                 // judged without the moments after steps, which no static map explains
                 let steps = transients(&lagged, &calibration, surveys, settings);
                 let segments = build(&logs, &calibration, &lagged, known, &steps);
-                let (_, _, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
+                let (_, _, white) = along(&segments, &lagged, &calibration, &surfaces, &calm(&noise, &surfaces[0]));
                 for (segment, white) in segments.iter().zip(&white) {
                     robust::find(segment, white, threshold, &mut logs[segment.log].cuts);
                 }
@@ -166,7 +166,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             let (speeds, residuals, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
             if (stage == 0 && (1..=4).contains(&round)) || (stage == 1 && round == 0) {
                 // before the first cuts pushes and slips are still in: only what is well explained tells the noise
-                let share = if stage == 0 && round <= 2 { 0.6 } else { 0.85 };
+                let share = if stage == 0 { 0.6 } else { 0.85 };
                 let (kept, kept_residuals) = well_explained(&segments, &residuals, &white, share);
                 let spread = offset_spread(&segments, &residuals, &noise);
                 let found = hyper::estimate(&kept, &kept_residuals, noise, spread);
@@ -401,6 +401,15 @@ fn well_explained(segments: &[Segment], residuals: &[Vec<f64>], white: &[Vec<f64
     let limit = sorted[((sorted.len() as f64 * share) as usize).min(sorted.len() - 1)];
     let kept: Vec<usize> = (0..segments.len()).filter(|k| score[*k] <= limit).collect();
     (kept.iter().map(|k| segments[*k].clone()).collect(), kept.iter().map(|k| residuals[*k].clone()).collect())
+}
+
+/// The noise for judging what does not belong: offset and disturbance at most a fiftieth of the accelerations that the torque commands, so
+/// that a push, which is a disturbance, does not explain itself.
+fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
+    let torques = &surface.lattice.torque_nm;
+    let range = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, torques[0]);
+    let most = (0.02 * range.abs()).max(0.01);
+    Noise { disturbance_mps2: noise.disturbance_mps2.min(most), offset_mps2: noise.offset_mps2.min(most), ..*noise }
 }
 
 /// Spread of the runs' offsets [m/s²]: what σ_b cannot exceed.
