@@ -19,7 +19,7 @@ const STANDING_MPS: f64 = 0.015;
 const SETTLE_S: f64 = 0.3;
 
 /// Bins and a settle mask: a moving mean of five, a central difference, 0.3 s left out after each step, the mean of each bin; empty bins
-/// take the line between their neighbours along torque, or the nearest value.
+/// take the line between their neighbours along torque, or the nearest speed's.
 pub(crate) fn bins(drive: &Drive) -> Grid {
     let samples = drive.fused();
     let mean: Vec<f64> = (0..samples.len())
@@ -61,8 +61,13 @@ pub(crate) fn bins(drive: &Drive) -> Grid {
     Grid::new(speeds, torques, filled)
 }
 
-/// The line through known points, continued beyond its ends.
+/// The line between known neighbours; beyond the ends the outer value, continued by the row's mean slope.
 fn along(known: &[(f64, f64)], u: f64) -> f64 {
+    let ((first, low), (last, high)) = (known[0], known[known.len() - 1]);
+    if u <= first || u >= last {
+        let (x, y) = if u <= first { (first, low) } else { (last, high) };
+        return y + (u - x) * (high - low) / (last - first);
+    }
     let upper = known.partition_point(|(x, _)| *x < u).clamp(1, known.len() - 1);
     let ((x0, y0), (x1, y1)) = (known[upper - 1], known[upper]);
     y0 + (u - x0) / (x1 - x0) * (y1 - y0)
@@ -74,12 +79,13 @@ pub(crate) fn savitzky_golay(drive: &Drive) -> Vec<Point> {
     (5..samples.len() - 5).filter_map(|k| point(&samples[k - 5..=k + 5], &samples[k])).collect()
 }
 
-/// A parabola through ±0.15 s around each sample, within its run and between steps of the effective torque.
+/// A parabola through ±0.15 s around each sample, within its run and between steps of the effective torque, without the first 0.12 s after a
+/// step: the lag still bends them, and no parabola follows.
 pub(crate) fn local_quadratic(drive: &Drive) -> Vec<Point> {
     let samples = drive.fused();
     let mut pieces: Vec<std::ops::Range<usize>> = Vec::new();
-    for k in 0..samples.len() {
-        let joins = k > 0 && samples[k].run == samples[k - 1].run && samples[k].since_step_s > samples[k - 1].since_step_s;
+    for k in (0..samples.len()).filter(|k| samples[*k].since_step_s > 0.12) {
+        let joins = k > 0 && samples[k].run == samples[k - 1].run && samples[k - 1].since_step_s > 0.12;
         match pieces.last_mut() {
             Some(piece) if joins => piece.end = k + 1,
             _ => pieces.push(k..k + 1),
@@ -89,10 +95,7 @@ pub(crate) fn local_quadratic(drive: &Drive) -> Vec<Point> {
     for piece in pieces.into_iter().filter(|p| samples[p.start].run.is_some() && p.len() >= 6) {
         for k in piece.clone() {
             let window = k.saturating_sub(7).max(piece.start)..(k + 8).min(piece.end);
-            // the lag still bends the first moments after a step: no parabola follows them
-            if samples[k].since_step_s > 0.1 {
-                points.extend(point(&samples[window], &samples[k]));
-            }
+            points.extend(point(&samples[window], &samples[k]));
         }
     }
     points

@@ -54,7 +54,7 @@ impl Drive {
             let u: f64 = StandardUniform.sample(&mut chance);
             values[((u * values.len() as f64) as usize).min(values.len() - 1)]
         };
-        let pushes: Vec<f64> = (0..10).map(|k| 9.0 + 2.5 * f64::from(k)).collect();
+        let pushes: Vec<f64> = (0..10).map(|k| 11.0 + 2.5 * f64::from(k)).collect();
         let seconds: Vec<f64> = vec![0.0, -4.0, -8.0, -12.0, 3.0, 6.0, 12.0, 20.0, 28.0];
 
         let steps = (length_s / STEP_S) as usize;

@@ -12,6 +12,7 @@ use pivot_cal::campaign::{self, Survey};
 use pivot_cal::fit::{self, fit};
 use pivot_cal::invert::{self, invert};
 use pivot_cal::map::{CellStatus, CsvRef, TorqueTable};
+use std::fmt;
 pub(crate) use vehicle::Kind;
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
@@ -45,6 +46,26 @@ impl Outcome {
     /// What no method that writes this table can do better than [N·m].
     pub(crate) fn floor_nm(&self) -> f64 {
         self.bound_nm.hypot(self.discretisation_nm)
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(
+            f,
+            "{} cells, bound {:.3}, table {:.3}, pivot-cal {:.3}, local quadratic {:.3}, Savitzky-Golay {:.3}, bins {:.3} N·m; intervals hold {:.1} %, {:.2} × as wide as the bound's{}; fit {:.1} s",
+            self.cells,
+            self.bound_nm,
+            self.discretisation_nm,
+            self.pivot_cal_nm,
+            self.local_quadratic_nm,
+            self.savitzky_golay_nm,
+            self.bins_nm,
+            100.0 * self.coverage,
+            self.width_ratio,
+            if self.plain_alone { "; plain form" } else { "" },
+            self.fit_s
+        )
     }
 }
 

@@ -19,14 +19,15 @@ pub(crate) struct Truth {
 /// Dead time and lag of the drive [s].
 pub(crate) const DEAD_TIME_S: f64 = 0.05;
 pub(crate) const LAG_S: f64 = 0.05;
-/// Standard deviation and time constant of the disturbance [m/s², s], and of one constant acceleration per run [m/s²].
-pub(crate) const DISTURBANCE_MPS2: f64 = 0.06;
-pub(crate) const DISTURBANCE_S: f64 = 0.3;
-pub(crate) const OFFSET_MPS2: f64 = 0.015;
+/// What is random is about as large as on the bundled `data/vehicles/scrubber.toml`. Standard deviation and time constant of the disturbance
+/// [m/s², s], and standard deviation of one constant acceleration per run [m/s²].
+pub(crate) const DISTURBANCE_MPS2: f64 = 0.02;
+pub(crate) const DISTURBANCE_S: f64 = 0.25;
+pub(crate) const OFFSET_MPS2: f64 = 0.005;
 /// Encoder: noise and quantum [m/s]; yaw speed: noise [m/s].
-pub(crate) const ENCODER_MPS: f64 = 0.004;
-pub(crate) const QUANTUM_MPS: f64 = 0.002;
-pub(crate) const YAW_MPS: f64 = 0.006;
+pub(crate) const ENCODER_MPS: f64 = 0.006;
+pub(crate) const QUANTUM_MPS: f64 = 0.009;
+pub(crate) const YAW_MPS: f64 = 0.0072;
 
 /// The vehicle of a kind. Effective inertia 13 kg·m (N·m per m/s²), 5 N·m Coulomb, 2.5 N·m Stribeck over 0.1 m/s.
 pub(crate) fn truth(kind: Kind) -> Truth {
