@@ -40,3 +40,15 @@ fn judge(kind: Kind, gates: &Gates) {
     // nominal is 0.95; one campaign's errors go together, so that a few per cent less happen by chance
     assert!(mean(&|o| o.coverage) > 0.85);
 }
+
+#[test]
+fn where_physics_holds_five_minutes_come_near_the_bound() {
+    // measured: 1.0, 35, 4.2, 1.24
+    judge(Kind::Physics, &Gates { over_floor: 1.5, bins: 20.0, differentiation: 3.0, width: 1.7 });
+}
+
+#[test]
+fn where_physics_is_wrong_the_surface_follows() {
+    // measured: 3.1, 10, 2.6, 2.60
+    judge(Kind::Wrong, &Gates { over_floor: 4.2, bins: 7.0, differentiation: 1.9, width: 3.5 });
+}

@@ -62,13 +62,13 @@ pub(crate) fn disagreements(rows: &[RunRow]) -> Vec<String> {
     }
     let centre = median(&told.iter().map(|(_, o)| *o).collect::<Vec<_>>());
     let spread = 1.4826 * median(&told.iter().map(|(_, o)| (o - centre).abs()).collect::<Vec<_>>());
-    let mut notes: Vec<(String, String)> = Vec::new();
+    let mut notes: Vec<(&str, Vec<String>)> = Vec::new();
     // an offset is told to four decimals: no spread is smaller
     for (row, offset) in told.iter().filter(|(_, o)| (o - centre).abs() > DISAGREES * spread.max(1e-4)) {
         let run = format!("at {:.1} s ({} N·m, {}, {offset:+.3} m/s²)", row.start_s, row.torque_nm, row.gear);
         match notes.last_mut().filter(|(log, _)| *log == row.log) {
-            Some((_, runs)) => *runs += &format!(", {run}"),
-            None => notes.push((row.log.clone(), run)),
+            Some((_, runs)) => runs.push(run),
+            None => notes.push((&row.log, vec![run])),
         }
     }
     notes
