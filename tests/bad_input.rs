@@ -248,7 +248,7 @@ fn a_table_edited_by_hand_is_found_out() {
     let path = folder.path().join("maps/table2.csv");
     let text = std::fs::read_to_string(&path).unwrap();
     let line = text.lines().nth(3).unwrap();
-    let edited = text.replace(line, &line.replacen(',', ",0.5", 1));
+    let edited = text.replace(line, &format!("{line}1"));
     std::fs::write(&path, edited).unwrap();
     let scenario = ["verify", "--scenario", "left-90", "--draws", "4"];
     expect(folder.path(), &scenario, 1, &["table2.csv", "--force"]);

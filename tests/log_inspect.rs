@@ -26,7 +26,7 @@ fn the_summary_names_topics_rates_and_signals() {
 fn the_json_document_tells_what_was_read_and_lost() {
     let document = json(&["--json", "--runs", "tests/data"]);
     let logs = document["logs"].as_array().unwrap();
-    assert_eq!(logs.len(), 4);
+    assert_eq!(logs.len(), 5);
     for log in logs {
         assert_eq!(log["loss"]["messages_lost"], 0);
         assert_eq!(log["loss"]["messages_read"], log["messages"]);

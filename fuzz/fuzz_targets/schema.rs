@@ -8,6 +8,7 @@ mod one_message;
 
 fuzz_target!(|data: &[u8]| {
     let Some((choice, schema)) = data.split_first() else { return };
-    let (message, encoding) = [("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg"), ("protobuf", "protobuf")][usize::from(choice % 4)];
+    let (message, encoding) =
+        [("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg"), ("protobuf", "protobuf")][usize::from(choice % 4)];
     one_message::read(message, Some(("a/msg/M", encoding, schema)), &[0, 1, 0, 0, 7, 7, 7, 7, 7, 7, 7, 7], [".x", ".y[0]", ".z.w"]);
 });

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `fit`.
 #[derive(Debug, Clone, clap::Args)]
+#[group(id = "fit")] // flattened into `calibrate`, whose own group is named after its struct, too
 #[command(after_help = "\
 Examples:
   pivot-cal fit logs.mcap

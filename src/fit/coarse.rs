@@ -18,7 +18,7 @@ const DEAD_TIME_STEPS_S: [f64; 2] = [0.02, 0.005];
 /// Largest dead time tried [s].
 const LONGEST_DEAD_TIME_S: f64 = 0.4;
 /// Readings per log beyond which more do not sharpen a first look.
-const ENOUGH_READINGS: usize = 6000;
+const ENOUGH_READINGS: usize = 4000;
 
 /// What one log brings: its segments, their smoothed speeds, its command.
 pub(crate) struct LogView<'a> {

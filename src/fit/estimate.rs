@@ -171,7 +171,9 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             // noise: three updates with delays free, one more with transients cut
             let (speeds, residuals, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
             if (stage == 0 && (1..=4).contains(&round)) || (stage == 1 && round == 0) {
-                let (kept, kept_residuals) = well_explained(&segments, &residuals, &white);
+                // before the first cuts pushes and slips are still in: only what is well explained tells the noise
+                let share = if stage == 0 && round <= 2 { 0.6 } else { 0.85 };
+                let (kept, kept_residuals) = well_explained(&segments, &residuals, &white, share);
                 let spread = offset_spread(&segments, &residuals, &noise);
                 let found = hyper::estimate(&kept, &kept_residuals, noise, spread);
                 noise = found.noise;
@@ -426,13 +428,12 @@ fn movement(
     (sum / f64::from(count.max(1))).sqrt()
 }
 
-/// The segments that the surface explains best: all but the worst seventh by mean square innovation, so that pushes and slips do not pass
-/// for noise.
-fn well_explained(segments: &[Segment], residuals: &[Vec<f64>], white: &[Vec<f64>]) -> (Vec<Segment>, Vec<Vec<f64>>) {
+/// The `share` of the segments that the surface explains best by mean square innovation, so that pushes and slips do not pass for noise.
+fn well_explained(segments: &[Segment], residuals: &[Vec<f64>], white: &[Vec<f64>], share: f64) -> (Vec<Segment>, Vec<Vec<f64>>) {
     let score: Vec<f64> = white.iter().map(|w| w.iter().map(|e| e * e).sum::<f64>() / w.len().max(1) as f64).collect();
     let mut sorted = score.clone();
     sorted.sort_unstable_by(f64::total_cmp);
-    let limit = sorted[(sorted.len() * 6 / 7).min(sorted.len() - 1)];
+    let limit = sorted[((sorted.len() as f64 * share) as usize).min(sorted.len() - 1)];
     let kept: Vec<usize> = (0..segments.len()).filter(|k| score[*k] <= limit).collect();
     (kept.iter().map(|k| segments[*k].clone()).collect(), kept.iter().map(|k| residuals[*k].clone()).collect())
 }

@@ -114,8 +114,9 @@ pub(crate) fn accel_map(
     }
     let measured: Vec<Vec<bool>> = count.iter().map(|row| row.iter().map(|c| *c >= MEASURED_SAMPLES).collect()).collect();
     let status = statuses(&measured);
-    let std_err: Vec<Vec<f64>> =
-        torque.iter().map(|u| speed.iter().map(|v| round6(uncertainty.std_err_mps2(estimate, gear, *v, *u))).collect()).collect();
+    let points: Vec<(f64, f64)> = torque.iter().flat_map(|u| speed.iter().map(|v| (*v, *u))).collect();
+    let errors = uncertainty.std_errs_mps2(estimate, gear, &points);
+    let std_err: Vec<Vec<f64>> = errors.chunks(speed.len()).map(|row| row.iter().map(|e| round6(*e)).collect()).collect();
     let confidence = std_err
         .iter()
         .zip(&status)
@@ -193,7 +194,7 @@ fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Brea
     }
     let std_err_nm = crossing.map(|u| {
         let slope = surface.value_and_slope(0.0, u).1.max(1e-6);
-        round6(uncertainty.std_err_mps2(estimate, gear, 0.0, u) / slope)
+        round6(uncertainty.std_errs_mps2(estimate, gear, &[(0.0, u)])[0] / slope)
     });
     Breakaway { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
 }

@@ -48,25 +48,20 @@ impl Uncertainty {
         Self { posterior, sandwich, bias }
     }
 
-    /// Standard error of A(V, U) [m/s²].
-    pub(crate) fn std_err_mps2(&self, estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> f64 {
-        let contrast = contrast(estimate, gear, speed_mps, torque_nm);
-        self.std_err_of(&contrast)
-    }
-
-    /// Standard error of a contrast of the coefficients.
-    fn std_err_of(&self, contrast: &[f64]) -> f64 {
-        let quadratic = |m: &Mat<f64>| -> f64 {
-            contrast
-                .iter()
-                .enumerate()
-                .filter(|(_, c)| **c != 0.0)
-                .map(|(a, ca)| ca * contrast.iter().enumerate().map(|(b, cb)| m[(a, b)] * cb).sum::<f64>())
-                .sum()
-        };
-        let variance = quadratic(&self.posterior).max(quadratic(&self.sandwich)).max(0.0);
-        let bias: f64 = contrast.iter().zip(&self.bias).map(|(c, b)| c * b).sum();
-        (variance + bias * bias).sqrt()
+    /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
+    pub(crate) fn std_errs_mps2(&self, estimate: &Estimate, gear: Gear, points: &[(f64, f64)]) -> Vec<f64> {
+        let q = self.bias.len();
+        let rows: Vec<Vec<f64>> = points.iter().map(|(v, u)| contrast(estimate, gear, *v, *u)).collect();
+        let contrasts = Mat::from_fn(q, points.len(), |a, k| rows[k][a]);
+        let (by_posterior, by_sandwich) = (&self.posterior * &contrasts, &self.sandwich * &contrasts);
+        (0..points.len())
+            .map(|k| {
+                let quadratic = |product: &Mat<f64>| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>();
+                let variance = quadratic(&by_posterior).max(quadratic(&by_sandwich)).max(0.0);
+                let bias: f64 = rows[k].iter().zip(&self.bias).map(|(c, b)| c * b).sum();
+                (variance + bias * bias).sqrt()
+            })
+            .collect()
     }
 }
 

@@ -148,8 +148,8 @@ impl Plan {
 
     /// Fills `taken` from a payload; `None` when the payload does not fit the schema.
     pub(super) fn decode<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
-        taken.slots.clear();
         taken.slots.resize(self.slots, Raw::Missing);
+        taken.slots.fill(Raw::Missing);
         taken.again = false;
         self.walk(payload, taken)?;
         if taken.again && self.registers.iter().any(|slot| taken.slots[*slot] != Raw::Missing) {

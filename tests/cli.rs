@@ -1,0 +1,107 @@
+//! The process boundary: exit status, files written, what is printed where, the same bytes whatever the order and the threads.
+
+#![allow(clippy::unwrap_used)]
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+
+fn repo(path: &str) -> String {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path).to_str().unwrap().to_owned()
+}
+
+fn run_with(folder: &Path, threads: &str, args: &[&str]) -> (i32, String, String) {
+    let output =
+        Command::cargo_bin("pivot-cal").unwrap().current_dir(folder).env("RAYON_NUM_THREADS", threads).args(args).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    run_with(folder, "2", args)
+}
+
+/// Two short campaigns on the bundled simulator.
+fn logs(folder: &Path) {
+    let campaign = std::fs::read_to_string(repo("data/campaigns/torque_steps.toml")).unwrap();
+    std::fs::write(folder.join("campaign.toml"), campaign).unwrap();
+    let vehicle = repo("data/vehicles/scrubber.toml");
+    for (name, seed) in [("a.mcap", "1"), ("b.mcap", "2")] {
+        let (status, _, errors) =
+            run(folder, &["record", "--vehicle", &vehicle, "--campaign", "campaign.toml", "-o", name, "--seed", seed]);
+        assert_eq!(status, 0, "{errors}");
+    }
+}
+
+#[test]
+fn the_chain_runs_with_no_option_and_writes_the_same_bytes_for_any_order_and_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    logs(folder);
+    let read = |maps: &str, name: &str| std::fs::read(folder.join(maps).join(name)).unwrap();
+    for (threads, maps, order) in [("1", "one", ["a.mcap", "b.mcap"]), ("2", "two", ["b.mcap", "a.mcap"])] {
+        let (status, _, errors) = run_with(folder, threads, &["fit", order[0], order[1], "--maps", maps, "-q"]);
+        assert_eq!(status, 0, "{errors}");
+        let (status, _, errors) = run_with(folder, threads, &["invert", "--maps", maps, "-q"]);
+        assert_eq!(status, 0, "{errors}");
+    }
+    for name in ["table1.csv", "table1.reverse.csv", "table1.json", "table2.csv", "table2.reverse.csv", "table2.json"] {
+        assert_eq!(read("one", name), read("two", name), "{name} differs");
+    }
+    let names = std::fs::read_dir(folder.join("one")).unwrap().count();
+    assert_eq!(names, 6, "nothing else is left in the folder");
+}
+
+#[test]
+fn a_stage_under_its_own_name_is_the_subcommand() {
+    let program = |name: &str| Command::cargo_bin(name).unwrap().arg("--help").output().unwrap();
+    for stage in ["record", "fit", "invert", "verify"] {
+        let alone = program(&format!("pivot-cal-{stage}"));
+        assert!(alone.status.success());
+        assert!(String::from_utf8_lossy(&alone.stdout).contains("Example"), "{stage} --help has no example");
+    }
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["record", "inspect", "fit", "invert", "verify", "calibrate", "completions"] {
+        let (status, help, _) = run(folder.path(), &[command, "--help"]);
+        assert_eq!(status, 0);
+        assert!(help.contains("Example"), "{command} --help has no example");
+    }
+}
+
+#[test]
+fn completions_are_printed_for_a_shell() {
+    let (status, script, _) = run(Path::new("."), &["completions", "bash"]);
+    assert_eq!(status, 0);
+    assert!(script.contains("pivot-cal") && script.contains("calibrate"));
+}
+
+#[test]
+fn json_is_one_document_and_quiet_is_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = repo("data/demo.mcap");
+    let (status, text, _) = run(folder.path(), &["inspect", &log, "--json"]);
+    assert_eq!(status, 0);
+    assert!(serde_json::from_str::<serde_json::Value>(&text).unwrap().get("logs").is_some());
+    let (status, text, errors) = run(folder.path(), &["inspect", &log, "-q"]);
+    assert_eq!((status, text.as_str(), errors.as_str()), (0, "", ""));
+}
+
+#[test]
+fn inspect_lists_the_runs_of_the_demo_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let (status, text, errors) = run(folder.path(), &["inspect", &repo("data/demo.mcap"), "--runs", "--json"]);
+    assert_eq!(status, 0, "{errors}");
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let runs = document["logs"][0]["runs"]["runs"].as_array().unwrap().len();
+    assert!(runs > 60, "{runs} runs");
+}
+
+#[test]
+fn a_usage_error_is_status_2() {
+    let (status, _, errors) = run(Path::new("."), &["fit", "--no-such-flag"]);
+    assert_eq!(status, 2);
+    assert!(errors.contains("--no-such-flag"));
+}
