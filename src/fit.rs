@@ -25,6 +25,7 @@ mod segment;
 mod settings;
 mod tables;
 mod uncertainty;
+mod validation;
 
 pub use error::{Error, Result};
 pub use product::{Fit, fit};

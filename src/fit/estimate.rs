@@ -11,6 +11,7 @@ use super::penalised::{Solution, System, nuisance_prior_std};
 use super::regressors::{matrix, nuisance, predicted};
 use super::robust;
 use super::segment::{Calibration, Cuts, LogData, Segment};
+use super::validation::{self, Along, Validation};
 use super::{Error, Result, Settings};
 use crate::campaign::Survey;
 use crate::map::Gear;
@@ -54,6 +55,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) iterations: usize,
     pub(crate) converged: bool,
     pub(crate) has_yaw: bool,
+    /// What runs left out say; absent with fewer than two runs.
+    pub(crate) validation: Option<Validation>,
 }
 
 impl Estimate<'_> {
@@ -138,7 +141,10 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             let segments = build(&logs, &calibration, &lagged, known, &cut);
             let speeds = if have_surface { along(&segments, &lagged, &calibration, &surfaces, &noise).0 } else { wide_speeds(&segments) };
             let with_nuisance = stage == 0 && have_surface;
-            let grams = assemble(&segments, &speeds, &lagged, &calibration, &surfaces, &noise, with_nuisance, logs.len());
+            // the last sums are kept apart by fold for the cross-validation
+            let (fold, folds) = if stage == 1 { validation::deal(&segments) } else { (vec![0; segments.len()], 1) };
+            let parts = assemble(&segments, &speeds, &lagged, &calibration, &surfaces, &noise, with_nuisance, logs.len(), (&fold, folds));
+            let grams = total(&parts);
             let nuisances = if with_nuisance { prior.len() } else { 0 };
             let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
             let system = System::new(&design, &pairs, nuisances);
@@ -173,21 +179,34 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
                 noise = found.noise;
                 noise_bounds = found.at_bounds;
             }
-            let offsets = segments
-                .iter()
-                .zip(&residuals)
-                .map(|(s, r)| smooth(r, &s.readings, s.start_s, &noise, s.start_std_mps).offset_mps2)
-                .collect();
+            let offsets = offsets_of(&segments, &residuals, &noise);
             last = Some((solution, system));
-            final_parts = Some((segments, speeds, offsets, white, cut));
+            final_parts = Some((segments, speeds, offsets, white, cut, fold, parts));
             converged = moved < STILL_MPS2;
             if converged && round >= if stage == 0 { 5 } else { 1 } {
                 break;
             }
         }
     }
-    let (solution, system) = last.ok_or(Error::Singular)?;
-    let (segments, speeds, offsets, white, transients) = final_parts.ok_or(Error::Singular)?;
+    let (mut solution, system) = last.ok_or(Error::Singular)?;
+    let (segments, mut speeds, mut offsets, mut white, transients, fold, parts) = final_parts.ok_or(Error::Singular)?;
+    let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
+    let validation = {
+        let torque = |s: &Segment, t: f64| s.gear.sign() * lagged[s.log].at(t - calibration.dead_time_s[s.log]).torque_nm;
+        let along = Along { segments: &segments, speeds: &speeds, torque: &torque, noise: &noise };
+        validation::validate(&design, &surfaces[0].lattice, &gears, (&fold, &parts), (&system, &solution), &along)
+    };
+    if validation.as_ref().is_some_and(|v| v.comparison.plain_alone) {
+        let penalties = validation::plain_penalties(&design.blocks, &solution.penalties);
+        solution = system.solve(&design.blocks, &penalties, 50, &[]).ok_or(Error::Singular)?;
+        surfaces = Gear::ALL.map(|g| LatticeSurface {
+            lattice: surfaces[0].lattice.clone(),
+            theta: design.lattice_values(g, &solution.beta[..design.coefficients()]),
+        });
+        let residuals;
+        (speeds, residuals, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
+        offsets = offsets_of(&segments, &residuals, &noise);
+    }
     Ok(Estimate {
         logs,
         design,
@@ -209,6 +228,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
         iterations,
         converged,
         has_yaw,
+        validation,
     })
 }
 
@@ -322,7 +342,12 @@ fn along(
     lists
 }
 
-/// The sums of both gears.
+/// The offset of each segment [m/s²].
+fn offsets_of(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) -> Vec<f64> {
+    segments.iter().zip(residuals).map(|(s, r)| smooth(r, &s.readings, s.start_s, noise, s.start_std_mps).offset_mps2).collect()
+}
+
+/// The sums of both gears, fold by fold.
 #[allow(clippy::too_many_arguments)] // the whole state of one iteration
 fn assemble(
     segments: &[Segment],
@@ -333,27 +358,37 @@ fn assemble(
     noise: &Noise,
     with_nuisance: bool,
     logs: usize,
-) -> [Gram; 2] {
+    (fold, folds): (&[usize], usize),
+) -> Vec<[Gram; 2]> {
     let nuisances = if with_nuisance { nuisance::DEAD_TIME + logs } else { 0 };
     let size = surfaces[0].lattice.columns() + nuisances + 1;
-    let mut grams = [Gram::new(size), Gram::new(size)];
-    let paired: Vec<(&Segment, &Vec<f64>)> = segments.iter().zip(speeds).collect();
+    let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
+    let paired: Vec<((&Segment, &Vec<f64>), &usize)> = segments.iter().zip(speeds).zip(fold).collect();
     for batch in paired.chunks(BATCH) {
-        let locals: Vec<(Gear, LocalGram)> = batch
+        let locals: Vec<(Gear, usize, LocalGram)> = batch
             .par_iter()
-            .map(|(s, speed)| {
+            .map(|((s, speed), fold)| {
                 let surface = &surfaces[usize::from(s.gear == Gear::Reverse)];
                 let mut local = matrix(s, speed, &lagged[s.log], calibration.dead_time_s[s.log], surface, with_nuisance);
                 let width = local.columns.len();
                 whiten(&mut local.data, width, &s.readings, s.start_s, noise, s.start_std_mps);
-                (s.gear, LocalGram::new(local.columns, &local.data))
+                (s.gear, **fold, LocalGram::new(local.columns, &local.data))
             })
             .collect();
-        for (gear, local) in locals {
-            grams[usize::from(gear == Gear::Reverse)].add(&local);
+        for (gear, fold, local) in locals {
+            grams[fold][usize::from(gear == Gear::Reverse)].add(&local);
         }
     }
     grams
+}
+
+/// The sum over the folds, in their order.
+fn total(folds: &[[Gram; 2]]) -> [Gram; 2] {
+    let mut sum = folds[0].clone();
+    for fold in &folds[1..] {
+        sum.iter_mut().zip(fold).for_each(|(a, b)| a.add_all(b));
+    }
+    sum
 }
 
 fn step_nuisance(solution: &Solution, q: usize, settings: &Settings, has_yaw: bool, calibration: &mut Calibration) {

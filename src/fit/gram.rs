@@ -40,6 +40,11 @@ impl Gram {
         Self { size, values: vec![0.0; size * size] }
     }
 
+    /// Adds another sum over the same columns.
+    pub(crate) fn add_all(&mut self, other: &Self) {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
+    }
+
     /// Adds one segment's.
     pub(crate) fn add(&mut self, local: &LocalGram) {
         let global = |c: u32| if c == u32::MAX { self.size - 1 } else { c as usize };

@@ -80,6 +80,11 @@ impl System {
         system
     }
 
+    /// These equations less those of some of the data.
+    pub(crate) fn without(&self, part: &Self) -> Self {
+        Self { matrix: &self.matrix - &part.matrix, right: &self.right - &part.right, design: self.design }
+    }
+
     /// Solves with the given start for the penalties (empty: from the data's scale), updating them at most `updates` times.
     ///
     /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations are singular beyond

@@ -2,9 +2,10 @@
 
 use super::estimate::{Estimate, estimate};
 use super::feedback::{FeedbackDelays, delays};
-use super::runs::{residual_rms_mps2, round, rows};
+use super::runs::{disagreements, residual_rms_mps2, round, run_figures};
 use super::tables::{accel_map, used_samples, verdicts};
 use super::uncertainty::Uncertainty;
+use super::validation::Comparison;
 use super::{Error, Result, Settings, monotone};
 use crate::campaign::{Survey, Verdict, ledger};
 use crate::map::{
@@ -69,14 +70,16 @@ pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
         ));
     }
     let table = ledger(verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied())));
+    let figures = run_figures(&estimate, &verdicts);
+    notes.extend(disagreements(&figures.rows));
     let report = Stage1Report {
         ledger: table,
-        runs: rows(&estimate, &verdicts),
+        runs: figures.rows,
         residual_rms_mps2: round(residual_rms_mps2(&estimate), 1e5),
         coverage: round(coverage, 1e4),
         iterations: estimate.iterations as u32,
         notes,
-        diagnostics: diagnostics(&estimate, moved),
+        diagnostics: diagnostics(&estimate, moved, figures.pooled),
     };
     let file = Table1File {
         format: TABLE1_FORMAT.to_owned(),
@@ -251,7 +254,7 @@ fn witnesses(estimate: &Estimate) -> Vec<Witness> {
     all
 }
 
-fn diagnostics(estimate: &Estimate, moved: monotone::Outcome) -> serde_json::Value {
+fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled: Option<(f64, f64)>) -> serde_json::Value {
     let innovations: Vec<f64> = estimate.white.iter().flatten().map(|e| e.abs()).collect();
     let blocks: Vec<serde_json::Value> = estimate
         .design
@@ -267,7 +270,22 @@ fn diagnostics(estimate: &Estimate, moved: monotone::Outcome) -> serde_json::Val
             })
         })
         .collect();
+    let model_choice = estimate.validation.as_ref().map(|v| {
+        let Comparison { gain, std_err, runs, plain_alone } = v.comparison;
+        serde_json::json!({
+            "chosen": if plain_alone { "plain form" } else { "plain form and surface" },
+            "gain_of_surface": round(gain, 1e3),
+            "std_err": round(std_err, 1e3),
+            "in_std_errs": round(gain / std_err.max(1e-12), 1e2),
+            "runs": runs,
+        })
+    });
+    let held_out = pooled.zip(estimate.validation.as_ref()).map(|((rmse_mps, r_squared), v)| {
+        serde_json::json!({ "rmse": round(rmse_mps, 1e5), "r_squared": round(r_squared, 1e5), "folds": v.without.len() })
+    });
     serde_json::json!({
+        "model_choice": model_choice,
+        "held_out": held_out,
         "blocks": blocks,
         "penalties_settled": estimate.solution.settled,
         "monotone": match moved {

@@ -1,9 +1,12 @@
-//! How well the surface explains each run: the judge that users understand is the simulated speed.
+//! How well the surface explains each run: the judge that users understand is the simulated speed, by a surface that was fitted without the
+//! run.
 
 use super::estimate::Estimate;
+use super::lattice::LatticeSurface;
 use super::regressors::predicted;
 use crate::campaign::{Verdict, runs};
-use crate::map::RunRow;
+use crate::map::{Gear, RunRow};
+use crate::signal::median;
 
 /// A reading against its simulation.
 struct Compared {
@@ -14,23 +17,66 @@ struct Compared {
     offset: f64,
 }
 
-/// One row per hold, with what the surface makes of it.
-pub(crate) fn rows(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> Vec<RunRow> {
+/// The runs, and the held-out figures over all of them.
+pub(crate) struct RunFigures {
+    /// One row per hold, with what the surface makes of it.
+    pub(crate) rows: Vec<RunRow>,
+    /// RMSE [m/s] and R² of the simulated speed over all readings; absent with fewer than two runs.
+    pub(crate) pooled: Option<(f64, f64)>,
+}
+
+/// One row per hold, with what a surface fitted without its run makes of it.
+pub(crate) fn run_figures(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> RunFigures {
     let compared = simulate(estimate);
     let mut rows = Vec::new();
     for (k, log) in estimate.logs.iter().enumerate() {
         let own: Vec<&Compared> = compared.iter().filter(|c| c.log == k).collect();
         for (hold, row) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
             let inside: Vec<&Compared> = own.iter().copied().filter(|c| c.t_s >= hold.from_s && c.t_s < hold.to_s).collect();
+            let held_out = estimate.validation.is_some();
             rows.push(RunRow {
-                speed_rmse_mps: rmse(&inside).map(|v| round(v, 1e5)),
-                r_squared: r_squared(&inside).map(|v| round(v, 1e4)),
+                speed_rmse_mps: rmse(&inside).filter(|_| held_out).map(|v| round(v, 1e5)),
+                r_squared: r_squared(&inside).filter(|_| held_out).map(|v| round(v, 1e4)),
                 offset_mps2: (!inside.is_empty()).then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
                 ..row
             });
         }
     }
-    rows
+    let all: Vec<&Compared> = compared.iter().collect();
+    let pooled = rmse(&all).zip(r_squared(&all)).filter(|_| estimate.validation.is_some());
+    RunFigures { rows, pooled }
+}
+
+/// An offset further from the median than this many robust standard deviations disagrees with the rest.
+const DISAGREES: f64 = 4.0;
+/// Fewest runs from which the spread of the offsets is told.
+const FEWEST_OFFSETS: usize = 8;
+/// A run counts in this comparison from here on [s]: shorter ones hardly show an offset.
+const LONG_ENOUGH_S: f64 = 0.5;
+
+/// One note per log about its runs that disagree with the rest: a slope, a battery, a drift.
+pub(crate) fn disagreements(rows: &[RunRow]) -> Vec<String> {
+    let told: Vec<(&RunRow, f64)> = rows.iter().filter(|r| r.used_s >= LONG_ENOUGH_S).filter_map(|r| Some((r, r.offset_mps2?))).collect();
+    if told.len() < FEWEST_OFFSETS {
+        return Vec::new();
+    }
+    let centre = median(&told.iter().map(|(_, o)| *o).collect::<Vec<_>>());
+    let spread = 1.4826 * median(&told.iter().map(|(_, o)| (o - centre).abs()).collect::<Vec<_>>());
+    let mut notes: Vec<(&str, Vec<String>)> = Vec::new();
+    // an offset is told to four decimals: no spread is smaller
+    for (row, offset) in told.iter().filter(|(_, o)| (o - centre).abs() > DISAGREES * spread.max(1e-4)) {
+        let run = format!("at {:.1} s ({} N·m, {}, {offset:+.3} m/s²)", row.start_s, row.torque_nm, row.gear);
+        match notes.last_mut().filter(|(log, _)| *log == row.log) {
+            Some((_, runs)) => runs.push(run),
+            None => notes.push((&row.log, vec![run])),
+        }
+    }
+    notes
+        .into_iter()
+        .map(|(log, runs)| {
+            format!("{log}: runs that disagree with the rest by a constant acceleration (a slope, a battery, a drift): {runs}")
+        })
+        .collect()
 }
 
 /// Rounds to 1/`steps`: figures of a report need no sixteen digits.
@@ -52,12 +98,21 @@ fn r_squared(inside: &[&Compared]) -> Option<f64> {
     (total > 0.0).then(|| 1.0 - left / total)
 }
 
+/// The surface that judges a segment: fitted without its fold, where there are folds.
+fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
+    let gear = estimate.segments[segment].gear;
+    match &estimate.validation {
+        Some(held_out) => &held_out.without[held_out.fold[segment]][usize::from(gear == Gear::Reverse)],
+        None => estimate.surface(gear),
+    }
+}
+
 /// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
 fn simulate(estimate: &Estimate) -> Vec<Compared> {
     let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
     let mut compared = Vec::new();
-    for ((segment, smoothed), offset) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets) {
-        let surface = estimate.surface(segment.gear);
+    for (k, ((segment, smoothed), offset)) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets).enumerate() {
+        let surface = judge(estimate, k);
         let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
         let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
         let mut t = segment.start_s;

@@ -242,9 +242,10 @@ pub struct RunRow {
     pub end_speed_mps: f64,
     /// Seconds that the fit used.
     pub used_s: f64,
-    /// Root mean square difference of simulated and recorded speed [m/s]; absent when the fit used nothing of the run.
+    /// Root mean square difference of simulated and recorded speed [m/s], held out: simulated open loop from the run's start by a surface
+    /// fitted without the run. Absent when the fit used nothing of the run, or had no other one.
     pub speed_rmse_mps: Option<f64>,
-    /// Share of the recorded speed's variance that the simulation explains.
+    /// Share of the recorded speed's variance that the same simulation explains, held out likewise.
     pub r_squared: Option<f64>,
     /// Constant acceleration by which the run differs from the surface [m/s²].
     pub offset_mps2: Option<f64>,

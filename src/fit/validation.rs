@@ -1,0 +1,187 @@
+//! Cross-validation blocked by run: what each model tells about runs that it has not seen.
+//!
+//! Whole runs are dealt into five folds. The whitened normal equations are sums over segments, so the equations without a fold are the
+//! whole ones minus the fold's; they are solved at the final calibration, noise and penalties. Two models are compared on the runs left
+//! out, by the whitened squared error S_r of each run r: the plain form alone, and the plain form with the surface's blocks. The surface's
+//! gain is D = Σ_r (S_r,plain − S_r,surface), its standard error √R times the standard deviation of the differences over the R runs.
+//!
+//! The plain form alone is taken when D does not exceed one standard error (the one-standard-error rule of Breiman et al. 1984,
+//! *Classification and Regression Trees*): a simpler model that tells new runs as well is the surer one where nothing was measured.
+
+use super::anova::{Block, Design};
+use super::gram::Gram;
+use super::kalman::{Noise, whiten};
+use super::lattice::{Lattice, LatticeSurface};
+use super::penalised::{Solution, System};
+use super::regressors::predicted;
+use super::segment::Segment;
+use crate::map::Gear;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Number of folds, when there are as many runs.
+const FOLDS: usize = 5;
+/// Fewest runs whose differences have a standard deviation worth the name.
+const FEWEST_RUNS: usize = 10;
+
+/// Surfaces of both gears: forward, reverse.
+pub(crate) type Surfaces = [LatticeSurface; 2];
+
+/// What the comparison found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Comparison {
+    /// D: how much less the surface's whitened squared error is on runs left out, summed over the runs.
+    pub(crate) gain: f64,
+    /// Its standard error.
+    pub(crate) std_err: f64,
+    /// Number of runs compared.
+    pub(crate) runs: usize,
+    /// Whether the plain form alone was taken.
+    pub(crate) plain_alone: bool,
+}
+
+/// Folds, the surfaces fitted without each, and which model won.
+#[derive(Debug, Clone)]
+pub(crate) struct Validation {
+    /// The fold of each segment.
+    pub(crate) fold: Vec<usize>,
+    /// The chosen model's surfaces, fitted without each fold.
+    pub(crate) without: Vec<Surfaces>,
+    /// The comparison.
+    pub(crate) comparison: Comparison,
+}
+
+/// The fold of each segment and the number of folds: runs are shuffled, the same way each time, and dealt in turn, so that a campaign's own
+/// rhythm does not put all runs of a level into one fold. One fold when there is one run.
+pub(crate) fn deal(segments: &[Segment]) -> (Vec<usize>, usize) {
+    let mut runs: Vec<(usize, usize)> = segments.iter().map(|s| (s.log, s.run)).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    let mut shuffled: Vec<(u64, (usize, usize))> = runs.iter().enumerate().map(|(k, run)| (scramble(k as u64), *run)).collect();
+    shuffled.sort_unstable();
+    let count = FOLDS.min(runs.len()).max(1);
+    let fold: BTreeMap<(usize, usize), usize> = shuffled.iter().enumerate().map(|(k, (_, run))| (*run, k % count)).collect();
+    (segments.iter().map(|s| fold[&(s.log, s.run)]).collect(), count)
+}
+
+/// A well mixed 64-bit number. Source: Steele, Lea & Flood 2014, *Fast splittable pseudorandom number generators* (SplitMix64).
+fn scramble(k: u64) -> u64 {
+    let mut z = k.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// What the segments are judged with.
+pub(crate) struct Along<'a> {
+    pub(crate) segments: &'a [Segment],
+    /// Speeds along the segments, smoothed [m/s].
+    pub(crate) speeds: &'a [Vec<f64>],
+    /// Effective torque of a segment's gear at a time [N·m].
+    pub(crate) torque: &'a (dyn Fn(&Segment, f64) -> f64 + Sync),
+    pub(crate) noise: &'a Noise,
+}
+
+/// Cross-validates. `folds` are the sums of each fold, `whole` the equations of all; both without nuisance columns. `None` with fewer than
+/// two folds, or when a fold's runs are all that holds some information.
+pub(crate) fn validate(
+    design: &Design,
+    lattice: &Lattice,
+    gears: &[Gear],
+    (fold, folds): (&[usize], &[[Gram; 2]]),
+    (whole, solution): (&System, &Solution),
+    along: &Along,
+) -> Option<Validation> {
+    if folds.len() < 2 {
+        return None;
+    }
+    let plain = plain_penalties(&design.blocks, &solution.penalties);
+    let mut fitted: [Vec<Surfaces>; 2] = [Vec::new(), Vec::new()];
+    for grams in folds {
+        let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
+        let rest = whole.without(&System::new(design, &pairs, 0));
+        for (model, penalties) in [&solution.penalties, &plain].into_iter().enumerate() {
+            let beta = rest.solve(&design.blocks, penalties, 0, &[])?.beta;
+            fitted[model].push(Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, &beta) }));
+        }
+    }
+    let errors = |model: usize| squared_errors(along, fold, &fitted[model]);
+    let comparison = compare(&errors(0), &errors(1));
+    let [surface, plain] = fitted;
+    let without = if comparison.plain_alone { plain } else { surface };
+    Some(Validation { fold: fold.to_vec(), without, comparison })
+}
+
+/// Penalties of the plain form alone: every deviation at infinity, but for the plain form's copy per gear.
+pub(crate) fn plain_penalties(blocks: &[Block], penalties: &[f64]) -> Vec<f64> {
+    blocks
+        .iter()
+        .zip(penalties)
+        .map(|(block, penalty)| if block.penalised && !block.name.ends_with("plain form") { f64::INFINITY } else { *penalty })
+        .collect()
+}
+
+/// Whitened squared error of each run against the surface fitted without its fold.
+fn squared_errors(along: &Along, fold: &[usize], without: &[Surfaces]) -> BTreeMap<(usize, usize), f64> {
+    let of_segments: Vec<f64> = along
+        .segments
+        .par_iter()
+        .zip(along.speeds)
+        .zip(fold)
+        .map(|((segment, speed), fold)| {
+            let surface = &without[*fold][usize::from(segment.gear == Gear::Reverse)];
+            let model = predicted(segment, speed, &|t| (along.torque)(segment, t), surface);
+            let mut error: Vec<f64> = segment.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
+            whiten(&mut error, 1, &segment.readings, segment.start_s, along.noise, segment.start_std_mps);
+            error.iter().map(|e| e * e).sum()
+        })
+        .collect();
+    let mut of_runs = BTreeMap::new();
+    for (segment, sum) in along.segments.iter().zip(of_segments) {
+        *of_runs.entry((segment.log, segment.run)).or_insert(0.0) += sum;
+    }
+    of_runs
+}
+
+/// Compares the models over the runs.
+fn compare(surface: &BTreeMap<(usize, usize), f64>, plain: &BTreeMap<(usize, usize), f64>) -> Comparison {
+    let gains: Vec<f64> = plain.values().zip(surface.values()).map(|(p, s)| p - s).collect();
+    let runs = gains.len();
+    let gain: f64 = gains.iter().sum();
+    let mean = gain / runs as f64;
+    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (runs as f64 - 1.0).max(1.0);
+    let std_err = (runs as f64 * variance).sqrt();
+    Comparison { gain, std_err, runs, plain_alone: runs >= FEWEST_RUNS && gain <= std_err }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn segment(log: usize, run: usize) -> Segment {
+        Segment { log, run, gear: Gear::Forward, start_s: 0.0, anchored: false, start_std_mps: 1.0, readings: Vec::new() }
+    }
+
+    #[test]
+    fn a_run_stays_in_one_fold_and_the_folds_are_even() {
+        let segments: Vec<Segment> = (0..2).flat_map(|log| (0..46).map(move |k| segment(log, k / 2))).collect();
+        let (fold, count) = deal(&segments);
+        assert_eq!(count, 5);
+        for pair in fold.chunks(2) {
+            assert_eq!(pair[0], pair[1]);
+        }
+        let sizes: Vec<usize> = (0..count).map(|f| fold.iter().filter(|x| **x == f).count() / 2).collect();
+        assert!(sizes.iter().all(|s| (9..=10).contains(s)), "{sizes:?}");
+        // no fold is a plain rhythm of the order
+        assert!((0..5).all(|phase| fold.iter().step_by(2).skip(phase).step_by(5).any(|f| *f != fold[2 * phase])));
+    }
+
+    #[test]
+    fn the_plain_form_wins_ties_and_loses_by_more_than_a_standard_error() {
+        let runs = |shift: f64| (0..20).map(|k| ((0, k), 100.0 + shift + (k % 3) as f64)).collect::<BTreeMap<_, _>>();
+        let even: BTreeMap<_, _> = runs(0.0).into_iter().map(|(r, e)| (r, e + if r.1 % 2 == 0 { 1.0 } else { -1.0 })).collect();
+        assert!(compare(&runs(0.0), &even).plain_alone);
+        let worse: BTreeMap<_, _> = even.iter().map(|(r, e)| (*r, e + 1.0)).collect();
+        assert!(!compare(&runs(0.0), &worse).plain_alone);
+    }
+}

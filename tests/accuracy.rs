@@ -1,0 +1,54 @@
+//! A short run of the Monte Carlo study (`examples/study.rs`): five minutes of each vehicle, two seeds. Every ratio is taken within a trial,
+//! so that an easy or a hard campaign touches both sides, and each gate is at least 1.3 times looser than what was measured.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
+
+#[path = "../examples/study/trial.rs"]
+mod trial;
+
+use trial::{Kind, Outcome};
+
+/// Gates of one vehicle.
+struct Gates {
+    /// Most of the floor √(CRB² + table²).
+    over_floor: f64,
+    /// Least of bins over ours, and of the better differentiation over ours.
+    bins: f64,
+    differentiation: f64,
+    /// Widest interval, relative to the bound's.
+    width: f64,
+}
+
+fn judge(kind: Kind, gates: &Gates) {
+    let outcomes: Vec<Outcome> = (1..=2)
+        .map(|seed| {
+            let outcome = trial::run(kind, 5.0, seed).unwrap();
+            println!("{kind:?}, seed {seed}: {outcome}");
+            outcome
+        })
+        .collect();
+    // geometric means of the paired ratios
+    let mean = |of: &dyn Fn(&Outcome) -> f64| (outcomes.iter().map(|o| of(o).ln()).sum::<f64>() / outcomes.len() as f64).exp();
+    let over_floor = mean(&|o| o.pivot_cal_nm / o.floor_nm());
+    let bins = mean(&|o| o.bins_nm / o.pivot_cal_nm);
+    let differentiation = mean(&|o| o.local_quadratic_nm.min(o.savitzky_golay_nm) / o.pivot_cal_nm);
+    let width = mean(&|o| o.width_ratio);
+    println!("{over_floor:.2} × the floor; bins {bins:.1} ×, differentiation {differentiation:.1} ×; intervals {width:.2} ×");
+    assert!(over_floor < gates.over_floor);
+    assert!(bins > gates.bins && differentiation > gates.differentiation);
+    assert!(width < gates.width);
+    // nominal is 0.95; one campaign's errors go together, so that a few per cent less happen by chance
+    assert!(mean(&|o| o.coverage) > 0.85);
+}
+
+#[test]
+fn where_physics_holds_five_minutes_come_near_the_bound() {
+    // measured: 1.0, 35, 4.2, 1.24
+    judge(Kind::Physics, &Gates { over_floor: 1.5, bins: 20.0, differentiation: 3.0, width: 1.7 });
+}
+
+#[test]
+fn where_physics_is_wrong_the_surface_follows() {
+    // measured: 3.1, 10, 2.6, 2.60
+    judge(Kind::Wrong, &Gates { over_floor: 4.2, bins: 7.0, differentiation: 1.9, width: 3.5 });
+}
