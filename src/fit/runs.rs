@@ -74,6 +74,7 @@ pub(crate) fn disagreements(rows: &[RunRow]) -> Vec<String> {
     notes
         .into_iter()
         .map(|(log, runs)| {
+            let runs = runs.join(", ");
             format!("{log}: runs that disagree with the rest by a constant acceleration (a slope, a battery, a drift): {runs}")
         })
         .collect()
