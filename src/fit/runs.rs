@@ -49,6 +49,8 @@ pub(crate) fn run_figures(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> Run
 
 /// An offset further from the median than this many robust standard deviations disagrees with the rest.
 const DISAGREES: f64 = 4.0;
+/// Whatever the spread, less than this is no disagreement worth a driver's time [m/s²].
+const LEAST_DISAGREEMENT_MPS2: f64 = 0.02;
 /// Fewest runs from which the spread of the offsets is told.
 const FEWEST_OFFSETS: usize = 8;
 /// A run counts in this comparison from here on [s]: shorter ones hardly show an offset.
@@ -63,8 +65,7 @@ pub(crate) fn disagreements(rows: &[RunRow]) -> Vec<String> {
     let centre = median(&told.iter().map(|(_, o)| *o).collect::<Vec<_>>());
     let spread = 1.4826 * median(&told.iter().map(|(_, o)| (o - centre).abs()).collect::<Vec<_>>());
     let mut notes: Vec<(&str, Vec<String>)> = Vec::new();
-    // an offset is told to four decimals: no spread is smaller
-    for (row, offset) in told.iter().filter(|(_, o)| (o - centre).abs() > DISAGREES * spread.max(1e-4)) {
+    for (row, offset) in told.iter().filter(|(_, o)| (o - centre).abs() > (DISAGREES * spread).max(LEAST_DISAGREEMENT_MPS2)) {
         let run = format!("at {:.1} s ({} N·m, {}, {offset:+.3} m/s²)", row.start_s, row.torque_nm, row.gear);
         match notes.last_mut().filter(|(log, _)| *log == row.log) {
             Some((_, runs)) => runs.push(run),
