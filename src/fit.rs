@@ -23,6 +23,7 @@ mod robust;
 mod runs;
 mod segment;
 mod settings;
+mod spline;
 mod tables;
 mod uncertainty;
 mod validation;

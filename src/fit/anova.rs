@@ -1,14 +1,17 @@
 //! The surface's coefficients as an analysis of variance: a plain form that no penalty touches, then smooth deviations in blocks, each with
 //! its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric copies where both gears were driven.
 //!
-//! Penalised blocks are scaled so that their penalty is the identity: with D the second differences over nodes and Z = Dᵀ(DDᵀ)⁻¹, the
-//! deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖². The difference across U = 0 is left out of D: driving and braking may meet in a kink.
+//! Penalised blocks are scaled so that their penalty is the identity: with D the second differences of the splines' coefficients over
+//! Greville's abscissae (Eilers & Marx, P-splines) and Z = Dᵀ(DDᵀ)⁻¹, the deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖². The difference across U = 0 is left out of D: driving and braking may meet in a kink.
 
-use super::lattice::{EXTRAS, Lattice};
+use super::lattice::Lattice;
 use crate::map::Gear;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use std::ops::Range;
+
+/// Speed over which the extra friction near standstill fades [m/s].
+const STRIBECK_MPS: f64 = 0.08;
 
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +29,7 @@ pub(crate) struct Block {
 pub(crate) struct Design {
     /// The blocks, in the order of the coefficients.
     pub(crate) blocks: Vec<Block>,
-    /// For forward and reverse: lattice columns (with extras) × coefficients.
+    /// For forward and reverse: lattice columns × coefficients.
     transforms: [Mat<f64>; 2],
 }
 
@@ -56,8 +59,10 @@ impl Design {
         let fastest = lattice.fastest_mps();
         let u: Vec<f64> = torques.iter().map(|t| t / reference_nm).collect();
         let drive: Vec<f64> = u.iter().map(|u| u.max(0.0)).collect();
-        let v: Vec<f64> = speeds.iter().map(|s| s / fastest).collect();
+        let v: Vec<f64> = lattice.along_speed(|s| s / fastest);
         let w: Vec<f64> = speeds.iter().map(|s| lattice.warp(*s)).collect();
+        let square = lattice.along_speed(|s| (s / fastest).powi(2));
+        let stribeck = lattice.along_speed(|s| (-(s / STRIBECK_MPS).powi(2)).exp());
         let one_v = vec![1.0; speeds.len()];
         let one_u = vec![1.0; torques.len()];
         let bends_w = bends(&w, None);
@@ -75,22 +80,17 @@ impl Design {
             }
             column
         };
-        let extra = |k: usize| {
-            let mut column = vec![0.0; rows];
-            column[lattice.nodes() + k] = 1.0;
-            column
-        };
         let plain = || {
-            let mut columns = vec![
+            vec![
                 tensor(&one_v, &one_u),
                 tensor(&one_v, &u),
                 tensor(&one_v, &drive),
                 tensor(&w, &one_u),
                 tensor(&v, &one_u),
                 tensor(&v, &u),
-            ];
-            columns.extend((0..EXTRAS).map(extra));
-            columns
+                tensor(&stribeck, &one_u),
+                tensor(&square, &one_u),
+            ]
         };
         let f = || bends_w.iter().map(|z| tensor(z, &one_u)).collect::<Vec<_>>();
         let g = || bends_u.iter().map(|z| tensor(&one_v, z)).collect::<Vec<_>>();
@@ -129,7 +129,7 @@ impl Design {
         self.transforms[0].ncols()
     }
 
-    /// Lattice columns (with extras) × coefficients of a gear.
+    /// Lattice columns × coefficients of a gear.
     pub(crate) fn transform(&self, gear: Gear) -> &Mat<f64> {
         match gear {
             Gear::Forward => &self.transforms[0],
@@ -137,7 +137,7 @@ impl Design {
         }
     }
 
-    /// Lattice values (with extras) of a gear.
+    /// Coefficients on the lattice of a gear.
     pub(crate) fn lattice_values(&self, gear: Gear, beta: &[f64]) -> Vec<f64> {
         let t = self.transform(gear);
         (0..t.nrows()).map(|r| (0..t.ncols()).map(|c| t[(r, c)] * beta[c]).sum()).collect()

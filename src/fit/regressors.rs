@@ -34,7 +34,6 @@ pub(crate) struct LocalMatrix {
 /// One step of the integration.
 struct Quadrature {
     spot: Spot,
-    extras: [f64; super::lattice::EXTRAS],
     weight: f64,
     by_lag: f64,
     by_dead_time: f64,
@@ -91,7 +90,7 @@ pub(crate) fn matrix(
     let logs_at = base + nuisance::DEAD_TIME;
     let rows = segment.readings.len();
     // what each step of the integration touches
-    let mut touched = vec![u32::MAX; lattice.nodes()];
+    let mut touched = vec![u32::MAX; base];
     let mut columns: Vec<u32> = Vec::new();
     let mut quadrature: Vec<Vec<Quadrature>> = Vec::with_capacity(rows);
     for row in 0..rows {
@@ -99,26 +98,18 @@ pub(crate) fn matrix(
             .map(|(t, v, weight)| {
                 let torque = lagged.at(t - dead_time_s);
                 let spot = lattice.spot(v, sign * torque.torque_nm);
-                for column in corners(lattice, spot).map(|(c, _)| c) {
+                for (column, _) in spot.columns(lattice) {
                     if touched[column] == u32::MAX {
                         touched[column] = columns.len() as u32;
                         columns.push(column as u32);
                     }
                 }
                 let slope = if with_nuisance { sign * surface.value_and_slope(v, sign * torque.torque_nm).1 } else { 0.0 };
-                Quadrature {
-                    spot,
-                    extras: lattice.extras(v),
-                    weight,
-                    by_lag: weight * slope * torque.by_lag,
-                    by_dead_time: weight * slope * torque.by_dead_time,
-                }
+                Quadrature { spot, weight, by_lag: weight * slope * torque.by_lag, by_dead_time: weight * slope * torque.by_dead_time }
             })
             .collect();
         quadrature.push(list);
     }
-    let extras_at = columns.len();
-    columns.extend((lattice.nodes()..base).map(|c| c as u32));
     let nuisance_at = columns.len();
     if with_nuisance {
         let shared = [nuisance::LAG, nuisance::ENCODER_SCALE, nuisance::ENCODER_DELAY].map(|c| (base + c) as u32);
@@ -131,11 +122,8 @@ pub(crate) fn matrix(
     let mut sums = vec![0.0; width];
     for (row, line) in data.chunks_exact_mut(width).enumerate() {
         for q in &quadrature[row] {
-            for (column, weight) in corners(lattice, q.spot) {
+            for (column, weight) in q.spot.columns(lattice) {
                 sums[touched[column] as usize] += q.weight * weight;
-            }
-            for (k, extra) in q.extras.iter().enumerate() {
-                sums[extras_at + k] += q.weight * extra;
             }
             if with_nuisance {
                 sums[nuisance_at] += q.by_lag;
@@ -152,15 +140,4 @@ pub(crate) fn matrix(
         }
     }
     LocalMatrix { columns, data }
-}
-
-/// The four lattice columns around a spot with their weights.
-fn corners(lattice: &super::lattice::Lattice, spot: Spot) -> [(usize, f64); 4] {
-    let Spot { i, p, j, q } = spot;
-    [
-        (lattice.column(i, j), (1.0 - p) * (1.0 - q)),
-        (lattice.column(i, j + 1), (1.0 - p) * q),
-        (lattice.column(i + 1, j), p * (1.0 - q)),
-        (lattice.column(i + 1, j + 1), p * q),
-    ]
 }

@@ -12,6 +12,8 @@ const MEASURED_SAMPLES: u64 = 3;
 const SPEED_STEP_MPS: f64 = 0.05;
 /// Spacing of the fine grid's speeds [m/s].
 const FINE_STEP_MPS: f64 = 0.0125;
+/// Lines of the fine grid per interval of the surface's torque knots.
+const FINE_TORQUES: usize = 4;
 /// Standard error at which confidence is one half [m/s²].
 const HALF_CONFIDENCE_MPS2: f64 = 0.1;
 
@@ -134,11 +136,19 @@ pub(crate) fn accel_map(
         .collect();
     let lattice = &surface.lattice;
     let fastest = lattice.fastest_mps().max(speed[speed.len() - 1]);
-    let mut fine: Vec<f64> = lattice.speed_mps.clone();
+    let mut fine: Vec<f64> = lattice.speed_mps.iter().copied().filter(|v| *v < 2.0 * FINE_STEP_MPS).collect();
     fine.extend((0..).map(|k| f64::from(k) * FINE_STEP_MPS).take_while(|v| *v < fastest));
     fine.push(fastest);
     fine.sort_unstable_by(f64::total_cmp);
     fine.dedup_by(|a, b| *a - *b < 1e-4);
+    // between knots the surface bends: lines through a quarter of their distance follow it
+    let knots = lattice.torque_knots_nm();
+    let fine_torque: Vec<f64> = knots
+        .windows(2)
+        .flat_map(|k| (0..FINE_TORQUES).map(|n| k[0] + (k[1] - k[0]) * n as f64 / FINE_TORQUES as f64))
+        .chain(knots.last().copied())
+        .map(round9)
+        .collect();
     let map = AccelMap {
         gear,
         wheel_angle_deg: test_angle_deg,
@@ -150,7 +160,7 @@ pub(crate) fn accel_map(
         status,
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
-        surface: Surface { accel_mps2: grid(&lattice.torque_nm, &fine), torque_nm: lattice.torque_nm.clone(), speed_mps: fine },
+        surface: Surface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
         speed_mps: speed,
         torque_nm: torque,
     };

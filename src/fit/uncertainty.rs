@@ -6,7 +6,6 @@
 use super::estimate::Estimate;
 use super::gram::LocalGram;
 use super::kalman::whiten;
-use super::lattice::Spot;
 use super::regressors::matrix;
 use crate::map::Gear;
 use faer::{Col, Mat};
@@ -68,21 +67,9 @@ impl Uncertainty {
 /// The row c with A(V, U) = cᵀβ.
 fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> Vec<f64> {
     let lattice = &estimate.surfaces[0].lattice;
-    let Spot { i, p, j, q } = lattice.spot(speed_mps, torque_nm);
+    let spot = lattice.spot(speed_mps, torque_nm);
     let t = estimate.design.transform(gear);
-    let corners = [
-        (lattice.column(i, j), (1.0 - p) * (1.0 - q)),
-        (lattice.column(i, j + 1), (1.0 - p) * q),
-        (lattice.column(i + 1, j), p * (1.0 - q)),
-        (lattice.column(i + 1, j + 1), p * q),
-    ];
-    let extras = lattice.extras(speed_mps);
-    (0..t.ncols())
-        .map(|c| {
-            corners.iter().map(|(r, w)| w * t[(*r, c)]).sum::<f64>()
-                + extras.iter().enumerate().map(|(k, e)| e * t[(lattice.nodes() + k, c)]).sum::<f64>()
-        })
-        .collect()
+    (0..t.ncols()).map(|c| spot.columns(lattice).map(|(r, w)| w * t[(r, c)]).sum()).collect()
 }
 
 /// Xᵀe of each run, in the coefficients of the design.
