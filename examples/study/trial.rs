@@ -121,6 +121,34 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
             }
         }
     }
+    if let Some(path) = std::env::var_os("STUDY_CELLS") {
+        use std::io::Write as _;
+        let mut out = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
+        for (v, u) in &cells {
+            let a = truth.accel_mps2(*v, *u);
+            let answer = ours.torque_from_accel_clamped(*v, a).unwrap_or(f64::NAN) - u;
+            let fill = filled.torque_from_accel_clamped(*v, a).unwrap_or(f64::NAN) - u;
+            writeln!(
+                out,
+                "{kind:?} {minutes} {seed} {v:.4} {u:.2} {answer:.4} {fill:.4} {:.4}",
+                bound.accel_std_mps2(*v, *u) / truth.slope(*v, *u)
+            )?;
+        }
+        for (i, u) in map.torque_nm.iter().enumerate() {
+            for (j, v) in map.speed_mps.iter().enumerate() {
+                writeln!(
+                    out,
+                    "T1 {kind:?} {minutes} {seed} {v:.4} {u:.2} {:.5} {:.5} {:.5} {}",
+                    map.accel_mps2[i][j] - truth.accel_mps2(*v, *u),
+                    map.std_err_mps2[i][j],
+                    bound.accel_std_mps2(*v, *u),
+                    map.count[i][j]
+                )?;
+            }
+        }
+        eprintln!("{}", serde_json::to_string(&file.report.diagnostics)?);
+        eprintln!("{}", serde_json::to_string(&file.actuator)?);
+    }
     Ok(Outcome {
         cells: cells.len(),
         bound_nm,

@@ -54,7 +54,8 @@ impl LaggedCommand {
             return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
         }
         let (since, c, u0, w0) = (t_s - self.change_s[k - 1], self.command_nm[k - 1], self.torque_nm[k - 1], self.by_lag[k - 1]);
-        if self.lag_s < LEAST_LAG_S {
+        // e⁻⁴⁰ of a step is nothing
+        if self.lag_s < LEAST_LAG_S || since > 40.0 * self.lag_s {
             return Torque { torque_nm: c, by_dead_time: 0.0, by_lag: 0.0 };
         }
         let decay = (-since / self.lag_s).exp();

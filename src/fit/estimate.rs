@@ -3,31 +3,28 @@
 use super::actuator::LaggedCommand;
 use super::anova::Design;
 use super::coarse;
-use super::gram::{Gram, LocalGram};
+use super::gram::Gram;
 use super::hyper;
-use super::kalman::{Noise, smooth, whiten};
+use super::kalman::{Noise, smooth};
 use super::lattice::{Lattice, LatticeSurface};
+use super::passes::{Along, Way, offsets_of, total, wide_speeds};
 use super::penalised::{Solution, System, nuisance_prior_std};
-use super::regressors::{matrix, nuisance, predicted};
+use super::regressors::nuisance;
 use super::robust;
+use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment};
-use super::validation::{self, Along, Validation};
+use super::validation::{self, Validation};
 use super::{Error, Result, Settings};
 use crate::campaign::Survey;
 use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
-use rayon::prelude::*;
 
-/// Noise that lets the speed go where the readings say: for the first smoothing, before there is a surface.
-const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01] };
 /// Movement of the surface below which it stands still [m/s², root mean square].
 const STILL_MPS2: f64 = 2e-4;
 /// Largest step of a delay in one iteration [s].
 const DELAY_STEP_S: f64 = 0.02;
 /// Quantum of speed above which a start cannot be anchored: the first reading after it comes late and biased [m/s].
 const COARSE_QUANTUM_MPS: f64 = 0.01;
-/// Segments handled at once; sums are merged in their order.
-const BATCH: usize = 64;
 
 /// Everything that the estimator found out.
 pub(crate) struct Estimate<'a> {
@@ -117,33 +114,42 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
     let (mut dead_time_std_err_s, mut lag_std_err_s, mut encoder_scale_std_err) = (vec![0.0; logs.len()], 0.0, 0.0);
     let mut final_parts = None;
 
-    for stage in 0..2 {
-        let rounds = settings.iterations[stage];
+    let (chosen, sampled) = sampling::choose(surveys);
+    for (log, chosen) in logs.iter_mut().zip(&chosen) {
+        log.chosen.clone_from(chosen);
+    }
+    // delays free on the sample, once more on everything where the sample left something out, then delays fixed and transients cut
+    let schedule = [(0, settings.iterations[0]), (0, usize::from(sampled)), (1, settings.iterations[1])];
+    for (phase, (stage, rounds)) in schedule.into_iter().enumerate() {
+        if phase == 1 {
+            logs.iter_mut().for_each(|log| log.chosen.fill(true));
+        }
         for round in 0..rounds {
             iterations += 1;
             let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
             let cut = if stage == 0 { none.clone() } else { transients(&lagged, &calibration, surveys, settings) };
             let known = have_surface.then_some(&surfaces);
             // robust cuts: each time from all readings, so that an early mistake is taken back
-            if have_surface && ((stage == 0 && round >= 2) || (stage == 1 && round == 0)) {
-                let threshold = if stage == 0 && round == 2 { 6.0 } else { 5.0 };
+            if have_surface && ((stage == 0 && (round >= 2 || phase == 1)) || (stage == 1 && round == 0)) {
+                let threshold = if stage == 0 && (round == 2 || phase == 1) { 6.0 } else { 5.0 };
                 for log in &mut logs {
                     log.cuts = Cuts::default();
                 }
                 // judged without the moments after steps, which no static map explains
                 let steps = transients(&lagged, &calibration, surveys, settings);
                 let segments = build(&logs, &calibration, &lagged, known, &steps);
-                let (_, _, white) = along(&segments, &lagged, &calibration, &surfaces, &calm(&noise, &surfaces[0]));
-                for (segment, white) in segments.iter().zip(&white) {
+                let judged = Way { lagged: &lagged, calibration: &calibration, surfaces: &surfaces, noise: &calm(&noise, &surfaces[0]) };
+                for (segment, white) in segments.iter().zip(&judged.along(&segments, None).white) {
                     robust::find(segment, white, threshold, &mut logs[segment.log].cuts);
                 }
             }
             let segments = build(&logs, &calibration, &lagged, known, &cut);
-            let speeds = if have_surface { along(&segments, &lagged, &calibration, &surfaces, &noise).0 } else { wide_speeds(&segments) };
+            let way = Way { lagged: &lagged, calibration: &calibration, surfaces: &surfaces, noise: &noise };
+            let speeds = if have_surface { way.along(&segments, None).speeds } else { wide_speeds(&segments) };
             let with_nuisance = stage == 0 && have_surface;
             // the last sums are kept apart by fold for the cross-validation
             let (fold, folds) = if stage == 1 { validation::deal(&segments) } else { (vec![0; segments.len()], 1) };
-            let parts = assemble(&segments, &speeds, &lagged, &calibration, &surfaces, &noise, with_nuisance, logs.len(), (&fold, folds));
+            let parts = way.assemble(&segments, &speeds, with_nuisance, logs.len(), (&fold, folds));
             let grams = total(&parts);
             let nuisances = if with_nuisance { prior.len() } else { 0 };
             let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
@@ -165,12 +171,13 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
                 lattice: surfaces[0].lattice.clone(),
                 theta: design.lattice_values(g, &solution.beta[..design.coefficients()]),
             });
-            let moved = movement(&segments, &speeds, &lagged, &calibration, &surfaces, &next);
+            let way = Way { lagged: &lagged, calibration: &calibration, surfaces: &next, noise: &noise };
+            let moved = way.movement(&segments, &speeds, &surfaces);
+            let Along { speeds, residuals, white } = way.along(&segments, Some(&speeds));
             surfaces = next;
             have_surface = true;
-            // noise: three updates with delays free, one more with transients cut
-            let (speeds, residuals, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
-            if (stage == 0 && (1..=4).contains(&round)) || (stage == 1 && round == 0) {
+            // noise: updates with delays free, one more with transients cut
+            if (phase == 0 && (1..=4).contains(&round)) || (stage == 1 && round == 0) {
                 // before the first cuts pushes and slips are still in: only what is well explained tells the noise
                 let share = if stage == 0 { 0.6 } else { 0.85 };
                 let (kept, kept_residuals) = well_explained(&segments, &residuals, &white, share);
@@ -193,7 +200,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
     let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
     let validation = {
         let torque = |s: &Segment, t: f64| s.gear.sign() * lagged[s.log].at(t - calibration.dead_time_s[s.log]).torque_nm;
-        let along = Along { segments: &segments, speeds: &speeds, torque: &torque, noise: &noise };
+        let along = validation::Along { segments: &segments, speeds: &speeds, torque: &torque, noise: &noise };
         validation::validate(&design, &surfaces[0].lattice, &gears, (&fold, &parts), (&system, &solution), &along)
     };
     if validation.as_ref().is_some_and(|v| v.comparison.plain_alone) {
@@ -204,7 +211,8 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             theta: design.lattice_values(g, &solution.beta[..design.coefficients()]),
         });
         let residuals;
-        (speeds, residuals, white) = along(&segments, &lagged, &calibration, &surfaces, &noise);
+        let way = Way { lagged: &lagged, calibration: &calibration, surfaces: &surfaces, noise: &noise };
+        Along { speeds, residuals, white } = way.along(&segments, Some(&speeds));
         offsets = offsets_of(&segments, &residuals, &noise);
     }
     Ok(Estimate {
@@ -237,7 +245,7 @@ fn log_data(survey: &Survey) -> LogData<'_> {
     let encoder = &survey.track.encoder_mps.value;
     let dithered = noise_std(encoder) > 0.2 * quantum(encoder);
     let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum(encoder) < COARSE_QUANTUM_MPS || dithered;
-    LogData { survey, yaw_outliers, cuts: Cuts::default(), may_anchor }
+    LogData { survey, yaw_outliers, cuts: Cuts::default(), may_anchor, chosen: vec![true; survey.stretches.len()] }
 }
 
 /// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.
@@ -293,104 +301,6 @@ fn build(
     logs.iter().enumerate().flat_map(|(k, log)| log.segments(k, calibration, &lagged[k], surfaces, &transients[k])).collect()
 }
 
-/// Speeds along the segments from their readings alone.
-fn wide_speeds(segments: &[Segment]) -> Vec<Vec<f64>> {
-    segments
-        .par_iter()
-        .map(|s| {
-            let readings: Vec<f64> = s.readings.iter().map(|r| r.speed_mps).collect();
-            smooth(&readings, &s.readings, s.start_s, &WIDE, s.start_std_mps).speed_mps
-        })
-        .collect()
-}
-
-/// Speeds, residuals against the surface, and whitened residuals along the segments.
-#[allow(clippy::type_complexity)] // three parallel lists, one entry per segment
-fn along(
-    segments: &[Segment],
-    lagged: &[LaggedCommand],
-    calibration: &Calibration,
-    surfaces: &[LatticeSurface; 2],
-    noise: &Noise,
-) -> (Vec<Vec<f64>>, Vec<Vec<f64>>, Vec<Vec<f64>>) {
-    let wide = wide_speeds(segments);
-    let parts: Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> = segments
-        .par_iter()
-        .zip(&wide)
-        .map(|(s, rough)| {
-            let surface = &surfaces[usize::from(s.gear == Gear::Reverse)];
-            let torque = |t: f64| s.gear.sign() * lagged[s.log].at(t - calibration.dead_time_s[s.log]).torque_nm;
-            let mut speed = rough.clone();
-            let mut residual = Vec::new();
-            for _ in 0..2 {
-                let model = predicted(s, &speed, &torque, surface);
-                residual = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-                let deviation = smooth(&residual, &s.readings, s.start_s, noise, s.start_std_mps).speed_mps;
-                speed = model.iter().zip(&deviation).map(|(m, d)| (m + d).max(0.0)).collect();
-            }
-            let mut white = residual.clone();
-            whiten(&mut white, 1, &s.readings, s.start_s, noise, s.start_std_mps);
-            (speed, residual, white)
-        })
-        .collect();
-    let mut lists = (Vec::new(), Vec::new(), Vec::new());
-    for (speed, residual, white) in parts {
-        lists.0.push(speed);
-        lists.1.push(residual);
-        lists.2.push(white);
-    }
-    lists
-}
-
-/// The offset of each segment [m/s²].
-fn offsets_of(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) -> Vec<f64> {
-    segments.iter().zip(residuals).map(|(s, r)| smooth(r, &s.readings, s.start_s, noise, s.start_std_mps).offset_mps2).collect()
-}
-
-/// The sums of both gears, fold by fold.
-#[allow(clippy::too_many_arguments)] // the whole state of one iteration
-fn assemble(
-    segments: &[Segment],
-    speeds: &[Vec<f64>],
-    lagged: &[LaggedCommand],
-    calibration: &Calibration,
-    surfaces: &[LatticeSurface; 2],
-    noise: &Noise,
-    with_nuisance: bool,
-    logs: usize,
-    (fold, folds): (&[usize], usize),
-) -> Vec<[Gram; 2]> {
-    let nuisances = if with_nuisance { nuisance::DEAD_TIME + logs } else { 0 };
-    let size = surfaces[0].lattice.columns() + nuisances + 1;
-    let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
-    let paired: Vec<((&Segment, &Vec<f64>), &usize)> = segments.iter().zip(speeds).zip(fold).collect();
-    for batch in paired.chunks(BATCH) {
-        let locals: Vec<(Gear, usize, LocalGram)> = batch
-            .par_iter()
-            .map(|((s, speed), fold)| {
-                let surface = &surfaces[usize::from(s.gear == Gear::Reverse)];
-                let mut local = matrix(s, speed, &lagged[s.log], calibration.dead_time_s[s.log], surface, with_nuisance);
-                let width = local.columns.len();
-                whiten(&mut local.data, width, &s.readings, s.start_s, noise, s.start_std_mps);
-                (s.gear, **fold, LocalGram::new(local.columns, &local.data))
-            })
-            .collect();
-        for (gear, fold, local) in locals {
-            grams[fold][usize::from(gear == Gear::Reverse)].add(&local);
-        }
-    }
-    grams
-}
-
-/// The sum over the folds, in their order.
-fn total(folds: &[[Gram; 2]]) -> [Gram; 2] {
-    let mut sum = folds[0].clone();
-    for fold in &folds[1..] {
-        sum.iter_mut().zip(fold).for_each(|(a, b)| a.add_all(b));
-    }
-    sum
-}
-
 fn step_nuisance(solution: &Solution, q: usize, settings: &Settings, has_yaw: bool, calibration: &mut Calibration) {
     let step = |k: usize| solution.beta[q + k].clamp(-DELAY_STEP_S, DELAY_STEP_S);
     if settings.lag_s.is_none() {
@@ -405,27 +315,6 @@ fn step_nuisance(solution: &Solution, q: usize, settings: &Settings, has_yaw: bo
         calibration.encoder_scale *= 1.0 + solution.beta[q + nuisance::ENCODER_SCALE].clamp(-0.02, 0.02);
         calibration.encoder_delay_s = (calibration.encoder_delay_s + step(nuisance::ENCODER_DELAY)).clamp(-0.3, 0.3);
     }
-}
-
-/// Root mean square change of the surface over the readings [m/s²].
-fn movement(
-    segments: &[Segment],
-    speeds: &[Vec<f64>],
-    lagged: &[LaggedCommand],
-    calibration: &Calibration,
-    before: &[LatticeSurface; 2],
-    after: &[LatticeSurface; 2],
-) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for (s, speed) in segments.iter().zip(speeds) {
-        let g = usize::from(s.gear == Gear::Reverse);
-        for (reading, v) in s.readings.iter().zip(speed).step_by(5) {
-            let u = s.gear.sign() * lagged[s.log].at(reading.t_s - calibration.dead_time_s[s.log]).torque_nm;
-            sum += (after[g].accel_mps2(*v, u) - before[g].accel_mps2(*v, u)).powi(2);
-            count += 1;
-        }
-    }
-    (sum / f64::from(count.max(1))).sqrt()
 }
 
 /// The `share` of the segments that the surface explains best by mean square innovation, so that pushes and slips do not pass for noise.

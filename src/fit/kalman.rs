@@ -160,78 +160,47 @@ pub(crate) struct Smoothed {
     pub(crate) offset_mps2: f64,
 }
 
-/// Fixed-interval smoothing (Rauch, Tung & Striebel 1965) of a residual sequence.
+/// Fixed-interval smoothing of a residual sequence, by Bryson and Frazier's adjoint recursion (Bierman 1973): with λ running backwards from
+/// zero, λ ← Hᵀ·(−e/S) + (I − K·H)ᵀ·λ at a reading and λ ← Fᵀ·λ between readings, the smoothed state is x⁻ − P⁻·λ. Nothing is inverted.
 pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Smoothed {
-    let n = readings.len();
+    /// What the way back needs of one reading.
+    struct Passed {
+        predicted_mps: f64,
+        /// First row of the predicted covariance.
+        row: [f64; 3],
+        gain: [f64; 3],
+        innovation_over_s: f64,
+        drift: f64,
+        dt: f64,
+        decay: f64,
+    }
     let mut p = start_covariance(noise, start_std_mps);
     let mut x = [0.0; 3];
-    let (mut predicted, mut filtered, mut transitions) = (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
+    let mut passed = Vec::with_capacity(readings.len());
     let mut last = start_s;
     for (reading, residual) in readings.iter().zip(residual_mps) {
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
-        predicted.push((x, p));
+        let (predicted_mps, row) = (x[0], p[0]);
         let sigma = noise.reading_mps[usize::from(reading.witness)];
-        let (gain, _) = measure(&mut p, sigma * sigma);
+        let (gain, s) = measure(&mut p, sigma * sigma);
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
         }
-        filtered.push((x, p));
-        transitions.push([[1.0, drift, dt], [0.0, decay, 0.0], [0.0, 0.0, 1.0]]);
+        passed.push(Passed { predicted_mps, row, gain, innovation_over_s: innovation / s, drift, dt, decay });
     }
-    let mut speed_mps = vec![0.0; n];
-    let mut state = x;
-    for i in (0..n).rev() {
-        if i + 1 < n {
-            let (xf, pf) = filtered[i];
-            let (xp, pp) = predicted[i + 1];
-            let f = transitions[i + 1];
-            // gain C = Pf Fᵀ Pp⁻¹, solved as Pp Cᵀ = F Pf
-            let mut fp = [[0.0; 3]; 3];
-            for r in 0..3 {
-                for c in 0..3 {
-                    fp[r][c] = (0..3).map(|k| f[r][k] * pf[k][c]).sum();
-                }
-            }
-            let Some(ct) = solve3(pp, fp) else { break };
-            let away = [state[0] - xp[0], state[1] - xp[1], state[2] - xp[2]];
-            for r in 0..3 {
-                state[r] = xf[r] + (0..3).map(|k| ct[k][r] * away[k]).sum::<f64>();
-            }
-        }
-        speed_mps[i] = state[0];
+    let mut speed_mps = vec![0.0; passed.len()];
+    let mut adjoint = [0.0; 3];
+    for (speed, at) in speed_mps.iter_mut().zip(&passed).rev() {
+        let [kv, kd, kb] = at.gain;
+        adjoint[0] -= at.innovation_over_s + kv * adjoint[0] + kd * adjoint[1] + kb * adjoint[2];
+        *speed = at.predicted_mps - (at.row[0] * adjoint[0] + at.row[1] * adjoint[1] + at.row[2] * adjoint[2]);
+        adjoint = [adjoint[0], at.drift * adjoint[0] + at.decay * adjoint[1], at.dt * adjoint[0] + adjoint[2]];
     }
     Smoothed { speed_mps, offset_mps2: x[2] }
-}
-
-/// Solves A·X = B for 3 × 3 matrices by elimination with pivoting; `None` when A is singular.
-fn solve3(mut a: [[f64; 3]; 3], mut b: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
-    for k in 0..3 {
-        let pivot = (k..3).max_by(|r, s| a[*r][k].abs().total_cmp(&a[*s][k].abs()))?;
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        if a[k][k].abs() < 1e-300 {
-            return None;
-        }
-        for r in 0..3 {
-            if r != k {
-                let factor = a[r][k] / a[k][k];
-                for c in 0..3 {
-                    a[r][c] -= factor * a[k][c];
-                    b[r][c] -= factor * b[k][c];
-                }
-            }
-        }
-    }
-    for k in 0..3 {
-        for c in 0..3 {
-            b[k][c] /= a[k][k];
-        }
-    }
-    Some(b)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ pub(crate) fn find(segment: &Segment, white: &[f64], threshold: f64, cuts: &mut 
         let calm = |j: usize| white.get(j).is_none_or(|e| e.abs() < 3.0);
         if white[k].abs() > SPIKE && calm(k + 1) {
             let reading = segment.readings[k];
-            cuts.readings.push((reading.witness, reading.sample));
+            cuts.readings.insert((reading.witness, reading.sample));
         }
     }
     // clip single spikes so that they do not condemn a window

@@ -5,6 +5,7 @@ use super::kalman::{Reading, UNKNOWN_SPEED_MPS};
 use super::lattice::LatticeSurface;
 use crate::campaign::{Survey, Verdict};
 use crate::map::Gear;
+use std::collections::BTreeSet;
 
 /// What turns raw readings into speeds on one clock, and commands into torques. Estimated with the surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +43,7 @@ pub(crate) struct Cuts {
     /// Intervals [s], each with its verdict.
     pub(crate) intervals: Vec<(f64, f64, Verdict)>,
     /// Single readings: (witness, sample).
-    pub(crate) readings: Vec<(u8, u32)>,
+    pub(crate) readings: BTreeSet<(u8, u32)>,
 }
 
 /// Fewest readings of a segment.
@@ -65,6 +66,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) cuts: Cuts,
     /// Whether a start from rest may be taken as v = 0 at breakaway.
     pub(crate) may_anchor: bool,
+    /// Which of the survey's stretches take part.
+    pub(crate) chosen: Vec<bool>,
 }
 
 impl LogData<'_> {
@@ -79,7 +82,7 @@ impl LogData<'_> {
         transients: &[(f64, f64)],
     ) -> Vec<Segment> {
         let mut segments = Vec::new();
-        for (run, stretch) in self.survey.stretches.iter().enumerate() {
+        for (run, stretch) in self.survey.stretches.iter().enumerate().filter(|(run, _)| self.chosen[*run]) {
             let dead_time_s = calibration.dead_time_s[log];
             let mut start_s = stretch.from_s;
             let mut anchored = false;
@@ -102,9 +105,10 @@ impl LogData<'_> {
                 }
             }
             let readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
-            let mut cuts: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).collect();
+            let near = |from: f64, to: f64| to >= start_s && from <= stretch.to_s;
+            let mut cuts: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).filter(|c| near(c.0, c.1)).collect();
             // what follows the first step of a start from rest is anchored, and worth keeping
-            cuts.extend(transients.iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
+            cuts.extend(transients.iter().filter(|c| near(c.0, c.1) && !(anchored && c.0 <= start_s + 0.02)));
             split(
                 &readings,
                 &cuts,

@@ -14,6 +14,7 @@ use super::kalman::{Noise, whiten};
 use super::lattice::{Lattice, LatticeSurface};
 use super::penalised::{Solution, System};
 use super::regressors::predicted;
+use super::sampling::scramble;
 use super::segment::Segment;
 use crate::map::Gear;
 use rayon::prelude::*;
@@ -62,14 +63,6 @@ pub(crate) fn deal(segments: &[Segment]) -> (Vec<usize>, usize) {
     let count = FOLDS.min(runs.len()).max(1);
     let fold: BTreeMap<(usize, usize), usize> = shuffled.iter().enumerate().map(|(k, (_, run))| (*run, k % count)).collect();
     (segments.iter().map(|s| fold[&(s.log, s.run)]).collect(), count)
-}
-
-/// A well mixed 64-bit number. Source: Steele, Lea & Flood 2014, *Fast splittable pseudorandom number generators* (SplitMix64).
-fn scramble(k: u64) -> u64 {
-    let mut z = k.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// What the segments are judged with.
