@@ -25,6 +25,7 @@ mod runs;
 mod sampling;
 mod segment;
 mod settings;
+mod soundness;
 mod spline;
 mod tables;
 mod uncertainty;

@@ -16,7 +16,9 @@ fn pivot_cal(folder: &Path) -> Command {
 /// Runs and returns (exit status, standard error).
 fn run(folder: &Path, args: &[&str]) -> (i32, String) {
     let output = pivot_cal(folder).args(args).output().unwrap();
-    (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+    // a finding is part of the summary, an error is not
+    let told = if output.status.code() == Some(3) { [output.stderr, output.stdout].concat() } else { output.stderr };
+    (output.status.code().unwrap(), String::from_utf8_lossy(&told).into_owned())
 }
 
 fn expect(folder: &Path, args: &[&str], status: i32, words: &[&str]) {
@@ -68,10 +70,15 @@ const MAP: &str = "[signals]\nspeed = { path = \"/drive.speed\", unit = \"m/s\" 
 
 /// A sound campaign: steps from rest of 12, 20 and 28 N·m and their coasts, of a vehicle a = 0.03·τ − 0.3 − 0.5·v.
 fn campaign(t: f64) -> (f64, f64, f64) {
+    steps(t, &[12.0, 20.0, 28.0], 0.03)
+}
+
+/// Steps from rest and their coasts, of a vehicle a = gain·τ − 0.3 − 0.5·v.
+fn steps(t: f64, torques: &[f64], gain: f64) -> (f64, f64, f64) {
     let (period, run) = (6.0, (t / 6.0) as usize);
-    let torque = [12.0, 20.0, 28.0][run % 3];
+    let torque = torques[run % torques.len()];
     let s = t % period;
-    let (a0, k) = (0.03 * torque - 0.3, 0.5);
+    let (a0, k) = (gain * torque - 0.3, 0.5);
     let speed = |s: f64| a0 / k * (1.0 - (-k * s).exp());
     let coast = |s: f64| (speed(2.5) + 0.6) * (-k * s).exp() - 0.6;
     let noise = 0.004 * ((t * 7919.0).sin() + (t * 3571.0).cos());
@@ -195,6 +202,79 @@ fn logs_of_different_vehicles_are_refused() {
         1,
         &["different vehicles", "wheelbase_m", "0.9", "1.4"],
     );
+}
+
+#[test]
+fn logs_that_contradict_each_other_give_a_table_that_is_marked() {
+    let folder = folder();
+    sound(folder.path(), "empty.mcap", 0.9);
+    write_log(&folder.path().join("laden.mcap"), 0.9, 36.0, |t| steps(t, &[16.0, 20.0, 28.0], 0.024));
+    expect(
+        folder.path(),
+        &["fit", "empty.mcap", "laden.mcap", "--signals", "signals.toml"],
+        3,
+        &["contradict", "empty.mcap", "more than laden.mcap", "Fit them apart"],
+    );
+    assert!(folder.path().join("maps/table1.csv").exists());
+}
+
+#[test]
+fn runs_at_one_torque_give_a_table_that_is_marked_and_say_which_others_would_help() {
+    let folder = folder();
+    sound(folder.path(), "log.mcap", 0.9);
+    write_log(&folder.path().join("one.mcap"), 0.9, 36.0, |t| steps(t, &[20.0], 0.03));
+    expect(folder.path(), &["fit", "one.mcap", "--signals", "signals.toml"], 3, &["hardly varied", "20 and 0 N·m", "12 and 30 N·m"]);
+    assert!(folder.path().join("maps/table1.csv").exists());
+}
+
+#[test]
+fn a_speed_that_changes_four_times_a_second_is_no_speed_signal() {
+    let folder = folder();
+    sound(folder.path(), "log.mcap", 0.9);
+    // repeated at 50 Hz as a slow sensor behind a fast bus is
+    write_log(&folder.path().join("slow.mcap"), 0.9, 36.0, |t| {
+        let (speed, _, _) = campaign((t * 4.0).floor() / 4.0);
+        let (_, torque, angle) = campaign(t);
+        (speed, torque, angle)
+    });
+    expect(
+        folder.path(),
+        &["fit", "slow.mcap", "--signals", "signals.toml"],
+        1,
+        &["slow.mcap", "too slow", "times a second", "10 are needed"],
+    );
+}
+
+#[test]
+fn a_coarse_speed_without_dither_still_gives_the_table_and_anchors_nothing() {
+    let folder = folder();
+    sound(folder.path(), "log.mcap", 0.9);
+    write_log(&folder.path().join("coarse.mcap"), 0.9, 72.0, |t| {
+        let (s, run) = (t % 6.0, (t / 6.0) as usize);
+        let (_, torque, angle) = campaign(t);
+        let a0 = 0.03 * [12.0, 20.0, 28.0][run % 3] - 0.3;
+        let speed = |s: f64| 2.0 * a0 * (1.0 - (-0.5 * s).exp());
+        let true_speed = if s < 1.0 {
+            0.0
+        } else if s < 3.5 {
+            speed(s - 1.0)
+        } else {
+            ((speed(2.5) + 0.6) * (-0.5 * (s - 3.5)).exp() - 0.6).max(0.0)
+        };
+        ((true_speed / 0.02).round() * 0.02, torque, angle)
+    });
+    let (status, text) = run(folder.path(), &["fit", "coarse.mcap", "--signals", "signals.toml"]);
+    assert_eq!(status, 0, "{text}");
+    let json = std::fs::read_to_string(folder.path().join("maps/table1.json")).unwrap();
+    assert!(json.contains("too coarse to tell when a start from rest begins"));
+    let table = std::fs::read_to_string(folder.path().join("maps/table1.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = table.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
+    let speeds: Vec<f64> = table.lines().next().unwrap().split(',').skip(1).map(|c| c.parse().unwrap()).collect();
+    let row = rows.iter().find(|r| (r[0] - 20.0).abs() < 0.1).unwrap();
+    for (v, a) in speeds.iter().zip(&row[1..]).filter(|(v, _)| **v > 0.05 && **v < 0.4) {
+        let truth = 0.03 * 20.0 - 0.3 - 0.5 * v;
+        assert!((a - truth).abs() < 0.05, "at {v} m/s: {a}, the truth is {truth}");
+    }
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let (fit, damaged) = make(arguments, ui)?;
     ui.document(&fit.file)?;
     show(&fit.file, ui);
-    Ok(if fit.covered && !damaged { Outcome::Done } else { Outcome::Rejected })
+    Ok(if fit.sound && !damaged { Outcome::Done } else { Outcome::Rejected })
 }
 
 /// Fits and writes; also tells whether a damaged log counts (with `--strict`).

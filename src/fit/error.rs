@@ -22,6 +22,10 @@ pub enum Error {
         "all usable motion is at one torque ({torque_nm:.1} N·m): how acceleration depends on torque cannot be told. Add runs at other torques, about {suggestion_nm:.0} N·m and {suggestion2_nm:.0} N·m"
     )]
     OneTorque { torque_nm: f64, suggestion_nm: f64, suggestion2_nm: f64 },
+    #[error(
+        "{file}: the speed signal is too slow: it changes {rate_hz:.1} times a second, {needed_hz:.0} are needed where no yaw rate is mapped. Log the wheel speed faster, or map a yaw rate"
+    )]
+    SlowSpeed { file: String, rate_hz: f64, needed_hz: f64 },
     #[error("the normal equations cannot be solved: the logs hold no information on the surface")]
     Singular,
     #[error(transparent)]

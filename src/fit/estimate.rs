@@ -26,6 +26,9 @@ const DELAY_STEP_S: f64 = 0.02;
 /// Quantum of speed above which a start cannot be anchored: the first reading after it comes late and biased [m/s].
 const COARSE_QUANTUM_MPS: f64 = 0.01;
 
+/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
+const SLOW_HZ: f64 = 10.0;
+
 /// Everything that the estimator found out.
 pub(crate) struct Estimate<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
@@ -70,6 +73,9 @@ impl Estimate<'_> {
 
 /// Runs the estimator.
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result<Estimate<'a>> {
+    if let Some((survey, rate_hz)) = surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?))) {
+        return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
+    }
     let mut logs: Vec<LogData> = surveys.iter().map(log_data).collect();
     let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
     let mut calibration = first_calibration(surveys);
@@ -105,7 +111,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
     let design = Design::new(&lattice, gears.len() > 1);
     let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
     let mut surfaces = [zero.clone(), zero];
-    let prior = nuisance_prior_std(logs.len());
+    let prior = nuisance_prior_std(logs.len(), has_yaw);
     let mut penalties: Vec<f64> = Vec::new();
     let mut noise_bounds = Vec::new();
     let mut last: Option<(Solution, System)> = None;
@@ -238,6 +244,13 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
         has_yaw,
         validation,
     })
+}
+
+/// The rate of a speed signal that is too slow to tell accelerations by itself [Hz]; `None` when it is fast enough.
+pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
+    let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
+    let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
+    (rate_hz < SLOW_HZ).then_some(rate_hz)
 }
 
 fn log_data(survey: &Survey) -> LogData<'_> {

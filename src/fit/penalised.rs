@@ -173,9 +173,13 @@ impl System {
     }
 }
 
-/// Prior standard deviations of the nuisance columns: lag and delays 20 ms (a step no larger is taken at once), scale 5 %.
-pub(crate) fn nuisance_prior_std(logs: usize) -> Vec<f64> {
+/// Prior standard deviations of the nuisance columns: lag and delays 20 ms (a step no larger is taken at once), scale 5 %. Without a second
+/// witness the encoder is taken at its word: its delay is part of the dead time, its scale part of the speed.
+pub(crate) fn nuisance_prior_std(logs: usize, two_witnesses: bool) -> Vec<f64> {
     let mut prior = vec![0.02; nuisance::DEAD_TIME + logs];
-    prior[nuisance::ENCODER_SCALE] = 0.05;
+    prior[nuisance::ENCODER_SCALE] = if two_witnesses { 0.05 } else { 1e-9 };
+    if !two_witnesses {
+        prior[nuisance::ENCODER_DELAY] = 1e-9;
+    }
     prior
 }

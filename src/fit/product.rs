@@ -1,16 +1,16 @@
 //! What a fit gives: `table1.json`, its CSVs, and the verdict on every sample.
 
-use super::estimate::{Estimate, estimate};
+use super::estimate::{Estimate, estimate, slow_rate_hz};
 use super::feedback::{FeedbackDelays, delays};
 use super::runs::{disagreements, residual_rms_mps2, round, run_figures};
+use super::soundness::{coverage, objections};
 use super::tables::{accel_map, used_samples, verdicts};
 use super::uncertainty::Uncertainty;
 use super::validation::Comparison;
 use super::{Error, Result, Settings, monotone};
 use crate::campaign::{Survey, Verdict, ledger};
 use crate::map::{
-    Actuator, CellStatus, DelayEstimate, FORMAT_VERSION, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
-    Witness,
+    Actuator, DelayEstimate, FORMAT_VERSION, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Witness,
 };
 use crate::signal::median;
 
@@ -23,8 +23,9 @@ pub struct Fit {
     pub csvs: Vec<(String, String)>,
     /// The final verdict on every encoder sample, per log in the order of `file.logs`.
     pub verdicts: Vec<Vec<Verdict>>,
-    /// Whether enough of the table is measured or interpolated.
-    pub covered: bool,
+    /// Whether the table may be trusted: enough of it measured or interpolated, torque varied, no log against another. The report's notes
+    /// say what is missing.
+    pub sound: bool,
 }
 
 /// An offset between the clocks of command and speed counts from here on [s]: smaller ones are sampling phases.
@@ -35,7 +36,7 @@ const LAG_EXPLAINS: f64 = 2.5;
 /// Fits Table 1 to the surveyed logs of one vehicle. The order of the logs does not matter.
 ///
 /// # Errors
-/// No logs, logs of different vehicles, too little motion, one torque only.
+/// No logs, logs of different vehicles, too little motion, one torque only, a speed signal that is too slow and alone.
 pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
     surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
     same_vehicle(&surveys)?;
@@ -58,17 +59,9 @@ pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
         csvs.push((map.csv.file.clone(), csv));
         maps.push(map);
     }
-    let cells = || maps.iter().flat_map(|m| m.status.iter().flatten());
-    let share = |good: &dyn Fn(CellStatus) -> bool| cells().filter(|s| good(**s)).count() as f64 / cells().count().max(1) as f64;
-    let coverage = share(&|s| s == CellStatus::Measured);
-    let covered = share(&|s| s != CellStatus::Extrapolated) >= settings.least_coverage;
-    if !covered {
-        notes.push(format!(
-            "coverage is too thin: {:.0} % of the cells are measured or interpolated, {:.0} % are needed; drive the missing torques, from rest and from speed",
-            100.0 * share(&|s| s != CellStatus::Extrapolated),
-            100.0 * settings.least_coverage
-        ));
-    }
+    let objections = objections(&estimate, &maps, &samples, settings);
+    let sound = objections.is_empty();
+    notes.extend(objections);
     let table = ledger(verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied())));
     let figures = run_figures(&estimate, &verdicts);
     notes.extend(disagreements(&figures.rows));
@@ -76,7 +69,7 @@ pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
         ledger: table,
         runs: figures.rows,
         residual_rms_mps2: round(residual_rms_mps2(&estimate), 1e5),
-        coverage: round(coverage, 1e4),
+        coverage: round(coverage(&maps).0, 1e4),
         iterations: estimate.iterations as u32,
         notes,
         diagnostics: diagnostics(&estimate, moved, figures.pooled),
@@ -100,7 +93,7 @@ pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
         maps,
         report,
     };
-    Ok(Fit { file, csvs, verdicts, covered })
+    Ok(Fit { file, csvs, verdicts, sound })
 }
 
 /// Logs of one vehicle agree on its geometry.
@@ -158,6 +151,14 @@ fn estimate_notes(estimate: &Estimate) -> Vec<String> {
     }
     for bound in &estimate.noise_bounds {
         notes.push(format!("noise model: {bound} is at its bound"));
+    }
+    for log in &estimate.logs {
+        if let Some(rate_hz) = slow_rate_hz(log.survey) {
+            notes.push(format!(
+                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate tells the speeds; cells count its samples and stay thin",
+                log.survey.track.source.file
+            ));
+        }
     }
     if let Some(low) = estimate.logs.iter().find(|l| !l.may_anchor) {
         notes.push(format!("{}: speed is too coarse to tell when a start from rest begins", low.survey.track.source.file));
