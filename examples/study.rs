@@ -35,9 +35,10 @@ fn row(minutes: f64, o: &[Outcome]) -> [String; 2] {
     let (ours, bound, floor) = (pooled(o, |o| o.pivot_cal_nm), pooled(o, |o| o.bound_nm), pooled(o, Outcome::floor_nm));
     let (bins, golay, quadratic) = (pooled(o, |o| o.bins_nm), pooled(o, |o| o.savitzky_golay_nm), pooled(o, |o| o.local_quadratic_nm));
     let accuracy = format!(
-        "| {minutes} | {} | {:.0} | {bound:.3} | {:.3} | **{ours:.3}** | {:.2} | {:.2} | {quadratic:.3} | {golay:.3} | {bins:.3} |",
+        "| {minutes} | {} | {:.0} | {bound:.3} | {:.3} | {:.3} | **{ours:.3}** | {:.2} | {:.2} | {quadratic:.3} | {golay:.3} | {bins:.3} |",
         o.len(),
         mean(o, |o| o.cells as f64),
+        pooled(o, |o| o.node_exact_nm),
         pooled(o, |o| o.discretisation_nm),
         ours / floor,
         ours / bound,

@@ -30,6 +30,8 @@ pub(crate) struct Outcome {
     pub(crate) bound_nm: f64,
     /// The same table filled with the truth.
     pub(crate) discretisation_nm: f64,
+    /// The same table exact at its nodes instead of best over the whole.
+    pub(crate) node_exact_nm: f64,
     pub(crate) pivot_cal_nm: f64,
     pub(crate) bins_nm: f64,
     pub(crate) savitzky_golay_nm: f64,
@@ -53,10 +55,11 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
-            "{} cells, bound {:.3}, table {:.3}, pivot-cal {:.3}, local quadratic {:.3}, Savitzky-Golay {:.3}, bins {:.3} N·m; intervals hold {:.1} %, {:.2} × as wide as the bound's{}; fit {:.1} s",
+            "{} cells, bound {:.3}, table {:.3} ({:.3} node-exact), pivot-cal {:.3}, local quadratic {:.3}, Savitzky-Golay {:.3}, bins {:.3} N·m; intervals hold {:.1} %, {:.2} × as wide as the bound's{}; fit {:.1} s",
             self.cells,
             self.bound_nm,
             self.discretisation_nm,
+            self.node_exact_nm,
             self.pivot_cal_nm,
             self.local_quadratic_nm,
             self.savitzky_golay_nm,
@@ -79,10 +82,11 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
     let fit_s = started.elapsed().as_secs_f64();
     let file = &fit.file;
     let reference = || CsvRef { file: "table1.json".into(), sha256: String::new() };
-    let table = |file: &pivot_cal::map::Table1File| -> Fallible<TorqueTable> {
-        Ok(invert(file, reference(), &invert::Settings::default())?.file.maps[0].table()?)
+    let table = |file: &pivot_cal::map::Table1File, node_exact: bool| -> Fallible<TorqueTable> {
+        let settings = invert::Settings { node_exact, ..invert::Settings::default() };
+        Ok(invert(file, reference(), &settings)?.file.maps[0].table()?)
     };
-    let ours = table(file)?;
+    let ours = table(file, false)?;
     let mut true_file = file.clone();
     let surface = &mut true_file.maps[0].surface;
     for (row, u) in surface.accel_mps2.iter_mut().zip(&surface.torque_nm) {
@@ -90,7 +94,7 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
             *a = truth.accel_mps2(*v, *u);
         }
     }
-    let filled = table(&true_file)?;
+    let (filled, exact) = (table(&true_file, false)?, table(&true_file, true)?);
 
     let covered = covered(&drive);
     // a table answers where it can; all methods are judged on the same cells
@@ -121,38 +125,11 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
             }
         }
     }
-    if let Some(path) = std::env::var_os("STUDY_CELLS") {
-        use std::io::Write as _;
-        let mut out = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
-        for (v, u) in &cells {
-            let a = truth.accel_mps2(*v, *u);
-            let answer = ours.torque_from_accel_clamped(*v, a).unwrap_or(f64::NAN) - u;
-            let fill = filled.torque_from_accel_clamped(*v, a).unwrap_or(f64::NAN) - u;
-            writeln!(
-                out,
-                "{kind:?} {minutes} {seed} {v:.4} {u:.2} {answer:.4} {fill:.4} {:.4}",
-                bound.accel_std_mps2(*v, *u) / truth.slope(*v, *u)
-            )?;
-        }
-        for (i, u) in map.torque_nm.iter().enumerate() {
-            for (j, v) in map.speed_mps.iter().enumerate() {
-                writeln!(
-                    out,
-                    "T1 {kind:?} {minutes} {seed} {v:.4} {u:.2} {:.5} {:.5} {:.5} {}",
-                    map.accel_mps2[i][j] - truth.accel_mps2(*v, *u),
-                    map.std_err_mps2[i][j],
-                    bound.accel_std_mps2(*v, *u),
-                    map.count[i][j]
-                )?;
-            }
-        }
-        eprintln!("{}", serde_json::to_string(&file.report.diagnostics)?);
-        eprintln!("{}", serde_json::to_string(&file.actuator)?);
-    }
     Ok(Outcome {
         cells: cells.len(),
         bound_nm,
         discretisation_nm: by_table(&filled),
+        node_exact_nm: by_table(&exact),
         pivot_cal_nm: by_table(&ours),
         bins_nm: rms(&|v, a| bins.torque_nm(v, a)),
         savitzky_golay_nm: rms(&|v, a| savitzky_golay.torque_nm(v, a)),
