@@ -6,6 +6,7 @@ use super::messages::{DriveStep, PivotRequest, Pose};
 use super::numeric::sin_cos;
 use super::path::{Nearest, Place};
 use super::speed_loop::{SpeedLoop, SpeedLoopSettings};
+use super::stopping::{Arrival, StoppingGuard};
 use super::torque_map::TorqueMap;
 use crate::map::Gear;
 use serde::Serialize;
@@ -28,7 +29,14 @@ pub struct WaypointLawSettings {
     pub standstill_mps: f64,
     /// The end is reached when less than this is left of the arc [m]. Default 0.02.
     pub end_threshold_m: f64,
-    /// What happens on the last piece. Default: rolling out, with 0.1 s and 0.06 m/s: half of the median error of the bare threshold,
+    /// Time from a command to its effect [s], dead time and lag together, for what looks at the end. Default 0.1; a map tells its own.
+    pub reaction_s: f64,
+    /// Fastest rise of a driving acceleration [m/s³]; `None` leaves it free. Default 4: the plan's 0.4 m/s² within 0.1 s. A desired
+    /// acceleration may always fall, and rise up to zero, at once.
+    pub accel_rise_mps3: Option<f64>,
+    /// Brakes for the end when the speed loop would come there too fast; `None` leaves that to the speed loop.
+    pub guard: Option<StoppingGuard>,
+    /// What happens on the last piece. Default: rolling out, with 0.06 m/s: half of the median error of the bare threshold,
     /// and nothing worse than its 99th percentile, over the Monte Carlo of the bundled vehicle.
     pub finish: Finish,
     /// Fastest change of the torque [N·m/s]; `None`, the default, leaves it free.
@@ -46,7 +54,10 @@ impl WaypointLawSettings {
             speed_loop: SpeedLoopSettings::default(),
             standstill_mps: 0.02,
             end_threshold_m: 0.02,
-            finish: Finish::RollOut { reaction_s: 0.1, creep_mps: 0.06 },
+            reaction_s: 0.1,
+            accel_rise_mps3: Some(4.0),
+            guard: Some(StoppingGuard::default()),
+            finish: Finish::RollOut { creep_mps: 0.06 },
             torque_rate_nm_s: None,
         }
     }
@@ -61,12 +72,13 @@ pub enum Finish {
     /// With less than the end threshold left, the torque goes when the wheel would roll out to the end by itself, as the map tells; until
     /// then the wheel is not asked to go slower than it can without standing short of the end.
     RollOut {
-        /// Time from a command to its effect [s], dead time and lag together.
-        reaction_s: f64,
         /// Slowest speed that is asked for [m/s].
         creep_mps: f64,
     },
 }
+
+/// Share of the end threshold that the wheel may roll past the end without being braked: 5 mm of 0.02 m, the noise of a usual localisation.
+const OVERRUN: f64 = 0.25;
 
 /// The law with its map and memory.
 #[derive(Debug, Clone)]
@@ -86,12 +98,19 @@ impl<M: TorqueMap> WaypointLaw<M> {
         Self { settings, map, place: Place::default(), speed_loop: SpeedLoop::default(), accel_mps2: 0.0, torque_nm: 0.0, saturated: false }
     }
 
-    /// How far the wheel rolls when the torque is taken away now [m]: with the present acceleration until that takes effect, then with the
-    /// acceleration for which the map gives no torque. Infinity when it would not come to rest.
-    fn roll_out_m(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, reaction_s: f64) -> f64 {
-        let later_mps = (speed_mps + accel_mps2 * reaction_s).max(0.0);
+    /// The speed loop's acceleration [m/s²] with the rise of its driving part limited, and under the guard's ceiling.
+    fn bounded(&self, accel_mps2: f64, arrival: Arrival) -> f64 {
+        let settings = &self.settings;
+        let risen = settings.accel_rise_mps3.map_or(f64::INFINITY, |rise| self.accel_mps2.max(0.0) + rise.abs() * settings.period_s);
+        let ceiling = settings.guard.map_or(f64::INFINITY, |guard| guard.ceiling_mps2(arrival));
+        accel_mps2.min(risen).min(ceiling).max(settings.speed_loop.min_accel_mps2)
+    }
+
+    /// How far the wheel rolls by itself from `speed_mps` [m], with the acceleration for which the map gives no torque. Infinity when it would
+    /// not come to rest.
+    fn rolling_m(&self, gear: Gear, speed_mps: f64) -> f64 {
         let (mut low, mut high) = (self.settings.speed_loop.min_accel_mps2, 0.0);
-        let drives = |accel| self.map.torque(gear, later_mps, accel).is_some_and(|found| found.torque_nm > 0.0);
+        let drives = |accel| self.map.torque(gear, speed_mps, accel).is_some_and(|found| found.torque_nm > 0.0);
         if !drives(high) {
             return f64::INFINITY;
         }
@@ -104,7 +123,24 @@ impl<M: TorqueMap> WaypointLaw<M> {
                 low = middle;
             }
         }
-        0.5 * (speed_mps + later_mps) * reaction_s - later_mps * later_mps / (2.0 * high.min(-1e-3))
+        speed_mps * speed_mps / (-2.0 * high.min(-1e-3))
+    }
+
+    /// Whether the torque goes now. With a threshold: less than it is left. With rolling out: the wheel would roll to the end by itself, and
+    /// not so far past it that braking on were better.
+    fn ends(&self, gear: Gear, left_m: f64, arrival: Arrival) -> bool {
+        let settings = &self.settings;
+        if left_m >= settings.end_threshold_m {
+            return false;
+        }
+        match settings.finish {
+            Finish::Threshold => true,
+            Finish::RollOut { .. } => {
+                let past_m = self.rolling_m(gear, arrival.speed_mps) - arrival.left_m;
+                let brakes_on = settings.guard.is_some() && past_m > OVERRUN * settings.end_threshold_m && arrival.speed_mps > settings.standstill_mps;
+                past_m >= 0.0 && !brakes_on
+            }
+        }
     }
 }
 
@@ -129,7 +165,10 @@ impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
             Finish::RollOut { creep_mps, .. } => planned_mps.max(2.0 * creep_mps - speed_mps),
         };
         let error_mps = target_speed_mps - speed_mps;
-        let (accel_mps2, limited) = self.speed_loop.step(&settings.speed_loop, error_mps, self.saturated, settings.period_s);
+        let (looped_mps2, limited) = self.speed_loop.step(&settings.speed_loop, error_mps, self.saturated, settings.period_s);
+        let left_m = path.length_m() - self.place.arc_m;
+        let arrival = Arrival::after(settings.reaction_s, speed_mps, self.accel_mps2, left_m);
+        let accel_mps2 = self.bounded(looped_mps2, arrival);
         // a wheel that the sensor sees rolling back a little is looked up as standing
         let looked_up_mps = if speed_mps < 0.0 { 0.0 } else { speed_mps };
         let found = self.map.torque(request.gear, looked_up_mps, accel_mps2)?;
@@ -142,21 +181,16 @@ impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
             }
             None => wanted_nm,
         };
-        self.saturated = torque_nm != wanted_nm || found.outside;
+        self.saturated = torque_nm != wanted_nm || found.outside || accel_mps2 != looped_mps2;
         (self.accel_mps2, self.torque_nm) = (accel_mps2, torque_nm);
-        let left_m = path.length_m() - self.place.arc_m;
-        let end_reached = left_m < settings.end_threshold_m
-            && match settings.finish {
-                Finish::Threshold => true,
-                Finish::RollOut { reaction_s, .. } => left_m <= self.roll_out_m(request.gear, looked_up_mps, accel_mps2, reaction_s),
-            };
+        let end_reached = self.ends(request.gear, left_m, arrival);
         Some(DriveStep {
             torque_nm,
             target_speed_mps,
             speed_mps: looked_up_mps,
             accel_mps2,
             arc_m: self.place.arc_m,
-            limited,
+            limited: limited || accel_mps2 != looped_mps2,
             outside_table: found.outside,
             end_reached,
         })

@@ -100,9 +100,10 @@ pub(super) fn tuned_heading_law(
     Ok(candidate(best))
 }
 
-/// Angle tolerance and all: the settings of the map's law for a vehicle.
+/// The settings of the map's law for a vehicle: the reaction time is the dead time and lag that `table2.json` carries.
 pub(super) fn law_settings(maps: &Maps) -> WaypointLawSettings {
-    WaypointLawSettings::new(maps.table2.vehicle.wheelbase_m)
+    let table2 = &maps.table2;
+    WaypointLawSettings { reaction_s: table2.dead_time_s + table2.lag_s, ..WaypointLawSettings::new(table2.vehicle.wheelbase_m) }
 }
 
 /// Wheel angle of the map [rad].
