@@ -6,7 +6,7 @@ use super::messages::{DriveStep, PivotRequest, Pose};
 use super::numeric::sin_cos;
 use super::path::{Nearest, Place};
 use super::speed_loop::{SpeedLoop, SpeedLoopSettings};
-use super::stopping::{Arrival, StoppingGuard};
+use super::stopping::{Arrival, Left, StoppingGuard, UnderWay};
 use super::torque_map::TorqueMap;
 use crate::map::Gear;
 use serde::Serialize;
@@ -31,7 +31,11 @@ pub struct WaypointLawSettings {
     pub end_threshold_m: f64,
     /// Time from a command to its effect [s], dead time and lag together, for what looks at the end. Default 0.1; a map tells its own.
     pub reaction_s: f64,
-    /// Fastest rise of a driving acceleration [m/s³]; `None` leaves it free. Default 4: the plan's 0.4 m/s² within 0.1 s. A desired
+    /// Age of the pose when it is read [s]: what the wheel has covered since is no longer left. Default 0.015: half a period of a
+    /// localisation at 50 Hz, and 5 ms for its way.
+    pub pose_age_s: f64,
+    /// Fastest rise of a driving acceleration [m/s³]; `None` leaves it free. Default 2.5: the plan's 0.4 m/s² within 0.16 s, about
+    /// what dead time and lag of a drive take anyway. A desired
     /// acceleration may always fall, and rise up to zero, at once.
     pub accel_rise_mps3: Option<f64>,
     /// Brakes for the end when the speed loop would come there too fast; `None` leaves that to the speed loop.
@@ -55,7 +59,8 @@ impl WaypointLawSettings {
             standstill_mps: 0.02,
             end_threshold_m: 0.02,
             reaction_s: 0.1,
-            accel_rise_mps3: Some(4.0),
+            pose_age_s: 0.015,
+            accel_rise_mps3: Some(2.5),
             guard: Some(StoppingGuard::default()),
             finish: Finish::RollOut { creep_mps: 0.06 },
             torque_rate_nm_s: None,
@@ -87,6 +92,8 @@ pub struct WaypointLaw<M> {
     map: M,
     place: Place,
     speed_loop: SpeedLoop,
+    under_way: UnderWay,
+    left: Left,
     accel_mps2: f64,
     torque_nm: f64,
     saturated: bool,
@@ -95,7 +102,17 @@ pub struct WaypointLaw<M> {
 impl<M: TorqueMap> WaypointLaw<M> {
     /// A law that asks `map`.
     pub fn new(settings: WaypointLawSettings, map: M) -> Self {
-        Self { settings, map, place: Place::default(), speed_loop: SpeedLoop::default(), accel_mps2: 0.0, torque_nm: 0.0, saturated: false }
+        Self {
+            settings,
+            map,
+            place: Place::default(),
+            speed_loop: SpeedLoop::default(),
+            under_way: UnderWay::new(settings.reaction_s, settings.period_s),
+            left: Left::default(),
+            accel_mps2: 0.0,
+            torque_nm: 0.0,
+            saturated: false,
+        }
     }
 
     /// The speed loop's acceleration [m/s²] with the rise of its driving part limited, and under the guard's ceiling.
@@ -137,7 +154,8 @@ impl<M: TorqueMap> WaypointLaw<M> {
             Finish::Threshold => true,
             Finish::RollOut { .. } => {
                 let past_m = self.rolling_m(gear, arrival.speed_mps) - arrival.left_m;
-                let brakes_on = settings.guard.is_some() && past_m > OVERRUN * settings.end_threshold_m && arrival.speed_mps > settings.standstill_mps;
+                let guarded = settings.guard.is_some_and(|guard| guard.ceiling_mps2(arrival).is_finite());
+                let brakes_on = guarded && past_m > OVERRUN * settings.end_threshold_m;
                 past_m >= 0.0 && !brakes_on
             }
         }
@@ -145,9 +163,11 @@ impl<M: TorqueMap> WaypointLaw<M> {
 }
 
 impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
-    fn start(&mut self, _request: &PivotRequest, _pose: Pose) {
+    fn start(&mut self, request: &PivotRequest, _pose: Pose) {
         self.place = Place::default();
         self.speed_loop = SpeedLoop::default();
+        self.under_way = UnderWay::new(self.settings.reaction_s, self.settings.period_s);
+        self.left = Left::new(request.path.length_m());
         (self.accel_mps2, self.torque_nm, self.saturated) = (0.0, 0.0, false);
     }
 
@@ -157,17 +177,18 @@ impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
         let (sin, cos) = sin_cos(inputs.pose.heading_rad);
         let (x_m, y_m) = (inputs.pose.x_m + settings.wheelbase_m * cos, inputs.pose.y_m + settings.wheelbase_m * sin);
         self.place = path.locate(settings.nearest, x_m, y_m, self.place);
+        let seen_m = path.length_m() - path.foot_m(x_m, y_m, self.place) - speed_mps * settings.pose_age_s;
+        let left_m = self.left.step(speed_mps, seen_m, settings.period_s);
+        let arrival = Arrival::after(settings.reaction_s, speed_mps, self.under_way.mean_mps2(), left_m);
         let ahead_m = settings.preview.distance_m(speed_mps, self.accel_mps2);
         let planned_mps = path.speed_at(self.place.arc_m + ahead_m, self.place.index);
-        // e = v_p − v, but at least 2·(creep − v): braking from twice the creep speed upwards is as ever, at the creep speed it ends
+        // e = v_p − v, but at least 2·(creep − v'): braking from well above the creep speed is as ever, at the creep speed it ends
         let target_speed_mps = match settings.finish {
             Finish::Threshold => planned_mps,
-            Finish::RollOut { creep_mps, .. } => planned_mps.max(2.0 * creep_mps - speed_mps),
+            Finish::RollOut { creep_mps } => planned_mps.max(speed_mps + 2.0 * (creep_mps - arrival.speed_mps)),
         };
         let error_mps = target_speed_mps - speed_mps;
         let (looped_mps2, limited) = self.speed_loop.step(&settings.speed_loop, error_mps, self.saturated, settings.period_s);
-        let left_m = path.length_m() - self.place.arc_m;
-        let arrival = Arrival::after(settings.reaction_s, speed_mps, self.accel_mps2, left_m);
         let accel_mps2 = self.bounded(looped_mps2, arrival);
         // a wheel that the sensor sees rolling back a little is looked up as standing
         let looked_up_mps = if speed_mps < 0.0 { 0.0 } else { speed_mps };
@@ -183,6 +204,7 @@ impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
         };
         self.saturated = torque_nm != wanted_nm || found.outside || accel_mps2 != looped_mps2;
         (self.accel_mps2, self.torque_nm) = (accel_mps2, torque_nm);
+        self.under_way.push(accel_mps2);
         let end_reached = self.ends(request.gear, left_m, arrival);
         Some(DriveStep {
             torque_nm,
