@@ -20,9 +20,10 @@ pub mod map {
     pub use gear::Gear;
 
     /// Breaks along one axis.
-    pub struct Axis<'a>(pub &'a [f64]);
+    #[derive(Debug, Clone, Copy)]
+    pub struct Axis(&'static [f64]);
 
-    impl Axis<'_> {
+    impl Axis {
         /// The breaks.
         pub fn breaks(&self) -> &[f64] {
             self.0
@@ -32,20 +33,20 @@ pub mod map {
     /// A table in read-only memory, in place of the one that this project reads from files.
     #[derive(Debug, Clone, Copy)]
     pub struct TorqueTable {
-        speed_mps: &'static [f64],
-        accel_mps2: &'static [f64],
+        speed_mps: Axis,
+        accel_mps2: Axis,
         torque_nm: &'static [f64],
     }
 
     impl TorqueTable {
         /// Speed breaks [m/s].
-        pub fn speed_mps(&self) -> Axis<'_> {
-            Axis(self.speed_mps)
+        pub fn speed_mps(&self) -> &Axis {
+            &self.speed_mps
         }
 
         /// Acceleration breaks [m/s²].
-        pub fn accel_mps2(&self) -> Axis<'_> {
-            Axis(self.accel_mps2)
+        pub fn accel_mps2(&self) -> &Axis {
+            &self.accel_mps2
         }
 
         /// Torques [N·m], row by row.
@@ -80,7 +81,9 @@ pub mod control {
     pub use heading_law::{HeadingLaw, HeadingLawSettings};
     pub use lateral::{Lateral, LateralSettings};
     pub use longitudinal::{AfterFailure, Longitudinal, LongitudinalOutputs, LongitudinalSettings};
-    pub use messages::{AngleStatus, Direction, DriveStep, Failure, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose, SteeringFault};
+    pub use messages::{
+        AngleStatus, Direction, DriveStep, Failure, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose, SteeringFault,
+    };
     pub use path::{MAX_WAYPOINTS, Nearest, Path, Place, Waypoint};
     pub use phase::Event;
     pub use pivot::{PivotController, Settings};

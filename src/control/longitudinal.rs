@@ -149,7 +149,8 @@ impl<L: DriveLaw> Longitudinal<L> {
             Some(speed_mps) => (self.speed_mps, self.no_speed_s) = (speed_mps, 0.0),
             None => self.no_speed_s += settings.period_s,
         }
-        self.smooth_mps += (self.speed_mps - self.smooth_mps) * settings.period_s / (settings.standstill_filter_s.max(0.0) + settings.period_s);
+        self.smooth_mps +=
+            (self.speed_mps - self.smooth_mps) * settings.period_s / (settings.standstill_filter_s.max(0.0) + settings.period_s);
         // an absurd reading must not stay in the low-pass for ever
         if !self.smooth_mps.is_finite() || self.smooth_mps.abs() > 100.0 {
             self.smooth_mps = self.speed_mps;

@@ -11,8 +11,8 @@ use super::run::{Bench, Moment, run};
 use super::scenario::Scenario;
 use super::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
 use super::{Maps, Result};
-use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, WaypointLaw, WaypointLawSettings};
-use crate::map::FORMAT_VERSION;
+use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, TorqueMap as _, WaypointLaw, WaypointLawSettings};
+use crate::map::{FORMAT_VERSION, Gear};
 use crate::sim;
 use rayon::prelude::*;
 
@@ -73,11 +73,22 @@ impl<'a> Stage<'a> {
         let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
-        Ok(Self { maps, control, law: settings.law.unwrap_or_else(|| law_settings(maps)), region: Region::new(&maps.table2), plant, exact, done })
+        Ok(Self {
+            maps,
+            control,
+            law: settings.law.unwrap_or_else(|| law_settings(maps)),
+            region: Region::new(&maps.table2),
+            plant,
+            exact,
+            done,
+        })
     }
 
     fn bench(&self) -> Bench<'_> {
+        let profile = &self.control.planning.profile;
+        let torque_nm = |accel| self.exact.torque(Gear::Forward, 0.5 * profile.cruise_mps, accel).map_or(0.0, |found| found.torque_nm);
         Bench {
+            planned_nm: [torque_nm(0.0), torque_nm(profile.accel_mps2)],
             control: &self.control,
             period_s: self.law.period_s,
             torque_limit_nm: self.maps.torque_limit_nm(),
