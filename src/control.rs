@@ -21,6 +21,7 @@ mod planning;
 mod preview;
 mod profile;
 mod speed_loop;
+mod stopping;
 mod torque_map;
 mod waypoint_law;
 
@@ -37,5 +38,6 @@ pub use planning::{PlanningSettings, WheelPolicy};
 pub use preview::Preview;
 pub use profile::Profile;
 pub use speed_loop::{SpeedLoop, SpeedLoopSettings};
+pub use stopping::StoppingGuard;
 pub use torque_map::{ConstantGain, Lookup, OutsidePolicy, Tables, TorqueMap};
 pub use waypoint_law::{Finish, WaypointLaw, WaypointLawSettings};

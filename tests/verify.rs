@@ -174,12 +174,11 @@ fn the_exact_map_reaches_the_figures_on_its_own_vehicle() {
     for scenario in 0..2 {
         // the goals for ±90°
         assert!(figure(scenario, Metric::HeadingErrorDeg, Statistic::Median) <= 0.3);
-        assert!(figure(scenario, Metric::HeadingErrorDeg, Statistic::P99) <= 1.2);
+        assert!(figure(scenario, Metric::HeadingErrorDeg, Statistic::P99) <= 1.0);
     }
     let comparison = verdict.comparison.as_ref().unwrap();
     assert!(comparison.speed_rms_ratio.unwrap() <= 1.15);
-    // told, whatever it is; here only that the map's law starts more gently
-    assert!(comparison.start_jerk_ratio.unwrap() < 1.0);
+    assert!(comparison.start_jerk_ratio.unwrap() <= 1.0 / 3.0);
 }
 
 #[test]
@@ -224,6 +223,47 @@ fn the_command_passes_a_good_map_writes_the_same_bytes_twice_and_a_log() {
     }
     let verdict: Verdict = serde_json::from_slice(&first).unwrap();
     assert!(verdict.passes());
+}
+
+#[test]
+fn a_circumstance_that_the_map_does_not_know_of_is_felt() {
+    let (table1, table2) = good();
+    let maps = Maps::new(table1, table2).unwrap();
+    let verdict = verify(&maps, &settings(&["left-90", "wet-floor", "low-battery"], 4)).unwrap();
+    let tracking = |k: usize| verdict.scenarios[k].metrics.iter().find(|m| m.metric == Metric::SpeedRmsMps).unwrap().nominal.unwrap();
+    for hard in [1, 2] {
+        assert!(tracking(hard) > 1.5 * tracking(0), "{}: {} against {}", verdict.scenarios[hard].name, tracking(hard), tracking(0));
+    }
+    assert!(verdict.passes(), "{:?}", verdict.notes);
+}
+
+#[test]
+fn recorded_runs_are_replayed_through_the_plant_and_told_per_run() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(root.join("maps")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let log = root.join("data/demo.mcap");
+    let out = command(folder.path(), &["--replay", log.to_str().unwrap()]).code(0);
+    let text = String::from_utf8(out.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("replayed run") && text.contains("replayed open loop") && text.contains("0 of them held out"), "{text}");
+    let verdict: Verdict = serde_json::from_slice(&std::fs::read(folder.path().join("verify.json")).unwrap()).unwrap();
+    // 64 runs, of which those below breakaway do not move
+    assert!(verdict.replayed.len() > 40, "{}", verdict.replayed.len());
+    let mut rmse: Vec<f64> = verdict.replayed.iter().map(|r| r.rmse_mps).collect();
+    rmse.sort_by(f64::total_cmp);
+    // the encoder's noise is 6.6 mm/s; the disturbance of 0.016 m/s² over some seconds adds as much
+    assert!(rmse[rmse.len() / 2] < 0.015, "{rmse:?}");
+    assert!(
+        verdict.replayed.iter().all(|r| r.fitted && r.file == "demo.mcap" && r.r_squared.is_some_and(|x| x > 0.9)),
+        "{:?}",
+        verdict.replayed
+    );
+    assert!(!text.contains("\u{1b}["), "no progress bar in a pipe");
 }
 
 #[test]

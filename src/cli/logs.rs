@@ -3,6 +3,7 @@
 use super::Ui;
 use crate::campaign::{self, Survey};
 use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read};
+use crate::map::Vehicle;
 use crate::signal::Track;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -40,6 +41,19 @@ pub(super) struct Surveyed {
 }
 
 impl LogArguments {
+    /// Logs of a vehicle whose geometry is known, from its map.
+    pub(super) fn of_vehicle(logs: &[PathBuf], signals: Option<PathBuf>, preset: Option<Preset>, vehicle: &Vehicle) -> Self {
+        Self {
+            logs: logs.to_vec(),
+            signals,
+            preset,
+            wheelbase_m: Some(vehicle.wheelbase_m),
+            wheel_radius_m: Some(vehicle.wheel_radius_m),
+            test_angle_deg: Some(vehicle.test_angle_deg),
+            strict: false,
+        }
+    }
+
     /// Where the signals are, as the arguments say.
     pub(super) fn source(&self) -> anyhow::Result<Source> {
         match (&self.signals, self.preset) {

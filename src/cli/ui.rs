@@ -64,13 +64,22 @@ impl Ui {
         let _ = writeln!(anstream::stderr(), "error: {error:#}");
     }
 
-    /// A bar that counts up to `total` of `unit`: drawn on a terminal, silent in a pipe.
+    /// A bar that counts up to `total` bytes: drawn on a terminal, silent in a pipe.
     pub fn progress(self, total: u64, what: &str) -> indicatif::ProgressBar {
+        self.bar(total, what, "{msg:14} {bar:32} {bytes}/{total_bytes} {bytes_per_sec} {eta}")
+    }
+
+    /// A bar that counts runs: drawn on a terminal, silent in a pipe.
+    pub fn progress_runs(self, what: &str) -> indicatif::ProgressBar {
+        self.bar(0, what, "{msg:14} {bar:32} {pos}/{len} runs {eta}")
+    }
+
+    fn bar(self, total: u64, what: &str, template: &str) -> indicatif::ProgressBar {
         if self.quiet || self.json || !std::io::stderr().is_terminal() {
             return indicatif::ProgressBar::hidden();
         }
         let bar = indicatif::ProgressBar::new(total);
-        if let Ok(style) = indicatif::ProgressStyle::with_template("{msg:14} {bar:32} {bytes}/{total_bytes} {bytes_per_sec} {eta}") {
+        if let Ok(style) = indicatif::ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         bar.set_message(what.to_owned());

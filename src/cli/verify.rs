@@ -1,9 +1,12 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
+use super::logs::LogArguments;
 use super::{Outcome, Ui};
+use crate::log::Preset;
 use crate::map::write_whole;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of, verify,
+    Check, Comparison, Error, Gate, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of,
+    replayed, verify_watched,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -16,6 +19,7 @@ Examples:
   pivot-cal verify                            all scenarios on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
   pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
+  pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
 
 Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
 pub(super) struct Arguments {
@@ -37,6 +41,16 @@ pub(super) struct Arguments {
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
+    /// Also replay the runs of this log, best one that the fit has not seen, through the plant: recorded against simulated speed (may be
+    /// repeated)
+    #[arg(long, value_name = "LOG")]
+    replay: Vec<PathBuf>,
+    /// Signal map of the replayed logs
+    #[arg(long, value_name = "FILE", requires = "replay", conflicts_with = "preset")]
+    signals: Option<PathBuf>,
+    /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
+    #[arg(long, value_name = "NAME", requires = "replay")]
+    preset: Option<Preset>,
     /// Perturbed plants per scenario
     #[arg(long, value_name = "N", default_value_t = 200)]
     draws: usize,
@@ -65,7 +79,8 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     for forced in &maps.forced {
         ui.warn(format!("{forced}; going on, since --force was given"));
     }
-    let verdict = verify(&maps, &settings)?;
+    let mut verdict = watched(&maps, &settings, ui)?;
+    verdict.replayed = replay_logs(arguments, &maps, ui)?;
     let path = arguments.maps.join("verify.json");
     write_whole(&path, verdict.to_json()?.as_bytes())?;
     ui.document(&verdict)?;
@@ -84,11 +99,33 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 /// Judges the map in `folder` with the defaults and writes `verify.json` there.
 pub(super) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
     let maps = Maps::read(folder, false)?;
-    let bar = ui.progress(0, "verifying");
-    let verdict = verify(&maps, &Settings::new()?)?;
-    bar.finish_and_clear();
+    let verdict = watched(&maps, &Settings::new()?, ui)?;
     write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
     Ok(verdict)
+}
+
+/// The verdict, with a progress bar on a terminal.
+fn watched(maps: &Maps, settings: &Settings, ui: Ui) -> anyhow::Result<Verdict> {
+    let bar = ui.progress_runs("verifying");
+    let verdict = verify_watched(maps, settings, &|total| {
+        bar.set_length(total as u64);
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    Ok(verdict)
+}
+
+/// The runs of the logs of `--replay` through the plant of Table 1.
+fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec<ReplayedRun>> {
+    if arguments.replay.is_empty() {
+        return Ok(Vec::new());
+    }
+    let logs = LogArguments::of_vehicle(&arguments.replay, arguments.signals.clone(), arguments.preset, &maps.table1.vehicle);
+    let mut runs = Vec::new();
+    for survey in logs.survey(None, ui)?.surveys {
+        runs.extend(replayed(&maps.table1, &survey)?);
+    }
+    Ok(runs)
 }
 
 /// The scenarios named, or all.
@@ -150,6 +187,7 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     if let Some(comparison) = &verdict.comparison {
         compare(comparison, ui);
     }
+    show_replayed(&verdict.replayed, ui);
     for note in &verdict.notes {
         ui.say(format!("note: {note}"));
     }
@@ -218,6 +256,32 @@ fn detail(scenario: &ScenarioVerdict, ui: Ui) {
         table.add_row(std::iter::once(summary.metric.title().to_owned()).chain(statistics.map(figure)));
     }
     ui.detail(table.to_string());
+}
+
+/// The replayed runs, one a row, and their medians.
+fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
+    if runs.is_empty() {
+        return;
+    }
+    let mut table = new_table(&["replayed run", "gear", "from", "length", "R²", "RMSE", "largest"]);
+    for run in runs {
+        let r_squared = run.r_squared.map_or("none".to_owned(), |r| format!("{r:.4}"));
+        let (from, length) = (format!("{:.2} s", run.from_s), format!("{:.2} s", run.seconds));
+        let (rmse, largest) = (format!("{:.4} m/s", run.rmse_mps), format!("{:.4} m/s", run.max_mps));
+        table.add_row([run.file.clone(), run.gear.to_string(), from, length, r_squared, rmse, largest]);
+    }
+    ui.say(table.to_string());
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).map_or("none".to_owned(), |v| format!("{v:.4}"))
+    };
+    let held_out = runs.iter().filter(|r| !r.fitted).count();
+    ui.say(format!(
+        "replayed open loop: {} runs, {held_out} of them held out of the fit; median R² {}, median RMSE {} m/s",
+        runs.len(),
+        median(runs.iter().filter_map(|r| r.r_squared).collect()),
+        median(runs.iter().map(|r| r.rmse_mps).collect())
+    ));
 }
 
 /// The map beside the other laws: medians over the draws.

@@ -29,6 +29,9 @@ pub struct LongitudinalSettings {
     pub period_s: f64,
     /// Below this speed [m/s] the wheel counts as standing. Default 0.02.
     pub standstill_mps: f64,
+    /// Time constant of the low-pass through which standing is judged [s]. Default 0.1: a speed sensor's noise at rest, 0.015 m/s where it is
+    /// bad, then stays below the limit.
+    pub standstill_filter_s: f64,
     /// … for this long [s] after the end: it stands. Default 0.3.
     pub stood_still_s: f64,
     /// … for this long [s] short of the end: the pivot has failed. Default 1.
@@ -52,6 +55,7 @@ impl Default for LongitudinalSettings {
         Self {
             period_s: 0.02,
             standstill_mps: 0.02,
+            standstill_filter_s: 0.1,
             stood_still_s: 0.3,
             stood_short_s: 1.0,
             speed_lost_s: 0.1,
@@ -91,12 +95,24 @@ pub struct Longitudinal<L> {
     no_speed_s: f64,
     /// Last speed that was read [m/s], vehicle frame.
     speed_mps: f64,
+    /// The same through a low-pass [m/s].
+    smooth_mps: f64,
 }
 
 impl<L: DriveLaw> Longitudinal<L> {
     /// A module at rest.
     pub fn new(settings: LongitudinalSettings, law: L) -> Self {
-        Self { settings, law, request: None, phase: Phase::Idle, in_phase_s: 0.0, standing_s: 0.0, no_speed_s: 0.0, speed_mps: 0.0 }
+        Self {
+            settings,
+            law,
+            request: None,
+            phase: Phase::Idle,
+            in_phase_s: 0.0,
+            standing_s: 0.0,
+            no_speed_s: 0.0,
+            speed_mps: 0.0,
+            smooth_mps: 0.0,
+        }
     }
 
     /// Where the pivot stands.
@@ -133,7 +149,13 @@ impl<L: DriveLaw> Longitudinal<L> {
             Some(speed_mps) => (self.speed_mps, self.no_speed_s) = (speed_mps, 0.0),
             None => self.no_speed_s += settings.period_s,
         }
-        let standing = self.speed_mps.abs() < settings.standstill_mps;
+        self.smooth_mps +=
+            (self.speed_mps - self.smooth_mps) * settings.period_s / (settings.standstill_filter_s.max(0.0) + settings.period_s);
+        // an absurd reading must not stay in the low-pass for ever
+        if !self.smooth_mps.is_finite() || self.smooth_mps.abs() > 100.0 {
+            self.smooth_mps = self.speed_mps;
+        }
+        let standing = self.smooth_mps.abs() < settings.standstill_mps;
         self.standing_s = if standing { self.standing_s + settings.period_s } else { 0.0 };
         self.in_phase_s += settings.period_s;
         let mut drive = None;

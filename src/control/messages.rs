@@ -79,7 +79,9 @@ pub struct Outputs {
     pub direction: Option<Direction>,
     /// How far the front wheel is.
     pub angle: AngleStatus,
-    /// Whether the lateral module is told to return the wheel.
+    /// What the longitudinal module told the lateral one.
+    pub task: LateralTask,
+    /// Whether that is to return the wheel.
     pub restore: bool,
     /// What the drive law did; `None` unless it was asked.
     pub drive: Option<DriveStep>,

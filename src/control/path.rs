@@ -114,6 +114,11 @@ impl Path {
         }
     }
 
+    /// Arc length of the foot of the perpendicular from (`x_m`, `y_m`) near `place` [m], which may lie behind it: noise both ways.
+    pub fn foot_m(&self, x_m: f64, y_m: f64, place: Place) -> f64 {
+        self.locate(Nearest::Projection, x_m, y_m, Place { index: place.index.saturating_sub(2), arc_m: 0.0 }).arc_m
+    }
+
     /// Planned speed [m/s] at `arc_m`, linear between waypoints; the last waypoint's past the end. `hint` is an index at or before it.
     pub fn speed_at(&self, arc_m: f64, hint: usize) -> f64 {
         let points = self.waypoints();

@@ -95,6 +95,7 @@ impl<L: DriveLaw> PivotController<L> {
             phase: done.phase,
             direction: self.longitudinal.current().map(|request| request.direction),
             angle,
+            task: self.task,
             restore: self.task == LateralTask::Restore,
             drive: done.drive,
         }

@@ -17,6 +17,12 @@ pub struct SpeedStep {
 }
 
 impl SpeedStep {
+    /// Whether the wheel stands all through the step.
+    #[inline]
+    pub fn is_rest(&self) -> bool {
+        self.start_mps == 0.0 && self.mid_mps == 0.0 && self.end_mps == 0.0
+    }
+
     /// Distance rolled in the step [m], by Simpson's rule.
     #[inline]
     pub fn distance_m(&self, step_s: f64) -> f64 {
@@ -125,11 +131,25 @@ impl Body {
         }
     }
 
-    fn travel(&mut self, step_s: f64, speed: SpeedStep, angle: &AngleTerms) {
+    /// One step at rest: as [`Body::step`] with speeds of zero, to the last bit, but without the work.
+    #[inline]
+    pub(super) fn rest(&mut self) {
+        self.yaw_rate_rad_s = 0.0;
+        self.count_down();
+    }
+
+    /// Computes sine and cosine afresh from time to time.
+    #[inline]
+    fn count_down(&mut self) {
         if self.until_fresh == 0 {
             self.until_fresh = FRESH_EVERY;
             (self.sin_heading, self.cos_heading) = self.heading_rad.sin_cos();
         }
+        self.until_fresh -= 1;
+    }
+
+    fn travel(&mut self, step_s: f64, speed: SpeedStep, angle: &AngleTerms) {
+        self.count_down();
         let v = [speed.start_mps, speed.mid_mps, speed.end_mps];
         let w =
             [v[0] * angle.sin[0] * self.per_wheelbase, v[1] * angle.sin[1] * self.per_wheelbase, v[2] * angle.sin[2] * self.per_wheelbase];
@@ -143,7 +163,6 @@ impl Body {
         self.y_m += step_s * (1.0 / 6.0) * (along[0] * sin0 + along[1] * sin1 + along[2] * sin2);
         self.heading_rad += to_end;
         self.yaw_rate_rad_s = w[2];
-        self.until_fresh -= 1;
         (self.sin_heading, self.cos_heading) = (sin2, cos2);
     }
 }
@@ -181,6 +200,19 @@ mod tests {
         }
         assert!((body.heading_rad() - 3.3 / 0.9).abs() < 1e-11);
         assert!((1e-8..3.1e-7).contains(&body.x_m().hypot(body.y_m())));
+    }
+
+    #[test]
+    fn a_step_at_rest_is_a_step_of_no_speed() {
+        let (mut stepped, mut rested) = (Body::new(0.9), Body::new(0.9));
+        let terms = AngleTerms::fixed(0.6);
+        for k in 0..1000 {
+            let v = if k % 300 < 100 { 0.4 } else { 0.0 };
+            let speed = SpeedStep { start_mps: v, mid_mps: v, end_mps: v };
+            stepped.step(1e-3, speed, &terms);
+            if speed.is_rest() { rested.rest() } else { rested.step(1e-3, speed, &terms) }
+        }
+        assert_eq!(format!("{stepped:?}"), format!("{rested:?}"));
     }
 
     #[test]

@@ -87,6 +87,12 @@ impl Motion {
         }
     }
 
+    /// Whether the wheel angle makes no difference to it.
+    #[inline]
+    pub(super) fn knows_one_angle(&self) -> bool {
+        matches!(self, Self::Identified(_))
+    }
+
     /// Tells the plant the wheel angle of the steps to come (the identified plant belongs to one angle and does not ask).
     pub fn set_angle(&mut self, angle: &AngleTerms) {
         if let Self::Physical(motion) = self {

@@ -150,11 +150,21 @@ impl World {
         let commanded_nm = if self.estop || command.gear.is_none() { 0.0 } else { command.torque_nm };
         self.torque_before_nm = self.drive.effective_nm();
         let torque = self.traction.step(self.drive.step(commanded_nm));
-        self.steer(command.wheel_angle_rad);
+        let turning = self.steer(command.wheel_angle_rad);
         let load =
             Load { torque, external_nm: self.external_nm(), brake_nm: if self.estop { self.brake_nm } else { 0.0 }, gear: command.gear };
         let speed = self.motion.step(&load);
-        self.body.step(self.step_s, speed, &self.angle);
+        if let Some(angles_rad) = turning {
+            // the steering turns under a vehicle that knows one angle only: sines are worked out when it rolls, which it seldom does then
+            if speed.is_rest() {
+                self.body.rest();
+            } else {
+                self.angle = AngleTerms::moving(angles_rad);
+                self.body.step(self.step_s, speed, &self.angle);
+            }
+        } else {
+            self.body.step(self.step_s, speed, &self.angle);
+        }
         self.rolled_m += speed.distance_m(self.step_s) + self.step_s * self.traction.slip_mps();
         self.steps += 1;
         self.t_s = self.steps as f64 * self.step_s;
@@ -258,17 +268,23 @@ impl World {
         }
     }
 
+    /// Turns the wheel. Returns the angles of the step [rad] when it moved and nothing but the body asks for them.
     #[inline]
-    fn steer(&mut self, target_rad: f64) {
+    fn steer(&mut self, target_rad: f64) -> Option<[f64; 3]> {
         match self.steering.step(target_rad) {
             Some(step) => {
-                self.angle = AngleTerms::moving([step.start_rad, step.mid_rad, step.end_rad]);
-                self.motion.set_angle(&self.angle);
+                let angles_rad = [step.start_rad, step.mid_rad, step.end_rad];
                 self.angle_moved = true;
+                if self.slope.is_none() && self.motion.knows_one_angle() {
+                    return Some(angles_rad);
+                }
+                self.angle = AngleTerms::moving(angles_rad);
+                self.motion.set_angle(&self.angle);
             }
             None if self.angle_moved => self.set_fixed_angle(),
             None => {}
         }
+        None
     }
 
     fn set_fixed_angle(&mut self) {

@@ -2,7 +2,7 @@
 
 use super::draws::{Spread, draws};
 use super::gate::Gate;
-use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law};
+use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law, tuning_runs};
 use super::metric::{Metric, Statistic, Summary, Values};
 use super::plant::Plant;
 use super::region::Region;
@@ -11,8 +11,8 @@ use super::run::{Bench, Moment, run};
 use super::scenario::Scenario;
 use super::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
 use super::{Maps, Result};
-use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, WaypointLaw, WaypointLawSettings};
-use crate::map::FORMAT_VERSION;
+use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, TorqueMap as _, WaypointLaw, WaypointLawSettings};
+use crate::map::{FORMAT_VERSION, Gear};
 use crate::sim;
 use rayon::prelude::*;
 
@@ -64,18 +64,31 @@ struct Stage<'a> {
     region: Region,
     plant: sim::Settings,
     exact: Plant,
+    /// Called each time a run has ended.
+    done: &'a (dyn Fn(usize) + Sync),
 }
 
 impl<'a> Stage<'a> {
-    fn new(maps: &'a Maps, settings: &Settings) -> Result<Self> {
+    fn new(maps: &'a Maps, settings: &Settings, done: &'a (dyn Fn(usize) + Sync)) -> Result<Self> {
         let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
-        Ok(Self { maps, control, law: settings.law.unwrap_or_else(|| law_settings(maps)), region: Region::new(&maps.table2), plant, exact })
+        Ok(Self {
+            maps,
+            control,
+            law: settings.law.unwrap_or_else(|| law_settings(maps)),
+            region: Region::new(&maps.table2),
+            plant,
+            exact,
+            done,
+        })
     }
 
     fn bench(&self) -> Bench<'_> {
+        let profile = &self.control.planning.profile;
+        let torque_nm = |accel| self.exact.torque(Gear::Forward, 0.5 * profile.cruise_mps, accel).map_or(0.0, |found| found.torque_nm);
         Bench {
+            planned_nm: [torque_nm(0.0), torque_nm(profile.accel_mps2)],
             control: &self.control,
             period_s: self.law.period_s,
             torque_limit_nm: self.maps.torque_limit_nm(),
@@ -90,7 +103,18 @@ impl<'a> Stage<'a> {
 /// # Errors
 /// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
 pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
-    let stage = Stage::new(maps, settings)?;
+    verify_watched(maps, settings, &|_| ())
+}
+
+/// As [`verify`]; calls `done` after every simulated run, from any thread, with the number of runs in all.
+///
+/// # Errors
+/// As [`verify`].
+pub fn verify_watched(maps: &Maps, settings: &Settings, done: &(dyn Fn(usize) + Sync)) -> Result<Verdict> {
+    let driven = settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()).count() * (settings.draws + 1);
+    let compared = if settings.comparison_draws > 0 { LAWS * (settings.comparison_draws + 1) + tuning_runs() } else { 0 };
+    let told = |_: usize| done(driven + compared);
+    let stage = Stage::new(maps, settings, &told)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
     let scenarios = judge_scenarios(&stage, settings, &varied)?;
@@ -123,6 +147,7 @@ pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
         round_trip: trips,
         scenarios,
         comparison,
+        replayed: Vec::new(),
     })
 }
 
@@ -136,7 +161,7 @@ pub fn replay(
     scenario: &Scenario,
     mut record: impl FnMut(&Moment, Option<&PivotRequest>),
 ) -> Result<Values> {
-    let stage = Stage::new(maps, settings)?;
+    let stage = Stage::new(maps, settings, &|_| ())?;
     run(&stage.bench(), scenario, &stage.plant, map_law(maps, &stage.law), settings.seed, &mut record)
 }
 
@@ -149,8 +174,13 @@ fn run_all<L: DriveLaw>(
     law: impl Fn() -> L + Sync,
 ) -> Result<Vec<Summary>> {
     let bench = stage.bench();
-    let nominal = run(&bench, scenario, &stage.plant, law(), seed, |_, _| {})?;
-    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| run(&bench, scenario, plant, law(), *seed, |_, _| {})).collect();
+    let one = |plant: &sim::Settings, seed: u64| {
+        let values = run(&bench, scenario, plant, law(), seed, |_, _| {});
+        (stage.done)(1);
+        values
+    };
+    let nominal = one(&stage.plant, seed)?;
+    let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| one(plant, *seed)).collect();
     let runs = runs?;
     Ok(Metric::ALL.into_iter().filter_map(|metric| Summary::new(metric, &nominal, &runs)).collect())
 }
@@ -185,6 +215,9 @@ fn judge_scenarios(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Setti
         .collect()
 }
 
+/// Laws in the comparison.
+const LAWS: usize = 4;
+
 /// The scenario that the comparison drives.
 const COMPARED: &str = "left-90";
 
@@ -193,7 +226,7 @@ fn compare(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Settings, u64
     let all = Scenario::all();
     let scenario = all.iter().find(|s| s.name == COMPARED).unwrap_or(&all[0]);
     let gain = constant_gain(stage.maps, stage.maps.torque_limit_nm());
-    let tuned = tuned_heading_law(&stage.bench(), scenario, &stage.plant, &stage.law, gain)?;
+    let tuned = tuned_heading_law(&stage.bench(), scenario, &stage.plant, &stage.law, gain, stage.done)?;
     let seed = settings.seed;
     let map = run_all(stage, scenario, varied, seed, || map_law(stage.maps, &stage.law))?;
     let perfect = run_all(stage, scenario, varied, seed, || WaypointLaw::new(stage.law, &stage.exact))?;

@@ -47,6 +47,16 @@ const TUNING_SEEDS: u64 = 4;
 /// Candidates that go on to the other seeds.
 const TUNING_FINALISTS: usize = 30;
 
+/// Combinations of gains.
+fn candidates() -> usize {
+    SEARCH.iter().map(|gains| gains.len()).product()
+}
+
+/// Runs that the search takes.
+pub(super) fn tuning_runs() -> usize {
+    candidates() + TUNING_FINALISTS.min(candidates()) * (TUNING_SEEDS as usize - 1)
+}
+
 /// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant,
 /// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds; of those that always end within [`TUNED_ERROR_DEG`] the fastest is taken, by its
 /// slowest turn; when none does, the one with the smallest heading error.
@@ -56,8 +66,9 @@ pub(super) fn tuned_heading_law(
     plant: &sim::Settings,
     settings: &WaypointLawSettings,
     torque: ConstantGain,
+    done: &(dyn Fn(usize) + Sync),
 ) -> Result<HeadingLawSettings> {
-    let count = SEARCH.iter().map(|g| g.len()).product::<usize>();
+    let count = candidates();
     let gains = |mut k: usize| {
         SEARCH.map(|values| {
             let value = values[k % values.len()];
@@ -87,7 +98,11 @@ pub(super) fn tuned_heading_law(
         // a good end in at most some tens of seconds comes before every bad one
         if good { values.get(Metric::SettlingTimeS).unwrap_or(1e3) } else { 1e6 * (1.0 + error) }
     };
-    let drive = |k: usize, seed: u64| Ok(score(&run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_, _| {})?));
+    let drive = |k: usize, seed: u64| {
+        let values = run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_, _| {});
+        done(1);
+        Ok(score(&values?))
+    };
     let first: Result<Vec<f64>> = (0..count).into_par_iter().map(|k| drive(k, 0)).collect();
     let first = first?;
     let mut order: Vec<usize> = (0..count).collect();
@@ -100,9 +115,10 @@ pub(super) fn tuned_heading_law(
     Ok(candidate(best))
 }
 
-/// Angle tolerance and all: the settings of the map's law for a vehicle.
+/// The settings of the map's law for a vehicle: the reaction time is the dead time and lag that `table2.json` carries.
 pub(super) fn law_settings(maps: &Maps) -> WaypointLawSettings {
-    WaypointLawSettings::new(maps.table2.vehicle.wheelbase_m)
+    let table2 = &maps.table2;
+    WaypointLawSettings { reaction_s: table2.dead_time_s + table2.lag_s, ..WaypointLawSettings::new(table2.vehicle.wheelbase_m) }
 }
 
 /// Wheel angle of the map [rad].

@@ -5,10 +5,10 @@ use super::judge::{Settings, replay};
 use super::run::Moment;
 use super::scenario::Scenario;
 use super::{Maps, Result};
-use crate::control::{AngleStatus, Phase, PivotRequest};
+use crate::control::{AngleStatus, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
 use crate::record::{JointState, LogWriter, Message, Odometry, Stamp};
-use crate::units::NS_PER_S;
+use crate::units::{NS_PER_S, RAD_PER_DEG};
 use std::fmt::Write as _;
 
 /// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
@@ -23,12 +23,12 @@ pub fn log_of(maps: &Maps, settings: &Settings, scenario: &Scenario) -> Result<V
     log.metadata("pivot-cal/scenario", [("name", scenario.name.clone()), ("what", scenario.what.clone())]);
     let vehicle = &maps.table2.vehicle;
     let mut outcome = Ok(());
-    let mut last_phase = None;
+    let mut last = (None, None);
     replay(maps, settings, scenario, |moment, request| {
         if outcome.is_ok() {
-            outcome = write(&mut log, vehicle.wheel_radius_m, moment, request, last_phase);
+            outcome = write(&mut log, vehicle.wheel_radius_m, moment, request, last);
         }
-        last_phase = Some(moment.command.phase);
+        last = (Some(moment.command.phase), Some(moment.command.task));
     })?;
     outcome?;
     Ok(log.finish()?)
@@ -39,7 +39,7 @@ fn write(
     wheel_radius_m: f64,
     moment: &Moment,
     request: Option<&PivotRequest>,
-    last_phase: Option<Phase>,
+    (last_phase, last_task): (Option<Phase>, Option<LateralTask>),
 ) -> crate::record::Result<()> {
     let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
     let ns = START_NS + (state.t_s * NS_PER_S).round() as u64;
@@ -83,6 +83,9 @@ fn write(
     }
     put("/pivot/restore", &Message::Bool(command.restore))?;
     put("/pivot/angle_status", &Message::String(&angle_name(command.angle)))?;
+    if last_task != Some(command.task) {
+        put("/pivot/task", &Message::String(&task_name(command.task)))?;
+    }
     if last_phase != Some(command.phase) {
         put("/pivot/phase", &Message::String(&format!("{:?}", command.phase)))?;
         if let Some(request) = request.filter(|_| command.phase == Phase::WaitingForAngle) {
@@ -100,6 +103,15 @@ fn gear_number(gear: Option<Gear>) -> i8 {
         None => 0,
         Some(Gear::Forward) => 1,
         Some(Gear::Reverse) => 2,
+    }
+}
+
+fn task_name(task: LateralTask) -> String {
+    match task {
+        LateralTask::Rest => "rest".to_owned(),
+        LateralTask::Hold(angle_rad) => format!("hold {:.2}°", angle_rad / RAD_PER_DEG),
+        LateralTask::Restore => "restore".to_owned(),
+        LateralTask::Freeze => "freeze".to_owned(),
     }
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Bench<'a> {
     pub(super) torque_limit_nm: f64,
     /// Breakaway torque of the map [N·m].
     pub(super) breakaway_nm: f64,
+    /// Torque that holds half of the cruise speed, and torque that accelerates there as planned [N·m].
+    pub(super) planned_nm: [f64; 2],
     /// Where Table 2 was measured.
     pub(super) region: &'a Region,
 }
@@ -143,7 +145,9 @@ fn period<L: DriveLaw>(
 
 /// Lets a disturbance begin.
 fn begin(world: &mut World, disturbance: Disturbance, bench: &Bench<'_>) {
-    let above_breakaway = |share: f64| bench.breakaway_nm + share * (bench.torque_limit_nm - bench.breakaway_nm);
+    // never so little that the vehicle cannot set off
+    let [holding_nm, planned_nm] = bench.planned_nm;
+    let of_the_plan = |share: f64| (holding_nm + share * (planned_nm - holding_nm)).max(1.1 * bench.breakaway_nm);
     match disturbance {
         Disturbance::Obstacle => world.set_estop(true),
         Disturbance::SteeringStuck => world.inject(Fault::SteeringStuck),
@@ -151,7 +155,7 @@ fn begin(world: &mut World, disturbance: Disturbance, bench: &Bench<'_>) {
         Disturbance::SteeringImplausible => world.inject(Fault::SteeringOffset { offset_rad: 3.0 }),
         Disturbance::SpeedLost => world.inject(Fault::SpeedSensorLost),
         Disturbance::Slope { grade } => world.inject(Fault::Slope { grade_rad: grade.atan(), uphill_heading_rad: 0.0 }),
-        Disturbance::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: above_breakaway(share) }),
-        Disturbance::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: above_breakaway(share) }),
+        Disturbance::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: of_the_plan(share) }),
+        Disturbance::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
     }
 }

@@ -37,12 +37,12 @@ pub enum Disturbance {
         /// Rise over run.
         grade: f64,
     },
-    /// Grip of breakaway torque plus this share of what is left to the torque limit.
+    /// Grip for this share of the planned acceleration; beyond it the wheel slips.
     WetFloor {
         /// 0 to 1.
         share: f64,
     },
-    /// Torque limit of breakaway torque plus this share of what is left to the torque limit.
+    /// Torque limit that allows this share of the planned acceleration.
     LowBattery {
         /// 0 to 1.
         share: f64,
@@ -133,9 +133,13 @@ impl Scenario {
         all.push(Self { start_wheel_deg: -35.0, ..left("wheel-off-angle", "left 90°, the wheel at −35° at the start") });
         let hard =
             |name: &str, what: &str, disturbance| Self { class: Class::Hard, disturbance: Some((disturbance, None)), ..left(name, what) };
-        all.push(hard("wet-floor", "left 90° on a floor that takes half of the torque", Disturbance::WetFloor { share: 0.5 }));
+        all.push(hard(
+            "wet-floor",
+            "left 90° on a floor that grips for three quarters of the planned acceleration",
+            Disturbance::WetFloor { share: 0.75 },
+        ));
         all.push(hard("slope", "left 90° on a slope of 2 %", Disturbance::Slope { grade: 0.02 }));
-        all.push(hard("low-battery", "left 90° with a third of the torque", Disturbance::LowBattery { share: 0.3 }));
+        all.push(hard("low-battery", "left 90° with torque for half of the planned acceleration", Disturbance::LowBattery { share: 0.5 }));
         let failing = |name: &str, what: &str, disturbance, phase, after_s, failure| Self {
             class: Class::Failure,
             disturbance: Some((disturbance, Some(Onset { phase, after_s }))),

@@ -3,6 +3,7 @@
 use super::draws::Spread;
 use super::gate::{Check, Limit};
 use super::metric::Summary;
+use super::replayed::ReplayedRun;
 use super::round_trip::{RoundTrip, RoundTripLimit};
 use super::scenario::Class;
 use crate::control::HeadingLawSettings;
@@ -62,6 +63,9 @@ pub struct Verdict {
     pub scenarios: Vec<ScenarioVerdict>,
     /// The map beside other laws.
     pub comparison: Option<Comparison>,
+    /// Recorded runs through the plant, when logs were given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub replayed: Vec<ReplayedRun>,
 }
 
 /// The plant that was driven.
