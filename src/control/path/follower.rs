@@ -113,6 +113,11 @@ pub struct DriveCommand {
 }
 
 impl DriveCommand {
+    /// Arrived: nothing more is asked for.
+    pub fn at_rest(wheel_angle_rad: f64) -> Self {
+        Self::hold(wheel_angle_rad, None, Stage::Arrived)
+    }
+
     /// Nothing but an angle to hold.
     pub(super) fn hold(wheel_angle_rad: f64, gear: Option<Gear>, stage: Stage) -> Self {
         Self {
