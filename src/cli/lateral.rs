@@ -86,7 +86,7 @@ struct RecordArguments {
     #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true)]
     yaw_deg: f64,
     /// True wheel angle minus the one that the steering takes it for [°]
-    #[arg(long, value_name = "DEG", default_value_t = 0.8, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = -0.8, allow_negative_numbers = true)]
     steering_zero_deg: f64,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -183,8 +183,7 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
     let mut angles_deg: Vec<f64> = std::iter::once(0.0).chain(arguments.angles_deg.iter().copied()).collect();
     angles_deg.sort_by(f64::total_cmp);
     angles_deg.dedup();
-    let mounting =
-        Mounting { yaw_rad: arguments.yaw_deg * RAD_PER_DEG, steering_zero_rad: arguments.steering_zero_deg * RAD_PER_DEG };
+    let mounting = Mounting { yaw_rad: arguments.yaw_deg * RAD_PER_DEG, steering_zero_rad: arguments.steering_zero_deg * RAD_PER_DEG };
     let mut written = Vec::new();
     for (k, angle_deg) in angles_deg.iter().enumerate() {
         let run = LateralRun {

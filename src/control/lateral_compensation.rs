@@ -252,8 +252,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn table(slope_rad_per_m: f64) -> CompensationTable {
-        let points: Vec<_> =
-            (-3..=3).map(|k| CompensationEntry { error_m: 0.03 * f64::from(k), angle_rad: slope_rad_per_m * 0.03 * f64::from(k) }).collect();
+        let points: Vec<_> = (-3..=3)
+            .map(|k| CompensationEntry { error_m: 0.03 * f64::from(k), angle_rad: slope_rad_per_m * 0.03 * f64::from(k) })
+            .collect();
         CompensationTable::new(&points, &points).unwrap()
     }
 

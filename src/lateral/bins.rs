@@ -67,12 +67,9 @@ impl LateralRun {
         let mut cursors = [Cursor::default(); 4];
         for (&time_ns, &x_m) in reference_x.time_ns.iter().zip(&reference_x.value) {
             let [c0, c1, c2, c3] = &mut cursors;
-            let (Some(y_m), Some(px), Some(py), Some(yaw)) = (
-                c0.at(reference_y, time_ns, false),
-                c1.at(x, time_ns, false),
-                c2.at(y, time_ns, false),
-                c3.at(&heading, time_ns, true),
-            ) else {
+            let (Some(y_m), Some(px), Some(py), Some(yaw)) =
+                (c0.at(reference_y, time_ns, false), c1.at(x, time_ns, false), c2.at(y, time_ns, false), c3.at(&heading, time_ns, true))
+            else {
                 continue;
             };
             let (sin, cos) = yaw.sin_cos();

@@ -66,9 +66,11 @@ const LEAST_STD_ERR_M: f64 = 1e-6;
 /// # Errors
 /// No base or two, logs of another task or too short, a compensation that changes within a log, fewer than one entry left.
 pub fn fit(recordings: &[Recording], settings: &Settings) -> Result<(LateralTableFile, Report)> {
-    for (field, value, low, high) in
-        [("threshold_m", settings.threshold_m, 1e-4, 10.0), ("piece_m", settings.piece_m, 0.1, 10.0), ("settle_m", settings.settle_m, 0.0, 100.0)]
-    {
+    for (field, value, low, high) in [
+        ("threshold_m", settings.threshold_m, 1e-4, 10.0),
+        ("piece_m", settings.piece_m, 0.1, 10.0),
+        ("settle_m", settings.settle_m, 0.0, 100.0),
+    ] {
         if !(low..=high).contains(&value) {
             let allowed = if field == "threshold_m" { "0.0001 to 10" } else { "0.1 to 10 (a piece), 0 to 100 (settling)" };
             return Err(Error::Setting { field, value, allowed });
@@ -225,7 +227,13 @@ mod tests {
 
     #[test]
     fn the_curve_is_monotone_where_the_entries_are_not() {
-        let entries = [entry(0.0, 0.0, 0.0), entry(0.01, -0.02, 1e-3), entry(0.02, -0.05, 1e-3), entry(0.03, -0.049, 1e-3), entry(-0.01, 0.021, 1e-3)];
+        let entries = [
+            entry(0.0, 0.0, 0.0),
+            entry(0.01, -0.02, 1e-3),
+            entry(0.02, -0.05, 1e-3),
+            entry(0.03, -0.049, 1e-3),
+            entry(-0.01, 0.021, 1e-3),
+        ];
         let (curve, largest) = curve(&entries).unwrap();
         assert_eq!(curve.error_m.len(), 4);
         assert!((curve.error_m[0] + 0.0495).abs() < 1e-12 && (curve.angle_rad[0] - 0.025).abs() < 1e-12);

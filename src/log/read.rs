@@ -71,8 +71,10 @@ fn read_input(
     let mut container = Container::open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding
-    let (sha256, read) =
-        rayon::join(|| if hashed { input.sha256() } else { Ok(String::new()) }, || pass(&mut container, wanted, source, overrides, progress));
+    let (sha256, read) = rayon::join(
+        || if hashed { input.sha256() } else { Ok(String::new()) },
+        || pass(&mut container, wanted, source, overrides, progress),
+    );
     let Pass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
     let mut loss = loss(&container, &gathered);
@@ -126,7 +128,13 @@ pub(super) struct Pass {
     pub said: VehicleOverrides,
 }
 
-fn pass(container: &mut Container, wanted: &[SignalName], source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Pass> {
+fn pass(
+    container: &mut Container,
+    wanted: &[SignalName],
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Pass> {
     let mut samples = gather::explore(container);
     let told = match source {
         Source::Map(map) => map.vehicle,

@@ -45,16 +45,8 @@ pub enum SignalName {
 
 impl SignalName {
     /// The signals of the lateral calibration, in the order in which they are shown. They are named by a map or a preset, never looked for.
-    pub const LATERAL: [Self; 8] = [
-        Self::PoseX,
-        Self::PoseY,
-        Self::Yaw,
-        Self::YawZ,
-        Self::YawW,
-        Self::ReferenceX,
-        Self::ReferenceY,
-        Self::Compensation,
-    ];
+    pub const LATERAL: [Self; 8] =
+        [Self::PoseX, Self::PoseY, Self::Yaw, Self::YawZ, Self::YawW, Self::ReferenceX, Self::ReferenceY, Self::Compensation];
 
     /// Every signal of the torque map's calibration, in the order in which they are shown.
     pub const ALL: [Self; 7] = [Self::Speed, Self::Torque, Self::TorqueFeedback, Self::Angle, Self::YawRate, Self::Gear, Self::Estop];

@@ -13,7 +13,7 @@ mod scenario;
 mod torque;
 
 pub use compensation::CompensationScenario;
-pub use drive::{Mounting, Moment as ManoeuvreMoment, Start, drive};
+pub use drive::{Moment as ManoeuvreMoment, Mounting, Start, drive};
 pub(super) use judge::judge;
 pub use judge::{bundled_vehicle, replay as replay_manoeuvre};
 pub use lateral_run::{LateralRun, lateral_log, lateral_run};

@@ -46,8 +46,8 @@ pub enum Metric {
     LateralBeforeM,
     /// |mean lateral error| with it, over the same stretch.
     LateralAfterM,
-    /// The first over the second.
-    LateralGain,
+    /// The second over the first.
+    LateralRatio,
     /// RMS of the heading rate with compensation over that without.
     HeadingRateRatio,
 }
@@ -75,7 +75,7 @@ impl Metric {
         Self::SegmentRmsM,
         Self::LateralBeforeM,
         Self::LateralAfterM,
-        Self::LateralGain,
+        Self::LateralRatio,
         Self::HeadingRateRatio,
     ];
 
@@ -102,7 +102,7 @@ impl Metric {
             Self::SegmentRmsM => "segment lateral RMS",
             Self::LateralBeforeM => "mean lateral error before",
             Self::LateralAfterM => "mean lateral error after",
-            Self::LateralGain => "mean lateral error, before over after",
+            Self::LateralRatio => "mean lateral error, after over before",
             Self::HeadingRateRatio => "RMS of heading rate, after over before",
         }
     }
@@ -112,7 +112,7 @@ impl Metric {
         match self {
             Self::AsExpected | Self::SaturatedShare | Self::OutsideShare => "",
             Self::HeadingErrorDeg | Self::OvershootDeg => "°",
-            Self::LateralGain | Self::HeadingRateRatio => "×",
+            Self::LateralRatio | Self::HeadingRateRatio => "×",
             Self::DriftM
             | Self::TravelAfterFailureM
             | Self::CornerErrorM

@@ -84,10 +84,7 @@ pub fn course(pieces: &[Piece], wheelbase_m: f64) -> PosePath {
         }
         for k in 0..count {
             let at = |part: f64| piece.from_per_m + slope * step * (k as f64 + part);
-            let (middle, end) = (
-                heading + sign * step * 0.25 * (at(0.0) + at(0.5)),
-                heading + sign * step * 0.5 * (at(0.0) + at(1.0)),
-            );
+            let (middle, end) = (heading + sign * step * 0.25 * (at(0.0) + at(0.5)), heading + sign * step * 0.5 * (at(0.0) + at(1.0)));
             let ((s0, c0), (s1, c1), (s2, c2)) = (sin_cos(heading), sin_cos(middle), sin_cos(end));
             x += sign * step / 6.0 * (c0 + 4.0 * c1 + c2);
             y += sign * step / 6.0 * (s0 + 4.0 * s1 + s2);

@@ -120,16 +120,7 @@ impl DriveCommand {
 
     /// Nothing but an angle to hold.
     pub(super) fn hold(wheel_angle_rad: f64, gear: Option<Gear>, stage: Stage) -> Self {
-        Self {
-            torque_nm: 0.0,
-            wheel_angle_rad,
-            gear,
-            stage,
-            target_speed_mps: 0.0,
-            accel_mps2: 0.0,
-            matched: None,
-            lateral_error_m: 0.0,
-        }
+        Self { torque_nm: 0.0, wheel_angle_rad, gear, stage, target_speed_mps: 0.0, accel_mps2: 0.0, matched: None, lateral_error_m: 0.0 }
     }
 }
 
@@ -143,6 +134,12 @@ pub struct Follower {
     index: usize,
     accel_mps2: f64,
     standing_s: f64,
+}
+
+/// Deceleration that ends in the way left [m/s²], from a quarter to three times the planned one.
+pub(super) fn stop_decel(speed_mps: f64, left_m: f64, planned_mps2: f64) -> f64 {
+    let exact = if left_m > 0.0 { 0.5 * speed_mps * speed_mps / left_m } else { f64::INFINITY };
+    exact.max(0.25 * planned_mps2).min(3.0 * planned_mps2)
 }
 
 /// Standing this long counts as at rest [s].
@@ -197,7 +194,9 @@ impl Follower {
             }
             Stage::Driving => {
                 let needs_m = track.speed_mps * (settings.reaction_s + 0.5 * track.speed_mps / settings.stop_decel_mps2);
-                if left_m <= needs_m {
+                // faster than that the speed loop is still on its way down to the switch-over speed
+                let slow = speed_mps <= 2.0 * settings.speed.switch_mps;
+                if left_m <= 0.0 || (slow && left_m <= needs_m) {
                     (self.stage, self.standing_s) = (Stage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled, inputs, gear);
@@ -213,14 +212,13 @@ impl Follower {
                 let target = settings.speed.speed_at(track.matched.s_m - leg.start_m() + ahead_m, leg.end_m() - leg.start_m());
                 (target, self.speed_loop.step(&settings.speed_loop, target - speed_mps, false, period_s).0)
             }
-            Stage::Stopping => (0.0, -settings.stop_decel_mps2),
+            Stage::Stopping => (0.0, -stop_decel(track.speed_mps, left_m, settings.stop_decel_mps2)),
             _ => (0.0, 0.0),
         };
         self.accel_mps2 = accel_mps2;
         let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
         let drives = matches!(self.stage, Stage::Driving | Stage::Stopping) && rolls;
-        let torque_nm =
-            if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 };
+        let torque_nm = if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 };
         DriveCommand {
             torque_nm,
             wheel_angle_rad,

@@ -191,7 +191,8 @@ mod tests {
             (0..2 * n).map(|k| k % n).collect(),
             (0..2 * n).map(|k| if k < n { 1.0 } else { -1.0 }).collect(),
         );
-        let settings = DefaultSettings { verbose: false, tol_gap_abs: 1e-12, tol_gap_rel: 1e-12, tol_feas: 1e-12, ..DefaultSettings::default() };
+        let settings =
+            DefaultSettings { verbose: false, tol_gap_abs: 1e-12, tol_gap_rel: 1e-12, tol_feas: 1e-12, ..DefaultSettings::default() };
         let cones = [SupportedConeT::NonnegativeConeT(2 * n)];
         let mut solver = DefaultSolver::new(&p, &program.f, &a, &vec![program.bound; 2 * n], &cones, settings).unwrap();
         solver.solve();

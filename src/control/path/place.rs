@@ -30,7 +30,7 @@ pub struct Leg<'a> {
     poses: &'a [PathPose],
 }
 
-/// How far beyond the piece where it was last seen the vehicle is sought [m].
+/// How far beyond the nearest point so far the vehicle is sought [m].
 const WINDOW_M: f64 = 2.0;
 
 impl<'a> Leg<'a> {
@@ -94,12 +94,17 @@ impl<'a> Leg<'a> {
             x_m: p.x_m + within * (q.x_m - p.x_m) + outside_m * cos,
             y_m: p.y_m + within * (q.y_m - p.y_m) + outside_m * sin,
             course_rad,
-            curvature_per_m: if outside_m == 0.0 { sign * (p.curvature_per_m + within * (q.curvature_per_m - p.curvature_per_m)) } else { 0.0 },
+            curvature_per_m: if outside_m == 0.0 {
+                sign * (p.curvature_per_m + within * (q.curvature_per_m - p.curvature_per_m))
+            } else {
+                0.0
+            },
             s_m,
         }
     }
 
-    /// The foot of the perpendicular from (`x_m`, `y_m`): the nearest one on the pieces from `hint` onward, as far as 2 m ahead. Returns the
+    /// The foot of the perpendicular from (`x_m`, `y_m`): the nearest one on the pieces from `hint` onward, looking 2 m
+    /// beyond the nearest so far: a path that comes back to itself is not cut short. Returns the
     /// point and the index of its piece. Past either end it lies on the straight continuation.
     pub fn nearest(&self, x_m: f64, y_m: f64, hint: usize) -> (Matched, usize) {
         let last = self.poses.len() - 1;
@@ -108,7 +113,7 @@ impl<'a> Leg<'a> {
         let (mut best, mut found, mut best_s) = (f64::INFINITY, first, from_m);
         for index in first..last {
             let (p, q) = (&self.poses[index], &self.poses[index + 1]);
-            if index > first && p.s_m > from_m + WINDOW_M {
+            if index > first && p.s_m > best_s + WINDOW_M {
                 break;
             }
             let (dx, dy) = (q.x_m - p.x_m, q.y_m - p.y_m);
@@ -119,7 +124,13 @@ impl<'a> Leg<'a> {
             let free = ((x_m - p.x_m) * dx + (y_m - p.y_m) * dy) / squared;
             let low = if index == 0 { f64::NEG_INFINITY } else { 0.0 };
             let high = if index + 1 == last { f64::INFINITY } else { 1.0 };
-            let fraction = if free < low { low } else if free > high { high } else { free };
+            let fraction = if free < low {
+                low
+            } else if free > high {
+                high
+            } else {
+                free
+            };
             let (ex, ey) = (x_m - p.x_m - fraction * dx, y_m - p.y_m - fraction * dy);
             let distance = ex * ex + ey * ey;
             if distance < best {
@@ -160,4 +171,38 @@ pub fn lateral_error_m(pose: Pose, matched_x_m: f64, matched_y_m: f64) -> f64 {
 /// √(a² + b²).
 pub(super) fn hypot(a: f64, b: f64) -> f64 {
     sqrt(a * a + b * b)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn pose(x_m: f64, y_m: f64, heading_rad: f64, s_m: f64, direction: Gear) -> PathPose {
+        PathPose { x_m, y_m, heading_rad, curvature_per_m: 0.0, wheel_angle_rad: 0.0, direction, s_m }
+    }
+
+    #[test]
+    fn the_foot_is_found_on_long_and_short_pieces_and_beyond_the_ends() {
+        let f = Gear::Forward;
+        let poses = [pose(0.0, 0.0, 0.0, 0.0, f), pose(6.0, 0.0, 0.0, 6.0, f), pose(6.0, 0.0, 1.5, 6.0, f), pose(6.0, 1.0, 1.5, 7.0, f)];
+        let leg = Leg::first(&poses).unwrap();
+        assert_eq!(leg.nearest(4.0, 0.3, 0).0.s_m, 4.0);
+        assert_eq!(leg.nearest(5.9, 0.6, 0), (leg.at(6.6, 2), 2));
+        assert_eq!(leg.nearest(-0.5, 0.2, 0).0.s_m, -0.5);
+        assert_eq!(leg.nearest(6.0, 1.4, 2).0.s_m, 7.4);
+    }
+
+    #[test]
+    fn in_reverse_the_travel_frame_is_turned_round_and_the_lateral_error_is_not() {
+        let r = Gear::Reverse;
+        let poses = [pose(0.0, 0.0, 0.0, 0.0, r), pose(-5.0, 0.0, 0.0, 5.0, r)];
+        let leg = Leg::first(&poses).unwrap();
+        let vehicle = Pose { x_m: -2.0, y_m: 0.1, heading_rad: 0.0 };
+        let (matched, _) = leg.nearest(vehicle.x_m, vehicle.y_m, 0);
+        // seen along the travel the vehicle is to the right of the path, seen along its heading the path is to its right
+        let offset = Offset::new(leg.travel_pose(vehicle), &matched);
+        assert!((offset.lateral_m + 0.1).abs() < 1e-12 && offset.heading_rad.abs() < 1e-12);
+        assert!((lateral_error_m(vehicle, matched.x_m, matched.y_m) + 0.1).abs() < 1e-12);
+    }
 }

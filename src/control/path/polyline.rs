@@ -27,7 +27,9 @@ pub enum PolylineError {
     Repeated { first: usize, second: usize, distance_m: f64, x_m: f64, y_m: f64, least_m: f64, move_m: f64 },
     #[error("point {point} is not a pair of finite numbers: ({x_m}, {y_m})")]
     NotFinite { point: usize, x_m: f64, y_m: f64 },
-    #[error("the angle within which a segment continues is {found_deg}°; allowed: 0 to 30°, since a wheel that keeps rolling cuts the corner")]
+    #[error(
+        "the angle within which a segment continues is {found_deg}°; allowed: 0 to 30°, since a wheel that keeps rolling cuts the corner"
+    )]
     Continues { found_deg: f64 },
 }
 

@@ -46,7 +46,8 @@ impl SegmentSpeed {
 
     /// Speed [m/s] at `s_m` of a segment of `length_m`; the start speed before it, the switch-over speed past it.
     pub fn speed_at(&self, s_m: f64, length_m: f64) -> f64 {
-        let (start, cruise, switch) = (self.start_mps * self.start_mps, self.cruise_mps * self.cruise_mps, self.switch_mps * self.switch_mps);
+        let (start, cruise, switch) =
+            (self.start_mps * self.start_mps, self.cruise_mps * self.cruise_mps, self.switch_mps * self.switch_mps);
         let rising = start + (cruise - start) * (s_m / self.accelerating_m).max(0.0);
         let falling = switch + (cruise - switch) * ((length_m - s_m) / self.decelerating_m).max(0.0);
         sqrt(rising.min(falling).min(cruise))

@@ -63,8 +63,11 @@ impl<'a> Track<'a> {
     /// Offset of the front axle from the point of the path nearest to it.
     pub(super) fn front_offset(&self) -> Offset {
         let (sin, cos) = sin_cos(self.pose.heading_rad);
-        let front =
-            Pose { x_m: self.pose.x_m + self.wheelbase_m * cos, y_m: self.pose.y_m + self.wheelbase_m * sin, heading_rad: self.pose.heading_rad };
+        let front = Pose {
+            x_m: self.pose.x_m + self.wheelbase_m * cos,
+            y_m: self.pose.y_m + self.wheelbase_m * sin,
+            heading_rad: self.pose.heading_rad,
+        };
         let (matched, _) = self.leg.nearest(front.x_m, front.y_m, self.index);
         Offset { heading_rad: wrapped(front.heading_rad - matched.course_rad), ..Offset::new(front, &matched) }
     }
@@ -202,10 +205,6 @@ impl TrackingLaw {
             TrackingSettings::Lqr(_) => Lqr::wheel_angle_rad(self.lqr_gains, track),
             TrackingSettings::Mpc(law) => self.mpc.wheel_angle_rad(law, track),
         };
-        if wanted_rad.is_finite() {
-            track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad)
-        } else {
-            0.0
-        }
+        if wanted_rad.is_finite() { track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad) } else { 0.0 }
     }
 }

@@ -7,7 +7,7 @@ use super::super::manoeuvre::torque_source::TorqueSource;
 use super::super::messages::Inputs;
 use super::super::numeric::wrapped;
 use super::super::{SpeedLoop, SpeedLoopSettings};
-use super::follower::{DriveCommand, Stage, Trouble};
+use super::follower::{DriveCommand, Stage, Trouble, stop_decel};
 use crate::map::Gear;
 use crate::units::RAD_PER_DEG;
 use core::f64::consts::FRAC_PI_2;
@@ -18,7 +18,7 @@ use serde::Serialize;
 pub struct TurnRate {
     /// Gain above the threshold [1/s]. Default 1.5.
     pub large_gain_per_s: f64,
-    /// Gain below it [1/s]. Default 0.9.
+    /// Gain below it [1/s]. Default 0.7.
     pub small_gain_per_s: f64,
     /// Threshold between large and small errors [rad]. Default 25°.
     pub large_rad: f64,
@@ -34,7 +34,7 @@ impl Default for TurnRate {
     fn default() -> Self {
         Self {
             large_gain_per_s: 1.5,
-            small_gain_per_s: 0.9,
+            small_gain_per_s: 0.7,
             large_rad: 25.0 * RAD_PER_DEG,
             dead_zone_rad: 0.5 * RAD_PER_DEG,
             min_rad_s: 0.08,
@@ -76,6 +76,8 @@ pub struct TurnSettings {
     pub reaction_s: f64,
     /// Deceleration of the stop [m/s²]. Default 0.3.
     pub stop_decel_mps2: f64,
+    /// How far ahead in time the rate is read [s], as the preview of the pivot does. Default 0.3.
+    pub preview_s: f64,
     /// Standing or steering this long is a failure [s]. Default 4.
     pub stall_s: f64,
     /// Corrections after the first stop, most. Default 3.
@@ -95,6 +97,7 @@ impl TurnSettings {
             standstill_mps: 0.02,
             reaction_s: 0.12,
             stop_decel_mps2: 0.3,
+            preview_s: 0.3,
             stall_s: 4.0,
             corrections: 3,
         }
@@ -145,7 +148,9 @@ impl Turn {
             Stage::Turning => {
                 let speed = (self.gear.sign() * front_mps).max(0.0);
                 let way_m = speed * (settings.reaction_s + 0.5 * speed / settings.stop_decel_mps2);
-                if self.gear.sign() * error_rad * settings.wheelbase_m <= way_m {
+                let left_m = self.gear.sign() * error_rad * settings.wheelbase_m;
+                let slow = speed <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
+                if left_m <= 0.0 || (slow && left_m <= way_m) {
                     (self.stage, self.standing_s) = (Stage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled);
@@ -167,12 +172,16 @@ impl Turn {
         let (sign, speed_mps) = (self.gear.sign(), (self.gear.sign() * front_mps).max(0.0));
         let accel_mps2 = match self.stage {
             Stage::Turning => {
-                let wanted = settings.wheelbase_m * (sign * settings.rate.rate_rad_s(error_rad)).max(settings.rate.min_rad_s);
+                let ahead_rad = error_rad - sign * speed_mps / settings.wheelbase_m * settings.preview_s;
+                let wanted = settings.wheelbase_m * (sign * settings.rate.rate_rad_s(ahead_rad)).max(settings.rate.min_rad_s);
                 let step = settings.accel_mps2 * settings.period_s;
                 self.asked_mps = wanted.max(self.asked_mps - step).min(self.asked_mps + step);
                 self.speed_loop.step(&settings.speed_loop, self.asked_mps - speed_mps, false, settings.period_s).0
             }
-            Stage::Stopping => -settings.stop_decel_mps2,
+            Stage::Stopping => {
+                let left_m = sign * error_rad * settings.wheelbase_m;
+                -stop_decel(speed_mps, left_m, settings.stop_decel_mps2)
+            }
             _ => 0.0,
         };
         let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
@@ -207,7 +216,7 @@ mod tests {
         let deg = |d: f64| law.rate_rad_s(d * RAD_PER_DEG);
         assert_eq!((deg(0.4), deg(-0.4), law.rate_rad_s(f64::NAN)), (0.0, 0.0, 0.0));
         assert_eq!((deg(1.0), deg(-1.0)), (0.08, -0.08));
-        assert!((deg(20.0) - 0.9 * 20.0 * RAD_PER_DEG).abs() < 1e-12);
+        assert!((deg(20.0) - 0.7 * 20.0 * RAD_PER_DEG).abs() < 1e-12);
         assert_eq!((deg(26.0), deg(-170.0)), (0.6, -0.6));
     }
 }

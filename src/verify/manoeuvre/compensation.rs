@@ -27,7 +27,7 @@ pub struct CompensationScenario {
     pub law: LawName,
     /// Navigation's heading minus the vehicle's [°]. Default 1.0.
     pub yaw_deg: f64,
-    /// The wheel's angle minus what the steering takes it for [°]. Default 0.8 forward, −0.8 in reverse, so that both errors push to the same side.
+    /// The wheel's angle minus what the steering takes it for [°]. Default −0.8 forward, 0.8 in reverse, so that both errors push to the same side.
     pub steering_zero_deg: f64,
     /// Way on which the compensation is found [m]. Default 50.
     pub learning_m: f64,
@@ -55,14 +55,7 @@ fn table(file: &LateralTableFile) -> Result<CompensationTable> {
 impl CompensationScenario {
     /// The default errors.
     pub fn new(direction: Gear) -> Self {
-        Self {
-            direction,
-            law: LawName::Lqr,
-            yaw_deg: 1.0,
-            steering_zero_deg: direction.sign() * 0.8,
-            learning_m: 50.0,
-            measured_m: 35.0,
-        }
+        Self { direction, law: LawName::Lqr, yaw_deg: 1.0, steering_zero_deg: -direction.sign() * 0.8, learning_m: 50.0, measured_m: 35.0 }
     }
 
     /// The path: straight, then the measured stretch with its bend.
@@ -92,8 +85,7 @@ impl CompensationScenario {
         let (before_m, after_m) = ((before.error_m / before.way_m).abs(), (after.error_m / after.way_m).abs());
         values.set(Metric::LateralBeforeM, before_m);
         values.set(Metric::LateralAfterM, after_m);
-        // a tenth of a millimetre is beyond what any navigation tells
-        values.set(Metric::LateralGain, before_m / after_m.max(1e-4));
+        values.set(Metric::LateralRatio, after_m / before_m);
         let rms = |f: &Figures| (f.rate_squares / f.rates).sqrt();
         values.set(Metric::HeadingRateRatio, rms(&after) / rms(&before));
         Ok(values)
@@ -115,8 +107,7 @@ impl CompensationScenario {
         let (mut compensation_rad, mut last_s_m) = (0.0, 0.0);
         let controller = |inputs: &Inputs| {
             let used_rad = compensation_rad;
-            let command =
-                driver.step(inputs, &bench.torque, used_rad).unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
+            let command = driver.step(inputs, &bench.torque, used_rad).unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
             if let (Some(law), Some(matched)) = (&mut law, &command.matched) {
                 let travelled_m = (matched.s_m - last_s_m).max(0.0);
                 compensation_rad = law.step(self.direction, command.lateral_error_m, travelled_m, command.stage == Stage::Driving);

@@ -76,9 +76,7 @@ pub fn lateral_run(vehicle: &sim::Settings, run: &LateralRun, mut record: impl F
     let torque = ExactTorque::new(vehicle)?;
     let mut driver = LegsDriver::new(&path, settings);
     let controller = |inputs: &Inputs| {
-        let command = driver
-            .step(inputs, &torque, run.compensation_rad)
-            .unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
+        let command = driver.step(inputs, &torque, run.compensation_rad).unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
         (command, run.compensation_rad, driver.leg())
     };
     drive(vehicle, run.seed, &Start::default(), &run.mounting, settings.limits.period_s, controller, |m| record(m))

@@ -80,9 +80,7 @@ impl Manoeuvre {
         match &self.kind {
             Kind::Polyline(_) => None,
             Kind::Compensation(_) if maps.lateral.is_some() => None,
-            Kind::Compensation(_) => {
-                Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned())
-            }
+            Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
         }
     }
 
