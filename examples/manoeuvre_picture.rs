@@ -62,7 +62,13 @@ fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> 
     for (k, segment) in plan.segments.iter().enumerate() {
         let middle = at(0.5 * (segment.from_m[0] + segment.to_m[0]), 0.5 * (segment.from_m[1] + segment.to_m[1]));
         let label = format!("{} {}", k + 1, segment.gear);
-        text(&mut picture, middle.0 + 6.0, middle.1 - 7.0, "fill=\"#555\"", &label);
+        // beside an upright or a steep segment, above a level one
+        let (aside, above) = if segment.course_rad.sin().abs() > 0.2 {
+            (8.0, if segment.course_rad.cos().abs() < 0.1 { 0.0 } else { 22.0 })
+        } else {
+            (0.0, -7.0)
+        };
+        text(&mut picture, middle.0 + aside, middle.1 + above, "fill=\"#555\"", &label);
     }
     let (top, height, right) = (480.0, 220.0, WIDTH - 20.0);
     let mut rows = Vec::new();
