@@ -144,7 +144,9 @@ fn every_tracking_law_drives_the_polyline_within_the_gate_and_its_run_is_logged(
     maps(folder);
     let laws = ["pure-pursuit", "front-axle", "rear-axle", "lqr", "mpc"].map(|law| format!("polyline-{law}"));
     let mut args = vec!["verify", "--draws", "1", "--log", "logs", "--json"];
-    laws.iter().for_each(|name| args.extend(["--scenario", name]));
+    for name in &laws {
+        args.extend(["--scenario", name]);
+    }
     let (status, said, errors) = run(folder, &args);
     assert_eq!(status, 0, "{errors}");
     let verdict: serde_json::Value = serde_json::from_str(&said).unwrap();
