@@ -106,6 +106,7 @@ impl Log {
 pub fn log_of(maps: &Maps, settings: &super::super::Settings, manoeuvre: &Manoeuvre) -> Result<Vec<u8>> {
     let mut log = Log::new(&settings.manoeuvre_vehicle.vehicle);
     log.metadata("pivot-cal/scenario", [("name", manoeuvre.name.clone()), ("what", manoeuvre.what.clone())]);
+    log.reference(&manoeuvre.reference(settings.manoeuvre_vehicle.vehicle.wheelbase_m)?)?;
     let mut outcome = Ok(());
     replay(maps, settings, manoeuvre, |moment| {
         if outcome.is_ok() {

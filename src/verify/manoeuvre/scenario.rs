@@ -2,11 +2,13 @@
 
 use super::super::metric::Values;
 use super::super::scenario::Class;
-use super::super::{Maps, Result};
+use super::super::{Error, Maps, Result};
 use super::compensation::CompensationScenario;
 use super::drive::Moment;
-use super::polyline;
+use super::polyline::{self, DEMO_POINTS};
 use super::torque::ManoeuvreTorque;
+use crate::control::manoeuvre::path::PosePath;
+use crate::control::path::polyline::{PolylinePlan, PolylineSettings};
 use crate::control::path::tracking::LawName;
 use crate::map::Gear;
 use crate::sim;
@@ -81,6 +83,20 @@ impl Manoeuvre {
             Kind::Polyline(_) => None,
             Kind::Compensation(_) if maps.lateral.is_some() => None,
             Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
+        }
+    }
+
+    /// The path that it should drive, for a log or a picture.
+    ///
+    /// # Errors
+    /// Points that are no path.
+    pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
+        match &self.kind {
+            Kind::Polyline(_) => {
+                let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default()).map_err(Error::Polyline)?;
+                Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
+            }
+            Kind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
         }
     }
 
