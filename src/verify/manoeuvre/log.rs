@@ -102,7 +102,7 @@ impl Log {
 /// The bytes of an MCAP file with the nominal run of `manoeuvre`.
 ///
 /// # Errors
-/// As [`super::judge::replay`], and what the MCAP writer refuses.
+/// A vehicle that cannot be simulated, and what the MCAP writer refuses.
 pub fn log_of(maps: &Maps, settings: &super::super::Settings, manoeuvre: &Manoeuvre) -> Result<Vec<u8>> {
     let mut log = Log::new(&settings.manoeuvre_vehicle.vehicle);
     log.metadata("pivot-cal/scenario", [("name", manoeuvre.name.clone()), ("what", manoeuvre.what.clone())]);
