@@ -4,9 +4,10 @@ use super::logs::LogArguments;
 use super::{Outcome, Ui};
 use crate::log::Preset;
 use crate::map::write_whole;
+use crate::sim::VehicleFile;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of,
-    replayed, verify_watched,
+    Check, Class, Comparison, Error, Gate, Manoeuvre, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status,
+    Verdict, log_of, log_of_manoeuvre, replayed, verify_watched,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -16,8 +17,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  pivot-cal verify                            all scenarios on the map in ./maps
+  pivot-cal verify                            all pivots on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
+  pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
   pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
   pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
 
@@ -26,7 +28,7 @@ pub(super) struct Arguments {
     /// Folder with table1.json, table2.json and table2.csv
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
-    /// Run only this scenario (may be repeated)
+    /// Run this scenario, manoeuvre or group (pivots, manoeuvres, all) instead of the pivots (may be repeated)
     #[arg(long, value_name = "NAME")]
     scenario: Vec<String>,
     /// List the scenarios and stop
@@ -51,6 +53,9 @@ pub(super) struct Arguments {
     /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
     #[arg(long, value_name = "NAME", requires = "replay")]
     preset: Option<Preset>,
+    /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
+    #[arg(long, value_name = "FILE")]
+    vehicle: Option<PathBuf>,
     /// Perturbed plants per scenario
     #[arg(long, value_name = "N", default_value_t = 200)]
     draws: usize,
@@ -65,15 +70,26 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
+    let defaults = Settings::new()?;
+    let (scenarios, manoeuvres) = chosen(&arguments.scenario)?;
     let settings = Settings {
-        scenarios: chosen(&arguments.scenario)?,
+        scenarios,
+        manoeuvres,
+        manoeuvre_draws: arguments.draws.min(defaults.manoeuvre_draws),
+        manoeuvre_vehicle: match &arguments.vehicle {
+            Some(path) => {
+                let text = fs_err::read_to_string(path)?;
+                VehicleFile::from_toml(&text).with_context(|| path.display().to_string())?.settings()
+            }
+            None => defaults.manoeuvre_vehicle.clone(),
+        },
         draws: arguments.draws,
         seed: arguments.seed,
         gate: match &arguments.gate {
             Some(path) => Gate::with(gate.as_deref()).with_context(|| path.display().to_string())?,
             None => Gate::with(None)?,
         },
-        ..Settings::new()?
+        ..defaults
     };
     let maps = Maps::read(&arguments.maps, arguments.force)?;
     for forced in &maps.forced {
@@ -90,6 +106,12 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         for scenario in settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()) {
             let path = folder.join(format!("{}.mcap", scenario.name));
             write_whole(&path, &log_of(&maps, &settings, scenario)?)?;
+            ui.detail(format!("written: {}", path.display()));
+        }
+        let tested = |m: &&Manoeuvre| verdict.scenarios.iter().any(|s| s.name == m.name && s.status != Status::NotTested);
+        for manoeuvre in settings.manoeuvres.iter().filter(tested) {
+            let path = folder.join(format!("{}.mcap", manoeuvre.name));
+            write_whole(&path, &log_of_manoeuvre(&maps, &settings, manoeuvre)?)?;
             ui.detail(format!("written: {}", path.display()));
         }
     }
@@ -128,21 +150,34 @@ fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec
     Ok(runs)
 }
 
-/// The scenarios named, or all.
-fn chosen(names: &[String]) -> Result<Vec<Scenario>, Error> {
-    let all = Scenario::all();
+/// The scenarios and manoeuvres named, in the order of the command line; without a name all pivots. Groups: `pivots`, `manoeuvres`, `all`.
+fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
+    let (all, all_manoeuvres) = (Scenario::all(), Manoeuvre::all());
     if names.is_empty() {
-        return Ok(all);
+        return Ok((all, Vec::new()));
     }
-    names
-        .iter()
-        .map(|name| {
-            all.iter().find(|s| &s.name == name).cloned().ok_or_else(|| Error::NoScenario {
-                found: name.clone(),
-                nearest: all.iter().min_by_key(|s| differing(&s.name, name)).map(|s| s.name.clone()).unwrap_or_default(),
-            })
-        })
-        .collect()
+    let groups = ["pivots", "manoeuvres", "all"];
+    let known: Vec<&str> =
+        groups.into_iter().chain(all.iter().map(|s| s.name.as_str())).chain(all_manoeuvres.iter().map(|m| m.name.as_str())).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        let nearest = known.iter().min_by_key(|known| differing(known, name)).map(|known| (*known).to_owned()).unwrap_or_default();
+        return Err(Error::NoScenario { found: name.clone(), nearest });
+    }
+    let (mut scenarios, mut manoeuvres): (Vec<Scenario>, Vec<Manoeuvre>) = (Vec::new(), Vec::new());
+    for name in names {
+        let is = |group: &str, own: &str| name == own || name == group || name == "all";
+        for scenario in all.iter().filter(|s| is("pivots", &s.name)) {
+            if !scenarios.contains(scenario) {
+                scenarios.push(scenario.clone());
+            }
+        }
+        for manoeuvre in all_manoeuvres.iter().filter(|m| is("manoeuvres", &m.name)) {
+            if manoeuvres.iter().all(|m| m.name != manoeuvre.name) {
+                manoeuvres.push(manoeuvre.clone());
+            }
+        }
+    }
+    Ok((scenarios, manoeuvres))
 }
 
 /// How many letters of the longer name are not in the same place of both, counted from the start.
@@ -152,11 +187,12 @@ fn differing(a: &str, b: &str) -> usize {
 }
 
 fn list(ui: Ui) -> anyhow::Result<()> {
-    let all = Scenario::all();
-    ui.document(&all)?;
+    let (all, manoeuvres) = (Scenario::all(), Manoeuvre::all());
+    let documents: Result<Vec<_>, _> = all.iter().map(serde_json::to_value).chain(manoeuvres.iter().map(serde_json::to_value)).collect();
+    ui.document(&documents?)?;
     let mut table = new_table(&["scenario", "what"]);
-    for scenario in all {
-        table.add_row([scenario.name, scenario.what]);
+    for (name, what) in all.into_iter().map(|s| (s.name, s.what)).chain(manoeuvres.into_iter().map(|m| (m.name, m.what))) {
+        table.add_row([name, what]);
     }
     ui.say(table.to_string());
     Ok(())
@@ -184,6 +220,9 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     for scenario in &verdict.scenarios {
         detail(scenario, ui);
     }
+    manoeuvres(verdict, Class::Polyline, &[Metric::CornerErrorM, Metric::SegmentErrorM, Metric::SegmentRmsM, Metric::TimeS], ui);
+    let compensated = [Metric::LateralBeforeM, Metric::LateralAfterM, Metric::LateralRatio, Metric::HeadingRateRatio];
+    manoeuvres(verdict, Class::Compensation, &compensated, ui);
     if let Some(comparison) = &verdict.comparison {
         compare(comparison, ui);
     }
@@ -282,6 +321,31 @@ fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
         median(runs.iter().filter_map(|r| r.r_squared).collect()),
         median(runs.iter().map(|r| r.rmse_mps).collect())
     ));
+}
+
+/// The figures of manoeuvres of one class: nominal, and the largest over the draws.
+fn manoeuvres(verdict: &Verdict, class: Class, metrics: &[Metric], ui: Ui) {
+    let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class == class && s.status != Status::NotTested).collect();
+    if tested.is_empty() {
+        return;
+    }
+    let header: Vec<_> = std::iter::once("nominal (largest)").chain(metrics.iter().map(|m| m.title())).collect();
+    let mut table = new_table(&header);
+    for scenario in tested {
+        let figure = |metric: &Metric| {
+            let shown = |v: f64| match metric.unit() {
+                "m" => format!("{:.1}", 1e3 * v),
+                "s" => format!("{v:.1}"),
+                _ => format!("{v:.3}"),
+            };
+            let unit = if metric.unit() == "m" { "mm" } else { metric.unit() };
+            let summary = scenario.metrics.iter().find(|s| s.metric == *metric);
+            let nominal = summary.and_then(|s| s.nominal).map_or("none".to_owned(), |v| format!("{} {unit}", shown(v)));
+            summary.and_then(|s| s.max).map_or(nominal.clone(), |v| format!("{nominal} ({})", shown(v)))
+        };
+        table.add_row(std::iter::once(scenario.name.clone()).chain(metrics.iter().map(figure)));
+    }
+    ui.say(table.to_string());
 }
 
 /// The map beside the other laws: medians over the draws.
