@@ -4,6 +4,7 @@
 
 mod breaks;
 mod calibrate;
+mod check;
 mod completions;
 mod fit;
 mod inspect;
@@ -77,6 +78,8 @@ enum Command {
     Verify(verify::Arguments),
     /// Fit, invert and verify in one go
     Calibrate(calibrate::Arguments),
+    /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
+    Check(check::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -99,6 +102,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Verify(arguments) => verify::run(&arguments, ui),
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
+        Command::Check(arguments) => check::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

@@ -6,8 +6,10 @@
 mod accel_table;
 mod axis;
 mod cell;
+pub mod check;
 mod csv_matrix;
 mod error;
+pub mod foreign;
 mod gear;
 mod json_text;
 pub mod lookup;
