@@ -6,6 +6,7 @@ mod breaks;
 mod calibrate;
 mod check;
 mod completions;
+mod export;
 mod fit;
 mod inspect;
 mod inspect_runs;
@@ -80,6 +81,8 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
     Check(check::Arguments),
+    /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX or JSON
+    Export(export::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -103,6 +106,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Check(arguments) => check::run(&arguments, ui),
+        Command::Export(arguments) => export::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

@@ -23,6 +23,7 @@ pub use accel_table::AccelTable;
 pub use axis::Axis;
 pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
+pub(crate) use csv_matrix::decimal;
 pub use error::{Error, Result};
 pub use gear::Gear;
 pub use save::{sha256_hex, write_whole};

@@ -147,8 +147,8 @@ impl Map<'_> {
             }
             Some(_) => {}
             None => {
-                let what = format!("{file:?}, which is described here, is not beside this file");
-                findings.push(Finding::at(Rule::HashMismatch, Severity::Warning, of.trim_end_matches(", "), what));
+                let what = format!("{file:?}, which is described here, is not beside this file: not judged");
+                findings.push(Finding::at(Rule::HashMismatch, Severity::Note, of.trim_end_matches(", "), what));
             }
         }
     }
