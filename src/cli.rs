@@ -6,6 +6,7 @@ mod breaks;
 mod calibrate;
 mod check;
 mod completions;
+mod diff;
 mod export;
 mod fit;
 mod inspect;
@@ -83,6 +84,8 @@ enum Command {
     Check(check::Arguments),
     /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX or JSON
     Export(export::Arguments),
+    /// Say what changed between two maps, and whether it is more than chance
+    Diff(diff::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -107,6 +110,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Check(arguments) => check::run(&arguments, ui),
         Command::Export(arguments) => export::run(&arguments, ui),
+        Command::Diff(arguments) => diff::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

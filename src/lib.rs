@@ -16,6 +16,7 @@
 pub mod campaign;
 pub mod cli;
 pub mod control;
+pub mod diff;
 pub mod export;
 pub mod fit;
 pub mod invert;

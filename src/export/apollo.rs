@@ -3,7 +3,8 @@
 //!
 //! Sign rules: throttle stands for acceleration and brake for deceleration, so no entry has a command and an acceleration of opposite sign.
 //! Between coasting (command 0) and holding a speed (acceleration 0) friction asks for a driving torque at a negative acceleration; there
-//! the table has the two ends, and Apollo's linear interpolation gives what lies between. Cells that no torque reaches are left out.
+//! the table has the two ends, and Apollo's linear interpolation gives what lies between. Accelerations of one and the same torque, at a
+//! limit or of a wheel that is held, have one entry.
 //!
 //! Source of the rules: Apollo's longitudinal controller, which looks the command up over (speed, acceleration), takes it as throttle when
 //! it is not negative and as brake otherwise, and clamps outside the table.
@@ -11,7 +12,7 @@
 use super::autoware::rounded;
 use super::number::plain;
 use super::{Error, File, Result, Source, provenance};
-use crate::map::{CellStatus, Gear, TorqueTable};
+use crate::map::TorqueTable;
 
 const FORMAT: &str = "apollo";
 
@@ -24,7 +25,7 @@ pub(super) fn files(source: &Source) -> Result<Vec<File>> {
         text.push_str(&format!("# {gear} gear; command = 100 * torque / {full_nm} N.m\n"));
         let mut largest = 0.0f64;
         for (i, &speed) in table.speed_mps().breaks().iter().enumerate() {
-            let (entries, lost) = row(source, *gear, table, i);
+            let (entries, lost) = row(table, i);
             largest = largest.max(lost);
             let mut before: Option<(f64, f64)> = None;
             for (accel, torque) in entries {
@@ -48,15 +49,13 @@ pub(super) fn files(source: &Source) -> Result<Vec<File>> {
 
 /// The entries of one speed, acceleration and torque rising, and how far [N·m] the straight line between coasting and holding is from what
 /// the table has there.
-fn row(source: &Source, gear: Gear, table: &TorqueTable, i: usize) -> (Vec<(f64, f64)>, f64) {
+fn row(table: &TorqueTable, i: usize) -> (Vec<(f64, f64)>, f64) {
     let accels = table.accel_mps2().breaks();
-    let map = source.map(gear);
-    let reached = |j: usize| map.is_none_or(|m| m.status.get(i).and_then(|row| row.get(j)) != Some(&CellStatus::Unreachable));
     let mut all: Vec<(f64, f64)> = Vec::new();
-    for j in (0..accels.len()).filter(|j| reached(*j)) {
-        let entry = (accels[j], table.at(i, j));
+    for entry in accels.iter().enumerate().map(|(j, a)| (*a, table.at(i, j))) {
         match all.last_mut() {
-            // several accelerations of one torque (a wheel that is held): the last one stands for all
+            // several accelerations of one torque, a limit or a wheel that is held: the one nearest to the others stands for all
+            Some(last) if last.1 == entry.1 && entry.1 > 0.0 => {}
             Some(last) if last.1 == entry.1 => *last = entry,
             _ => all.push(entry),
         }
