@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Table 1 is a(v, τ), the acceleration over front-wheel speed and torque; Table 2 is τ(v, a), the torque over front-wheel speed and
-//! desired acceleration. Rooms import only rooms further down this list: `report`, `verify`, `record`, `sim`, `control`, `fit` and
+//! desired acceleration. Rooms import only rooms further down this list: `report`, `export`, `diff`, `verify`, `record`, `sim`, `control`, `fit` and
 //! `invert`, `campaign`, `signal`, `log`, `map`, `units`.
 
 pub mod campaign;

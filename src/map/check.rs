@@ -77,3 +77,72 @@ impl Map<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn of_text(name: &str, bytes: &[u8]) -> Report {
+        let beside = |_: &str| None;
+        Map { path: name.to_owned(), name: name.to_owned(), bytes, beside: &beside }.report(&Settings::default())
+    }
+
+    /// Pieces of all formats, whole and broken.
+    fn piece() -> impl Strategy<Value = String> {
+        let fixed = [
+            "torque_nm\\speed_mps",
+            "speed_mps\\accel_mps2",
+            "calibration",
+            "{",
+            "}",
+            ":",
+            "speed",
+            "acceleration",
+            "command",
+            ",",
+            "\n",
+            "0",
+            "-1",
+            "1e400",
+            "nan",
+            "default",
+            "\"maps\"",
+            "\"format\":\"pivot-cal/table1\"",
+            "\"format_version\":1",
+            "[",
+            "]",
+            "null",
+            "\u{feff}",
+        ];
+        prop_oneof![prop::sample::select(fixed.to_vec()).prop_map(str::to_owned), any::<i8>().prop_map(|v| v.to_string()), ".{0,3}"]
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics_and_every_report_is_consistent(pieces in prop::collection::vec(piece(), 0..60)) {
+            for name in ["a.csv", "table2.csv", "a.json", "a.pb.txt"] {
+                let report = of_text(name, pieces.concat().as_bytes());
+                let counted: usize = report.counts.iter().map(|c| c.findings).sum();
+                prop_assert_eq!(counted, report.findings.len());
+                prop_assert_eq!(report.sound, report.findings.iter().all(|f| f.severity == Severity::Note));
+            }
+        }
+    }
+
+    #[test]
+    fn a_json_of_any_shape_is_judged() {
+        for maps in [
+            "{}",
+            "[null]",
+            "[{}]",
+            "[{\"gear\": 3, \"torque_nm\": [[1]], \"accel_mps2\": 4, \"csv\": []}]",
+            "[{\"speed_mps\": [0, 1], \"accel_mps2\": [0, 1], \"torque_nm\": [[1, 2, 3], [4]]}]",
+        ] {
+            for table in ["table1", "table2"] {
+                let text = format!("{{\"format\": \"pivot-cal/{table}\", \"format_version\": 1, \"maps\": {maps}}}");
+                assert!(!of_text("a.json", text.as_bytes()).sound, "{text}");
+            }
+        }
+    }
+}

@@ -57,3 +57,13 @@ pub(crate) fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
     assert!(!errors.contains("panicked"), "{errors}");
     (output.status.code().unwrap(), text(&output.stdout), errors)
 }
+
+/// The text with one of its numbers changed in the last decimal.
+pub(crate) fn with_last_decimal_changed(text: &str, value: f64) -> String {
+    let number = value.to_string();
+    let last = number.chars().last().unwrap();
+    let other = if last == '4' { '5' } else { '4' };
+    let changed = format!("{}{other}", &number[..number.len() - 1]);
+    assert!(number.contains('.') && text.contains(&number), "{number} is in the text");
+    text.replacen(&number, &changed, 1)
+}
