@@ -249,7 +249,9 @@ fn apollo(change: impl Fn(usize, usize, &mut [f64; 3])) -> String {
         for (j, accel) in [-2.0, -1.0, -0.3, 0.0, 0.5, 1.0, 2.0].into_iter().enumerate() {
             let mut entry = [0.2 * i as f64, accel, 30.0 * (accel + 0.3)];
             change(i, j, &mut entry);
-            text += &format!("calibration {{\n  speed: {}\n  acceleration: {}\n  command: {}\n}}\n", entry[0], entry[1], entry[2]);
+            let [speed, accel, command] = entry;
+            text.push_str(&["calibration {\n  speed: ", &speed.to_string(), "\n  acceleration: ", &accel.to_string()].concat());
+            text.push_str(&["\n  command: ", &command.to_string(), "\n}\n"].concat());
         }
     }
     text

@@ -9,7 +9,8 @@ mod readers;
 
 use map_copy::{change_table2, copied, run, text};
 use pivot_cal::map::{Gear, Table2File, TorqueTable, lookup};
-use std::io::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -153,7 +154,7 @@ fn dense(tables: &[(Gear, TorqueTable)]) -> (String, Vec<Answer>) {
         let axes = &tables[0].1;
         for speed in places(axes.speed_mps().breaks()) {
             for accel in places(axes.accel_mps2().breaks()) {
-                input.push_str(&format!("{} {:x} {:x}\n", i32::from(gear == Gear::Reverse), speed.to_bits(), accel.to_bits()));
+                writeln!(input, "{} {:x} {:x}", i32::from(gear == Gear::Reverse), speed.to_bits(), accel.to_bits()).unwrap();
                 answers.push(expected(table, speed, accel));
             }
         }
@@ -219,7 +220,7 @@ fn expect_float(programs: &[PathBuf], maps: &Path) {
         let (mut input, mut points) = (String::new(), Vec::new());
         for speed in narrow(places(table.speed_mps().breaks())) {
             for accel in narrow(places(table.accel_mps2().breaks())).into_iter().step_by(2) {
-                input.push_str(&format!("{} {:x} {:x}\n", i32::from(gear == Gear::Reverse), speed.to_bits(), accel.to_bits()));
+                writeln!(input, "{} {:x} {:x}", i32::from(gear == Gear::Reverse), speed.to_bits(), accel.to_bits()).unwrap();
                 points.push((f64::from(speed), f64::from(accel)));
             }
         }

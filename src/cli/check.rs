@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         anyhow::bail!("--slope-bound is {}; allowed: 1 or more", arguments.slope_bound);
     }
     let settings = Settings { slope_bound: arguments.slope_bound };
-    let maps = arguments.maps.iter().map(|path| check(path, &settings)).collect::<Result<Vec<_>, _>>()?;
+    let maps = arguments.maps.iter().map(|path| check(path, settings)).collect::<Result<Vec<_>, _>>()?;
     let document = Document { sound: maps.iter().all(|m| m.sound), maps };
     ui.document(&document)?;
     for report in &document.maps {

@@ -13,6 +13,7 @@ use super::autoware::rounded;
 use super::number::plain;
 use super::{Error, File, Result, Source, provenance};
 use crate::map::TorqueTable;
+use std::fmt::Write as _;
 
 const FORMAT: &str = "apollo";
 
@@ -21,8 +22,10 @@ pub(super) fn files(source: &Source) -> Result<Vec<File>> {
     let mut files = Vec::new();
     for (gear, table) in &source.torque {
         let mut text = String::new();
-        provenance::lines(source).iter().for_each(|line| text.push_str(&format!("# {line}\n")));
-        text.push_str(&format!("# {gear} gear; command = 100 * torque / {full_nm} N.m\n"));
+        for line in provenance::lines(source) {
+            let _ = writeln!(text, "# {line}");
+        }
+        let _ = writeln!(text, "# {gear} gear; command = 100 * torque / {full_nm} N.m");
         let mut largest = 0.0f64;
         for (i, &speed) in table.speed_mps().breaks().iter().enumerate() {
             let (entries, lost) = row(table, i);
@@ -35,9 +38,10 @@ pub(super) fn files(source: &Source) -> Result<Vec<File>> {
                     return Err(Error::NotMonotone { format: FORMAT, gear: *gear, place });
                 }
                 before = Some((accel, command));
-                let entry = [("speed", speed), ("acceleration", accel), ("command", command)];
                 text.push_str("calibration {\n");
-                entry.iter().for_each(|(name, value)| text.push_str(&format!("  {name}: {}\n", plain(*value))));
+                for (name, value) in [("speed", speed), ("acceleration", accel), ("command", command)] {
+                    let _ = writeln!(text, "  {name}: {}", plain(value));
+                }
                 text.push_str("}\n");
             }
         }

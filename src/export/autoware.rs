@@ -38,24 +38,30 @@ fn map(table: &AccelTable, gear: Gear, sign: f64, what: &'static str, full_nm: f
     torques.sort_by(f64::total_cmp);
     let speeds = table.speed_mps().breaks();
     let mut text = format!("pivot-cal torque_nm/{full_nm}");
-    speeds.iter().for_each(|v| text.push_str(&format!(",{}", plain(*v))));
-    text.push('\n');
+    push_row(&mut text, speeds);
     let mut before: Option<Vec<f64>> = None;
     for torque in torques {
         // nine decimals, as Table 1 has them
         let accel: Vec<f64> = speeds.iter().filter_map(|v| table.accel_from_torque(*v, sign * torque)).map(|a| rounded(a, 1e-9)).collect();
-        if let Some(before) = before {
-            if let Some(j) = (0..accel.len()).find(|j| sign * (accel[*j] - before[*j]) <= 0.0) {
-                let place = format!("speed {} m/s, torque {} N·m", speeds[j], sign * torque);
-                return Err(Error::NotMonotone { format: FORMAT, gear, place });
-            }
+        let falls = |before: &Vec<f64>| (0..accel.len()).find(|j| sign * (accel[*j] - before[*j]) <= 0.0);
+        if let Some(j) = before.as_ref().and_then(falls) {
+            let place = format!("speed {} m/s, torque {} N·m", speeds[j], sign * torque);
+            return Err(Error::NotMonotone { format: FORMAT, gear, place });
         }
         text.push_str(&plain(rounded(torque / full_nm, 1e-9)));
-        accel.iter().for_each(|a| text.push_str(&format!(",{}", plain(*a))));
-        text.push('\n');
+        push_row(&mut text, &accel);
         before = Some(accel);
     }
     Ok(text)
+}
+
+/// The values of a row, and its end.
+fn push_row(text: &mut String, values: &[f64]) {
+    for value in values {
+        text.push(',');
+        text.push_str(&plain(*value));
+    }
+    text.push('\n');
 }
 
 /// To a multiple of `step`, as the decimal that a person would write.

@@ -2,6 +2,7 @@
 
 use super::{File, Precision, Source, crc::crc32, dcm::constants, number::plain, provenance};
 use crate::map::{Gear, TorqueTable};
+use std::fmt::Write as _;
 
 const HEADER: &str = include_str!("template/pivot_map.h.in");
 const SOURCE: &str = include_str!("template/pivot_map.c.in");
@@ -52,11 +53,12 @@ fn table(gear: Gear, table: &TorqueTable, precision: Precision) -> String {
     let (speeds, accels) = (table.speed_mps().breaks(), table.accel_mps2().breaks());
     let mut text = array("speed_mps", speeds, PER_LINE) + &array("accel_mps2", accels, PER_LINE);
     text.push_str(&array("torque_nm", table.values(), PER_LINE.min(accels.len())));
-    text.push_str(&format!(
+    let _ = write!(
+        text,
         "static const pivot_map_table {gear} = {{\n    {}u, {}u, {gear}_speed_mps, {gear}_accel_mps2, {gear}_torque_nm, (uint32_t)0x{:08X}u\n}};\n\n",
         speeds.len(),
         accels.len(),
         crc32(table, precision)
-    ));
+    );
     text
 }

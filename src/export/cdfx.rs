@@ -6,6 +6,7 @@
 use super::dcm::{constants, name, what};
 use super::number::plain;
 use super::{File, Source, provenance};
+use std::fmt::Write as _;
 
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE MSRSW PUBLIC "-//ASAM//DTD CALIBRATION DATA FORMAT:V2.0.0:LAI:IAI:XML:CDF200.XSD//EN" "cdf_v2.0.0.sl.dtd">
@@ -14,7 +15,7 @@ const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 pub(super) fn file(source: &Source) -> File {
     let mut xml = Xml { text: HEAD.to_owned(), depth: 0 };
     // a comment may not hold two hyphens in a row
-    xml.text.push_str(&format!("<!--\n{}\n-->\n", provenance::lines(source).join("\n").replace("--", "- -")));
+    let _ = writeln!(xml.text, "<!--\n{}\n-->", provenance::lines(source).join("\n").replace("--", "- -"));
     xml.element("MSRSW", |xml| {
         xml.leaf("SHORT-NAME", "pivot_map");
         xml.leaf("CATEGORY", "CDF20");
@@ -50,7 +51,11 @@ fn instances(xml: &mut Xml, source: &Source) {
             xml.leaf("CATEGORY", "MAP");
             xml.element("SW-VALUE-CONT", |xml| {
                 xml.leaf("UNIT-DISPLAY-NAME", "Nm");
-                xml.element("SW-ARRAYSIZE", |xml| [x, y].iter().for_each(|axis| xml.leaf("V", &axis.len().to_string())));
+                xml.element("SW-ARRAYSIZE", |xml| {
+                    for axis in [x, y] {
+                        xml.leaf("V", &axis.len().to_string());
+                    }
+                });
                 xml.element("SW-VALUES-PHYS", |xml| {
                     for (speed, row) in y.iter().zip(table.values().chunks(x.len())) {
                         xml.element("VG", |xml| {
@@ -82,7 +87,7 @@ struct Xml {
 
 impl Xml {
     fn line(&mut self, line: &str) {
-        (0..self.depth).for_each(|_| self.text.push_str("  "));
+        self.text.push_str(&"  ".repeat(self.depth));
         self.text.push_str(line);
         self.text.push('\n');
     }
@@ -97,15 +102,15 @@ impl Xml {
 
     /// An element in an element in an element.
     fn nested(&mut self, names: &[&str], inside: impl FnOnce(&mut Self)) {
-        names.iter().for_each(|name| {
+        for name in names {
             self.line(&format!("<{name}>"));
             self.depth += 1;
-        });
+        }
         inside(self);
-        names.iter().rev().for_each(|name| {
+        for name in names.iter().rev() {
             self.depth -= 1;
             self.line(&format!("</{name}>"));
-        });
+        }
     }
 
     fn leaf(&mut self, name: &str, text: &str) {

@@ -4,28 +4,32 @@
 use super::number::plain;
 use super::{File, Source, provenance};
 use crate::map::Gear;
+use std::fmt::Write as _;
 
 /// Numbers on a line, as calibration tools write them.
 const PER_LINE: usize = 6;
 
 pub(super) fn file(source: &Source) -> File {
     let mut text = String::from("* encoding=\"UTF-8\"\n");
-    provenance::lines(source).iter().for_each(|line| text.push_str(&format!("* {line}\n")));
+    for line in provenance::lines(source) {
+        let _ = writeln!(text, "* {line}");
+    }
     text.push_str("\nKONSERVIERUNG_FORMAT 2.0\n\nFUNKTIONEN\n");
-    text.push_str(&format!("   FKT PIVOT_MAP \"{}\" \"Torque map for turning on the spot\"\nEND\n", env!("CARGO_PKG_VERSION")));
+    let _ = write!(text, "   FKT PIVOT_MAP \"{}\" \"Torque map for turning on the spot\"\nEND\n", env!("CARGO_PKG_VERSION"));
     for constant in constants(source) {
-        text.push_str(&format!(
+        let _ = write!(
+            text,
             "\nFESTWERT {}\n   LANGNAME \"{}\"\n   FUNKTION PIVOT_MAP\n   EINHEIT_W \"{}\"\n   WERT {}\nEND\n",
             constant.name,
             constant.what,
             constant.unit,
             plain(constant.value)
-        ));
+        );
     }
     for (gear, table) in &source.torque {
         let (x, y) = (table.accel_mps2().breaks(), table.speed_mps().breaks());
-        text.push_str(&format!("\nKENNFELD {} {} {}\n", name(*gear), x.len(), y.len()));
-        text.push_str(&format!("   LANGNAME \"{}\"\n   FUNKTION PIVOT_MAP\n", what(*gear)));
+        let _ = write!(text, "\nKENNFELD {} {} {}\n", name(*gear), x.len(), y.len());
+        let _ = write!(text, "   LANGNAME \"{}\"\n   FUNKTION PIVOT_MAP\n", what(*gear));
         text.push_str("   EINHEIT_X \"m/s^2\"\n   EINHEIT_Y \"m/s\"\n   EINHEIT_W \"Nm\"\n");
         numbers(&mut text, "ST/X", x);
         for (speed, row) in y.iter().zip(table.values().chunks(x.len())) {
@@ -41,7 +45,10 @@ fn numbers(text: &mut String, keyword: &str, values: &[f64]) {
     for line in values.chunks(PER_LINE) {
         text.push_str("   ");
         text.push_str(keyword);
-        line.iter().for_each(|v| text.push_str(&format!("   {}", plain(*v))));
+        for v in line {
+            text.push_str("   ");
+            text.push_str(&plain(*v));
+        }
         text.push('\n');
     }
 }

@@ -18,21 +18,18 @@ pub(super) fn file(source: &Source, precision: Precision) -> File {
         })
         .collect();
     let tables: String = source.torque.iter().map(|(gear, table)| self::table(*gear, table, precision)).collect();
-    let choice: String = Gear::ALL
-        .into_iter()
-        .map(|gear| {
-            let found = source.torque.iter().any(|(g, _)| *g == gear);
-            let found = if found { format!("Some(&{})", upper(gear)) } else { "None".to_owned() };
-            format!("        Gear::{gear:?} => {found},\n")
-        })
-        .collect();
+    let choice = Gear::ALL.map(|gear| {
+        let found = source.torque.iter().any(|(g, _)| *g == gear);
+        let found = if found { format!("Some(&{})", upper(gear)) } else { "None".to_owned() };
+        format!("        Gear::{gear:?} => {found},\n")
+    });
     let text = MODULE
         .replace("@PROVENANCE@", &provenance.join("\n"))
         .replace("@REAL@", if precision == Precision::Double { "f64" } else { "f32" })
         .replace("@SHA256@", &sha256(source))
         .replace("@CONSTANTS@", &constants.join("\n"))
         .replace("@TABLES@", &tables)
-        .replace("@CHOICE@", &choice);
+        .replace("@CHOICE@", &choice.concat());
     // two empty comment lines in a row are one
     File::new("pivot_map.rs", text.replace("//!\n//!\n", "//!\n"))
 }

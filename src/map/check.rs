@@ -35,7 +35,7 @@ impl Default for Settings {
 ///
 /// # Errors
 /// The file cannot be opened or read at all. What it holds is judged, whatever it is.
-pub fn check(path: &Path, settings: &Settings) -> Result<Report> {
+pub fn check(path: &Path, settings: Settings) -> Result<Report> {
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -53,12 +53,12 @@ struct Map<'a> {
 }
 
 impl Map<'_> {
-    fn report(&self, settings: &Settings) -> Report {
+    fn report(&self, settings: Settings) -> Report {
         let Ok(text) = std::str::from_utf8(self.bytes) else {
             let finding = Finding::whole(Rule::Readable, Severity::Error, "the file is not text (UTF-8)");
             return Report::new(self.path.clone(), "unknown", String::new(), vec![finding], &[]);
         };
-        let extension = Path::new(&self.name).extension().map(|e| e.to_ascii_lowercase()).unwrap_or_default();
+        let extension = Path::new(&self.name).extension().map(std::ffi::OsStr::to_ascii_lowercase).unwrap_or_default();
         if text.trim_start().starts_with('{') || extension == "json" {
             return self.own_json(text, settings);
         }
@@ -85,7 +85,7 @@ mod tests {
 
     fn of_text(name: &str, bytes: &[u8]) -> Report {
         let beside = |_: &str| None;
-        Map { path: name.to_owned(), name: name.to_owned(), bytes, beside: &beside }.report(&Settings::default())
+        Map { path: name.to_owned(), name: name.to_owned(), bytes, beside: &beside }.report(Settings::default())
     }
 
     /// Pieces of all formats, whole and broken.

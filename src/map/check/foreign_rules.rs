@@ -23,7 +23,7 @@ impl Map<'_> {
         Report::new(self.path.clone(), format, size, findings, &judged)
     }
 
-    pub(super) fn autoware(&self, cells: &[CsvLine], settings: &Settings) -> Report {
+    pub(super) fn autoware(&self, cells: &[CsvLine], settings: Settings) -> Report {
         let (pedal, grid, unread) = grid_of_autoware(&self.name, cells);
         let mut findings: Vec<_> = misread(&unread).collect();
         let meaning = Meaning {

@@ -125,7 +125,7 @@ impl Judged<'_> {
     }
 
     /// Steps whose slope is above `settings.slope_bound` times the slope that nine in ten steps along the same axis stay below.
-    pub(super) fn jumps(&self, settings: &Settings, findings: &mut Vec<Finding>) {
+    pub(super) fn jumps(&self, settings: Settings, findings: &mut Vec<Finding>) {
         for along in [Along::Rows, Along::Columns] {
             let name = if along == Along::Rows { self.meaning.rows } else { self.meaning.columns };
             let breaks = self.breaks(along);

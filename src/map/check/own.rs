@@ -45,7 +45,7 @@ impl Table {
 }
 
 impl Map<'_> {
-    pub(super) fn own_csv(&self, cells: &[CsvLine], corner: &str, settings: &Settings) -> Report {
+    pub(super) fn own_csv(&self, cells: &[CsvLine], corner: &str, settings: Settings) -> Report {
         let table = if corner == Table::One.corner() || (corner != Table::Two.corner() && self.name.starts_with("table1")) {
             Table::One
         } else {
@@ -60,18 +60,15 @@ impl Map<'_> {
         let json = (self.beside)(table.json()).and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
         let maps = json.as_ref().and_then(|j| j["maps"].as_array());
         let described = maps.and_then(|maps| maps.iter().find(|m| m["csv"]["file"] == self.name.as_str()));
-        match described {
-            Some(map) => {
-                if map["csv"]["sha256"] != sha256_hex(self.bytes).as_str() {
-                    let what = format!("this is not the file that {} describes: it was edited, or belongs to another map", table.json());
-                    findings.push(Finding::whole(Rule::HashMismatch, Severity::Error, what));
-                }
-                dead_band(table, map, "", &mut findings);
+        if let Some(map) = described {
+            if map["csv"]["sha256"] != sha256_hex(self.bytes).as_str() {
+                let what = format!("this is not the file that {} describes: it was edited, or belongs to another map", table.json());
+                findings.push(Finding::whole(Rule::HashMismatch, Severity::Error, what));
             }
-            None => {
-                let what = format!("no {} beside it describes this file: dead band and hash are not judged", table.json());
-                findings.push(Finding::whole(Rule::HashMismatch, Severity::Note, what));
-            }
+            dead_band(table, map, "", &mut findings);
+        } else {
+            let what = format!("no {} beside it describes this file: dead band and hash are not judged", table.json());
+            findings.push(Finding::whole(Rule::HashMismatch, Severity::Note, what));
         }
         let limited = (table == Table::Two).then(|| described.map_or_else(|| extremes(&grid), unreachable));
         let judged = Judged { grid: &grid, meaning: table.meaning(), of: String::new(), limited };
@@ -82,7 +79,7 @@ impl Map<'_> {
         Report::new(self.path.clone(), format, size, findings, &places)
     }
 
-    pub(super) fn own_json(&self, text: &str, settings: &Settings) -> Report {
+    pub(super) fn own_json(&self, text: &str, settings: Settings) -> Report {
         let unreadable = |what: String| {
             let finding = Finding::whole(Rule::Readable, Severity::Error, what);
             Report::new(self.path.clone(), "JSON", String::new(), vec![finding], &[])
@@ -171,7 +168,7 @@ impl Map<'_> {
 }
 
 /// The rules of a matrix, and how many places were judged.
-fn judge(table: Table, judged: &Judged, settings: &Settings, findings: &mut Vec<Finding>) -> Vec<(Rule, usize, &'static str)> {
+fn judge(table: Table, judged: &Judged, settings: Settings, findings: &mut Vec<Finding>) -> Vec<(Rule, usize, &'static str)> {
     let grid = judged.grid;
     judged.axes(findings);
     // the row at speed 0 may hold the wheel: torque 0 for every a ≤ 0
@@ -190,7 +187,7 @@ fn judge(table: Table, judged: &Judged, settings: &Settings, findings: &mut Vec<
     judged.speed_from_zero(speed, Severity::Warning, findings);
     let known: Vec<f64> = command.iter().copied().flatten().collect();
     let (least, most) = (known.iter().copied().fold(f64::INFINITY, f64::min), known.iter().copied().fold(f64::NEG_INFINITY, f64::max));
-    if !known.is_empty() && !(least <= 0.0 && most >= 0.0) {
+    if !known.is_empty() && (least > 0.0 || most < 0.0) {
         let name = if table == Table::One { judged.meaning.rows } else { judged.meaning.columns };
         let what = format!("{name} reaches from {least} to {most}, without 0: coasting and holding a speed are outside");
         findings.push(Finding::at(Rule::RangeGap, Severity::Warning, judged.of.trim_end_matches(", "), what));

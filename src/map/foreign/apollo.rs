@@ -96,7 +96,9 @@ mod tests {
         let (points, misread) = points_of_apollo(text);
         assert_eq!(points.points.len(), 1);
         let kinds: Vec<_> = misread.iter().map(|m| (m.kind, m.line)).collect();
-        use MisreadKind::{Malformed, NotANumber};
-        assert_eq!(kinds, [(NotANumber, 1), (Malformed, 1), (Malformed, 2), (Malformed, 4)]);
+        assert_eq!(
+            kinds,
+            [(MisreadKind::NotANumber, 1), (MisreadKind::Malformed, 1), (MisreadKind::Malformed, 2), (MisreadKind::Malformed, 4)]
+        );
     }
 }
