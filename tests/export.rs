@@ -18,6 +18,9 @@ fn export(folder: &Path, args: &[&str]) -> String {
     out
 }
 
+/// What a test does to a document.
+type Change = fn(&mut Value);
+
 fn tables(maps: &Path) -> Vec<(Gear, TorqueTable)> {
     let file = Table2File::from_json(&text(maps, "table2.json")).unwrap();
     file.maps.iter().map(|map| (map.gear, map.table().unwrap())).collect()
@@ -73,7 +76,7 @@ fn json_files_keep_their_published_schemas() {
     assert_eq!(text(&exported, "pivot_map.json"), text(&maps, "table2.json"));
     assert_eq!(found(&exported.join("pivot_map.schema.json"), &exported.join("pivot_map.json")), 0);
     // and a schema that lets anything pass would be none
-    let breaks: [(&str, &str, fn(&mut Value)); 7] = [
+    let breaks: [(&str, &str, Change); 7] = [
         ("table1", "another version", |j| j["format_version"] = 2.into()),
         ("table1", "no noise", |j| drop(j.as_object_mut().unwrap().remove("noise"))),
         ("table1", "text in the matrix", |j| j["maps"][0]["accel_mps2"][3][4] = "0.1".into()),
