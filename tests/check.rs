@@ -242,6 +242,21 @@ fn autoware_maps_keep_the_rules_of_their_loader() {
     expect(&report("accel_map.csv", "default,0,5\n-1,0.1,-2\n0,0.2,-1\n1,2,1\n"), &[place("sign", 2, 2)]);
 }
 
+#[test]
+fn an_accel_map_and_its_brake_map_share_their_first_row() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("accel_map.csv"), ACCEL_MAP).unwrap();
+    let notes = |brake: &str| {
+        std::fs::write(folder.path().join("brake_map.csv"), brake).unwrap();
+        let (status, maps) = judged(folder.path(), &["accel_map.csv", "brake_map.csv"]);
+        assert_eq!(status, 0);
+        let gap = |f: &&Value| f["rule"] == "range_gap";
+        maps[0]["findings"].as_array().unwrap().iter().filter(gap).map(|f| f["at"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert!(notes(BRAKE_MAP).is_empty());
+    assert_eq!(notes(&BRAKE_MAP.replace("-0.1", "-0.15")), ["pedal 0, speed 2"]);
+}
+
 /// A sound table of Apollo's form: 5 speeds of 7 entries, command = 30·(a + 0.3) without contradicting signs.
 fn apollo(change: impl Fn(usize, usize, &mut [f64; 3])) -> String {
     let mut text = String::from("# a comment { with a brace\n");

@@ -212,7 +212,7 @@ fn notes(a: &Side, b: &Side) -> Vec<String> {
     let shared = a.logs.iter().filter(|log| b.logs.iter().any(|other| other.sha256 == log.sha256)).count();
     if shared > 0 {
         notes.push(format!(
-            "{shared} log(s) stand behind both: their errors are the same, so that the standard errors of the changes are too large"
+            "logs that stand behind both maps: {shared}; their errors are the same, so that the standard errors of the changes are too large"
         ));
     }
     if a.vehicle.torque_limit_nm != b.vehicle.torque_limit_nm {

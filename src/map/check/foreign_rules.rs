@@ -3,7 +3,7 @@
 use super::grid_rules::{Along, Judged, Meaning, misread};
 use super::point_rules::{SignRule, judge};
 use super::{Finding, Map, Report, Rule, Settings, Severity};
-use crate::map::foreign::{CsvLine, Grid, Pedal, Points, grid_of_autoware, points_of_apollo, points_of_long_csv};
+use crate::map::foreign::{CsvLine, Grid, Pedal, Points, cells_of_csv, grid_of_autoware, points_of_apollo, points_of_long_csv};
 
 impl Map<'_> {
     pub(super) fn apollo(&self, text: &str) -> Report {
@@ -45,11 +45,37 @@ impl Map<'_> {
             judged.speed_from_zero(Along::Columns, Severity::Note, &mut findings);
             signs(&judged, &grid, pedal, &mut findings);
         }
+        if pedal == Pedal::Accel {
+            self.row_shared_with_brake(&judged, &mut findings);
+        }
         findings.push(not_ours());
         let (rows, columns) = grid.shape();
         let format = if pedal == Pedal::Accel { "Autoware map (accel pedal)" } else { "Autoware map (brake pedal)" };
         let judged = [(Rule::NotMonotone, places, "steps"), (Rule::Plateau, places, "steps"), (Rule::Sign, rows * columns, "cells")];
         Report::new(self.path.clone(), format, format!("{rows} pedal positions × {columns} speeds"), findings, &judged)
+    }
+}
+
+impl Map<'_> {
+    /// The row without pedal of an accel map and of the brake map beside it: where they differ, accelerations between them belong to none
+    /// or to both.
+    fn row_shared_with_brake(&self, judged: &Judged, findings: &mut Vec<Finding>) {
+        let name = self.name.replace("accel", "brake");
+        let brake = (name != self.name).then(|| (self.beside)(&name)).flatten();
+        let Some(brake) = brake.and_then(|bytes| String::from_utf8(bytes).ok()) else { return };
+        let (_, brake, _) = grid_of_autoware(&name, &cells_of_csv(&brake));
+        let first = |grid: &Grid| grid.row_breaks.first().copied().flatten();
+        if brake.column_breaks != judged.grid.column_breaks || first(&brake) != first(judged.grid) {
+            return;
+        }
+        for j in 0..brake.column_breaks.len() {
+            if let (Some(accel), Some(other)) = (judged.grid.at(0, j), brake.at(0, j))
+                && accel != other
+            {
+                let what = format!("{accel} without pedal, but {other} in {name}: the first row is not shared");
+                findings.push(judged.cell(Rule::RangeGap, Severity::Note, 0, j, what));
+            }
+        }
     }
 }
 
