@@ -4,7 +4,10 @@
 
 mod breaks;
 mod calibrate;
+mod check;
 mod completions;
+mod diff;
+mod export;
 mod fit;
 mod inspect;
 mod inspect_runs;
@@ -80,6 +83,12 @@ enum Command {
     Lateral(lateral::Arguments),
     /// Fit, invert and verify in one go
     Calibrate(calibrate::Arguments),
+    /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
+    Check(check::Arguments),
+    /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX or JSON
+    Export(export::Arguments),
+    /// Say what changed between two maps, and whether it is more than chance
+    Diff(diff::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -103,6 +112,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Lateral(arguments) => lateral::run(&arguments, ui),
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
+        Command::Check(arguments) => check::run(&arguments, ui),
+        Command::Export(arguments) => export::run(&arguments, ui),
+        Command::Diff(arguments) => diff::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

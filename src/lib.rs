@@ -10,12 +10,14 @@
 //! ```
 //!
 //! Table 1 is a(v, τ), the acceleration over front-wheel speed and torque; Table 2 is τ(v, a), the torque over front-wheel speed and
-//! desired acceleration. Rooms import only rooms further down this list: `report`, `verify`, `record`, `sim`, `control`, `fit`,
-//! `invert` and `lateral`, `campaign`, `signal`, `log`, `map`, `units`.
+//! desired acceleration. Rooms import only rooms further down this list: `report`, `export` and `diff`, `verify`, `record`, `sim`,
+//! `control`, `fit`, `invert` and `lateral`, `campaign`, `signal`, `log`, `map`, `units`.
 
 pub mod campaign;
 pub mod cli;
 pub mod control;
+pub mod diff;
+pub mod export;
 pub mod fit;
 pub mod invert;
 pub mod lateral;

@@ -6,8 +6,10 @@
 mod accel_table;
 mod axis;
 mod cell;
+pub mod check;
 mod csv_matrix;
 mod error;
+pub mod foreign;
 mod gear;
 mod json_text;
 mod lateral_table_file;
@@ -22,6 +24,7 @@ pub use accel_table::AccelTable;
 pub use axis::Axis;
 pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
+pub(crate) use csv_matrix::decimal;
 pub use error::{Error, Result};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};

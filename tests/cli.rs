@@ -64,7 +64,7 @@ fn a_stage_under_its_own_name_is_the_subcommand() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["record", "inspect", "fit", "invert", "verify", "calibrate", "completions"] {
+    for command in ["record", "inspect", "fit", "invert", "verify", "calibrate", "check", "export", "diff", "completions"] {
         let (status, help, _) = run(folder.path(), &[command, "--help"]);
         assert_eq!(status, 0);
         assert!(help.contains("Example"), "{command} --help has no example");

@@ -22,6 +22,11 @@ impl Ui {
         self.json
     }
 
+    /// Whether more detail is asked for.
+    pub fn is_verbose(self) -> bool {
+        self.verbose
+    }
+
     /// A line of the summary for people; silent with `--json` or `-q`.
     pub fn say(self, text: impl AsRef<str>) {
         if !self.json && !self.quiet {

@@ -1,0 +1,71 @@
+//! `check MAP…`: judges maps, ours and foreign ones.
+
+use super::{Outcome, Ui};
+use crate::map::check::{Finding, Report, Settings, Severity, check};
+use std::path::PathBuf;
+
+/// Findings of one rule that are listed without `-v`.
+const SHOWN: usize = 5;
+
+/// Arguments of `check`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal check maps/table1.json maps/table2.json maps/table2.csv
+  pivot-cal check accel_map.csv brake_map.csv calibration_table.pb.txt
+  pivot-cal check --json maps/table2.json
+
+Reads table1 and table2 (CSV and JSON), Autoware's accel and brake maps, Apollo's calibration tables (also inside a control
+configuration) and long-form CSV (a header that names speed, acceleration and command). Errors and warnings are findings; notes are not.
+Exit status: 0 no finding, 3 findings, 1 a file cannot be opened.")]
+pub(super) struct Arguments {
+    /// Maps to judge
+    #[arg(required = true, value_name = "MAP")]
+    maps: Vec<PathBuf>,
+    /// A step this many times as steep as nine in ten steps of the map are is a jump
+    #[arg(long, value_name = "FACTOR", default_value_t = Settings::default().slope_bound)]
+    slope_bound: f64,
+}
+
+#[derive(serde::Serialize)]
+struct Document {
+    sound: bool,
+    maps: Vec<Report>,
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    if !(arguments.slope_bound.is_finite() && arguments.slope_bound >= 1.0) {
+        anyhow::bail!("--slope-bound is {}; allowed: 1 or more", arguments.slope_bound);
+    }
+    let settings = Settings { slope_bound: arguments.slope_bound };
+    let maps = arguments.maps.iter().map(|path| check(path, settings)).collect::<Result<Vec<_>, _>>()?;
+    let document = Document { sound: maps.iter().all(|m| m.sound), maps };
+    ui.document(&document)?;
+    for report in &document.maps {
+        show(report, ui);
+    }
+    Ok(if document.sound { Outcome::Done } else { Outcome::Rejected })
+}
+
+fn show(report: &Report, ui: Ui) {
+    let verdict = if report.sound { "sound" } else { "FINDINGS" };
+    ui.say(format!("{}: {}, {}: {verdict}", report.map, report.format, report.size));
+    for count in &report.counts {
+        let of_rule = || report.findings.iter().filter(|f| f.rule == count.rule && f.severity == count.severity);
+        let line = |finding: &Finding| {
+            let place = finding.place();
+            if place.is_empty() { format!("    {}", finding.what) } else { format!("    {place}: {}", finding.what) }
+        };
+        if count.severity == Severity::Note {
+            ui.detail(format!("  {} {count}", count.severity));
+            of_rule().for_each(|finding| ui.detail(line(finding)));
+            continue;
+        }
+        ui.say(format!("  {} {count}", count.severity));
+        of_rule().take(SHOWN).for_each(|finding| ui.say(line(finding)));
+        of_rule().skip(SHOWN).for_each(|finding| ui.detail(line(finding)));
+        if count.findings > SHOWN && !ui.is_verbose() {
+            ui.say(format!("    and {} more (-v lists all)", count.findings - SHOWN));
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! `diff A B`: what changed between two maps.
+
+use super::{Outcome, Ui};
+use crate::diff::{Comparison, MapDiff, Settings, Side, Verdict, compare, html};
+use crate::map::write_whole;
+use comfy_table::{CellAlignment, Table, presets};
+use std::path::PathBuf;
+
+/// Changes that are listed without `-v`.
+const SHOWN: usize = 10;
+
+/// Arguments of `diff`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal diff maps-march maps-june                 their table2.json
+  pivot-cal diff maps-march/table1.json maps-june/table1.json --html change.html
+
+Changes are b - a at the breaks of a, each against the standard errors of both; of many cells some are large by chance, which the
+Benjamini-Hochberg procedure accounts for. Extrapolated and unreachable cells are left out.
+Exit status: 0 the same, 3 changed or incompatible, 1 a file cannot be read.")]
+pub(super) struct Arguments {
+    /// The first map: table1.json, table2.json, or a folder
+    a: PathBuf,
+    /// The second map
+    b: PathBuf,
+    /// Write a heat map of the changes
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Expected share of false ones among the cells called significant
+    #[arg(long, value_name = "SHARE", default_value_t = Settings::default().false_discovery_rate)]
+    false_discovery_rate: f64,
+    /// Acceleration [m/s²] from which on a significant change is said to matter
+    #[arg(long, value_name = "MPS2", default_value_t = Settings::default().matters_mps2)]
+    matters_mps2: f64,
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let settings = Settings { false_discovery_rate: arguments.false_discovery_rate, matters_mps2: arguments.matters_mps2 };
+    if !(settings.false_discovery_rate > 0.0 && settings.false_discovery_rate < 1.0) {
+        anyhow::bail!("--false-discovery-rate is {}; allowed: above 0, below 1", settings.false_discovery_rate);
+    }
+    if !(settings.matters_mps2.is_finite() && settings.matters_mps2 >= 0.0) {
+        anyhow::bail!("--matters-mps2 is {}; allowed: 0 or more", settings.matters_mps2);
+    }
+    let comparison = compare(&Side::read(&arguments.a)?, &Side::read(&arguments.b)?, &settings);
+    if let Some(path) = &arguments.html {
+        write_whole(path, html(&comparison).as_bytes())?;
+    }
+    ui.document(&comparison)?;
+    show(&comparison, ui);
+    if let Some(path) = &arguments.html {
+        ui.say(format!("written: {}", path.display()));
+    }
+    Ok(if comparison.verdict == Verdict::Same { Outcome::Done } else { Outcome::Rejected })
+}
+
+fn show(comparison: &Comparison, ui: Ui) {
+    ui.say(comparison.sentence());
+    comparison.reasons.iter().for_each(|reason| ui.say(format!("  {reason}")));
+    comparison.notes.iter().for_each(|note| ui.say(format!("  note: {note}")));
+    for map in &comparison.maps {
+        ui.say(format!(
+            "{} gear at {}°: {} cells compared{}, {} left out; {} significant, {} of them matter; change {:.4} {} rms, z {:.2} rms",
+            map.gear,
+            map.wheel_angle_deg,
+            map.compared,
+            if map.interpolated { " (b interpolated)" } else { "" },
+            map.left_out,
+            map.significant,
+            map.matters,
+            map.rms_change,
+            comparison.table.unit(),
+            map.rms_z
+        ));
+        if !map.largest.is_empty() {
+            ui.say(largest(comparison, map, if ui.is_verbose() { usize::MAX } else { SHOWN }));
+        }
+    }
+}
+
+fn largest(comparison: &Comparison, map: &MapDiff, shown: usize) -> String {
+    let [rows, columns] = comparison.table.axes();
+    let unit = comparison.table.unit();
+    let mut table = Table::new();
+    let header = [
+        rows.to_owned(),
+        columns.to_owned(),
+        "a".into(),
+        "b".into(),
+        format!("change [{unit}]"),
+        "±".into(),
+        "z".into(),
+        "worth [m/s²]".into(),
+    ];
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header);
+    for cell in map.largest.iter().take(shown) {
+        table.add_row([
+            cell.row.to_string(),
+            cell.column.to_string(),
+            format!("{:.4}", cell.a),
+            format!("{:.4}", cell.b),
+            format!("{:+.4}", cell.change),
+            format!("{:.4}", cell.std_err),
+            format!("{:+.1}", cell.z),
+            format!("{:+.3}", cell.accel_mps2),
+        ]);
+    }
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.to_string()
+}

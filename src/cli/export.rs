@@ -1,0 +1,78 @@
+//! `export`: the map in the forms that controllers and calibration tools load.
+
+use super::{Outcome, Ui};
+use crate::export::{Format, Precision, Source};
+use crate::map::{sha256_hex, write_whole};
+use std::path::PathBuf;
+
+/// Arguments of `export`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal export --format c
+  pivot-cal export --format c --float -o firmware/generated
+  pivot-cal export --format autoware,apollo,dcm,cdfx,rust,json
+
+  c         pivot_map.h, pivot_map.c        C99, no dependency, no allocation, checksum with self-test
+  rust      pivot_map.rs                    a module that needs core only
+  autoware  accel_map.csv, brake_map.csv    acceleration over speed and pedal, from Table 1
+  apollo    calibration_table.pb.txt        protobuf text
+  dcm       pivot_map.dcm                   DCM 2.0
+  cdfx      pivot_map.cdfx                  ASAM CDF 2.0
+  json      pivot_map.json                  table2.json with its JSON Schema
+
+Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.")]
+pub(super) struct Arguments {
+    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, json; several with commas
+    #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = format)]
+    format: Vec<Format>,
+    /// Folder with table1.json and table2.json
+    #[arg(long, value_name = "DIR", default_value = "maps")]
+    maps: PathBuf,
+    /// Folder to write into; by default `export` in the folder of the map
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Tables and look-up in single precision (C and Rust)
+    #[arg(long)]
+    float: bool,
+    /// Tables and look-up in double precision (C and Rust); the default
+    #[arg(long, conflicts_with = "float")]
+    double: bool,
+}
+
+fn format(text: &str) -> Result<Format, String> {
+    let known = || Format::ALL.map(Format::name).join(", ");
+    Format::ALL.into_iter().find(|f| f.name() == text).ok_or_else(|| format!("{text:?} is not known; allowed: {}", known()))
+}
+
+#[derive(serde::Serialize)]
+struct Written {
+    format: &'static str,
+    file: String,
+    bytes: usize,
+    sha256: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let source = Source::read(&arguments.maps)?;
+    let precision = if arguments.float { Precision::Float } else { Precision::Double };
+    let folder = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("export"));
+    // all forms first: nothing is written when one of them is impossible
+    let mut files = Vec::new();
+    for format in &arguments.format {
+        files.extend(format.files(&source, precision)?.into_iter().map(|file| (*format, file)));
+    }
+    let mut written = Vec::new();
+    for (format, file) in files {
+        let path = folder.join(&file.name);
+        write_whole(&path, file.text.as_bytes())?;
+        let note = file.note.as_ref().map_or(String::new(), |note| format!(" ({note})"));
+        ui.say(format!("written: {}{note}", path.display()));
+        let (bytes, sha256) = (file.text.len(), sha256_hex(file.text.as_bytes()));
+        written.push(Written { format: format.name(), file: path.display().to_string(), bytes, sha256, note: file.note });
+    }
+    ui.document(&written)?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,21 @@
+//! What changed between two maps, where, and whether it is more than chance.
+//!
+//! In: two `table1.json` or two `table2.json`. Out: a [`Comparison`] with a verdict, and a heat map as HTML.
+//!
+//! Per cell z = (b − a) / √(σ_a² + σ_b²), and from it a two-sided p. With hundreds of cells some z are large by chance; the
+//! Benjamini-Hochberg procedure keeps the expected share of false ones among those called significant below the rate asked for. If nothing
+//! changed it is Simes' test, and finds anything at all with a probability of at most that rate.
+//!
+//! Source: Y. Benjamini, Y. Hochberg, Controlling the false discovery rate, J. R. Stat. Soc. B 57 (1995) 289–300; that it holds for
+//! positively dependent cells, as neighbours on a smooth surface are: Y. Benjamini, D. Yekutieli, Ann. Statist. 29 (2001) 1165–1188.
+
+mod compare;
+mod error;
+mod html;
+mod sheet;
+mod significance;
+
+pub use compare::{Comparison, MapDiff, Settings, Significant, Verdict, compare};
+pub use error::{Error, Result};
+pub use html::html;
+pub use sheet::{Side, Table};

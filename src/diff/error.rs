@@ -1,0 +1,22 @@
+//! Why two maps cannot be read for a comparison. Maps that do not belong together are a verdict, not an error.
+
+use std::path::PathBuf;
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a map cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("{}: {source}; give a table1.json, a table2.json, or the folder of a map, whose table2.json is taken", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    File { path: PathBuf, source: crate::map::Error },
+    #[error(
+        "{}: the {gear} map has {field} of {found_rows} rows, not {rows} × {columns} like its values; the file is damaged, make the map anew",
+        path.display()
+    )]
+    Shape { path: PathBuf, gear: crate::map::Gear, field: &'static str, found_rows: usize, rows: usize, columns: usize },
+}

@@ -1,0 +1,99 @@
+//! A map in the form that controllers and calibration tools load.
+//!
+//! In: the folder of a map, whose files must belong together. Out: files, as names and texts. Everything is written from `table2.json`,
+//! Autoware's maps from `table1.json`, since they are acceleration over speed and pedal. The same map gives the same bytes.
+
+mod apollo;
+mod autoware;
+mod c;
+mod cdfx;
+mod crc;
+mod dcm;
+mod error;
+mod json;
+mod number;
+mod provenance;
+mod rust;
+mod source;
+
+pub use error::{Error, Result};
+pub use number::Precision;
+pub use source::Source;
+
+use std::fmt;
+
+/// A form of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// One header and one source in C99.
+    C,
+    /// A Rust module that needs `core` only.
+    Rust,
+    /// Autoware's accel and brake map.
+    Autoware,
+    /// Apollo's calibration table.
+    Apollo,
+    /// DCM 2.0.
+    Dcm,
+    /// ASAM CDF 2.0.
+    Cdfx,
+    /// `table2.json` with its JSON Schema.
+    Json,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 7] = [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::Json];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::C => "c",
+            Self::Rust => "rust",
+            Self::Autoware => "autoware",
+            Self::Apollo => "apollo",
+            Self::Dcm => "dcm",
+            Self::Cdfx => "cdfx",
+            Self::Json => "json",
+        }
+    }
+
+    /// The files of this form. `precision` is for C and Rust; the others are decimal text.
+    ///
+    /// # Errors
+    /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo.
+    pub fn files(self, source: &Source, precision: Precision) -> Result<Vec<File>> {
+        match self {
+            Self::C => Ok(c::files(source, precision)),
+            Self::Rust => Ok(vec![rust::file(source, precision)]),
+            Self::Autoware => autoware::files(source),
+            Self::Apollo => apollo::files(source),
+            Self::Dcm => Ok(vec![dcm::file(source)]),
+            Self::Cdfx => Ok(vec![cdfx::file(source)]),
+            Self::Json => Ok(json::files(source)),
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Its name, without a folder.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+    /// What a reader should know beyond the name: factors, what was left out.
+    pub note: Option<String>,
+}
+
+impl File {
+    fn new(name: impl Into<String>, text: String) -> Self {
+        Self { name: name.into(), text, note: None }
+    }
+}

@@ -1,0 +1,37 @@
+//! Why a map cannot be exported.
+
+use crate::map::Gear;
+use std::path::PathBuf;
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a map cannot be exported.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("{}: {source}; a map is made by `pivot-cal fit` and `pivot-cal invert`, and --maps names its folder", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    File { path: PathBuf, source: crate::map::Error },
+    #[error(
+        "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it is damaged, was edited, or belongs to \
+         another map; run `pivot-cal invert` again",
+        path.display(), by.display()
+    )]
+    Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
+    #[error("{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map anew", path.display(), csv.display())]
+    Differs { path: PathBuf, csv: PathBuf },
+    #[error("{} holds no map at the test angle of {angle_deg}°", path.display())]
+    NoMap { path: PathBuf, angle_deg: f64 },
+    #[error(
+        "{format} needs values that change strictly with the command, and the {gear} map does not: {place}; `pivot-cal check` lists all places"
+    )]
+    NotMonotone { format: &'static str, gear: Gear, place: String },
+    #[error(
+        "{format} needs {what}, and the torques of the {gear} Table 1 reach from {low} to {high} N·m; log runs with such torques, or choose \
+         another format"
+    )]
+    Torques { format: &'static str, what: &'static str, gear: Gear, low: f64, high: f64 },
+}

@@ -1,0 +1,51 @@
+//! Where an exported map comes from, as lines for a comment.
+
+use super::Source;
+
+/// The lines. Without time and machine, so that the same map gives the same bytes; without characters that could end a comment.
+pub(super) fn lines(source: &Source) -> Vec<String> {
+    let file = &source.table2;
+    let vehicle = file.vehicle;
+    let mut lines = vec![
+        format!("Written by pivot-cal {} from table2.json; do not edit.", env!("CARGO_PKG_VERSION")),
+        format!(
+            "Vehicle: wheelbase {} m, wheel radius {} m, wheel at {} deg (left positive){}.",
+            vehicle.wheelbase_m,
+            vehicle.wheel_radius_m,
+            vehicle.test_angle_deg,
+            vehicle.torque_limit_nm.map_or(String::new(), |limit| format!(", torque limit {limit} N.m"))
+        ),
+        format!("Drive: dead time {} s, lag {} s.", file.dead_time_s, file.lag_s),
+    ];
+    for map in &file.maps {
+        let band = &map.dead_band;
+        lines.push(format!(
+            "{} gear: {} speeds x {} accelerations, dead band {} to {} N.m, row at speed 0: {}.",
+            map.gear,
+            map.speed_mps.len(),
+            map.accel_mps2.len(),
+            band.low_nm,
+            band.high_nm,
+            clean(&map.zero_row)
+        ));
+        lines.push(format!("{}: SHA-256 {}", clean(&map.csv.file), clean(&map.csv.sha256)));
+    }
+    lines.push(format!("{}: SHA-256 {}", clean(&file.table1.file), clean(&file.table1.sha256)));
+    lines.extend(file.logs.iter().map(|log| format!("log {}: SHA-256 {}", clean(&log.file), clean(&log.sha256))));
+    lines
+}
+
+/// Letters, digits and harmless signs; anything else becomes `_`.
+fn clean(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-' | '+' | ' ') { c } else { '_' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_name_cannot_end_the_comment() {
+        assert_eq!(clean("a*/b\nc\".mcap"), "a__b_c_.mcap");
+    }
+}

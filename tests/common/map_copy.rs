@@ -1,0 +1,69 @@
+//! Copies of the committed map, altered.
+#![allow(dead_code, clippy::unwrap_used)] // every test takes what it needs
+
+use pivot_cal::map::{Table1File, Table2File, sha256_hex};
+use std::path::{Path, PathBuf};
+
+/// The committed map in a folder of its own, `maps`.
+pub(crate) fn copied() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let maps = folder.path().join("maps");
+    std::fs::create_dir(&maps).unwrap();
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "csv" || e == "json") {
+            std::fs::copy(&path, maps.join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    (folder, maps)
+}
+
+/// The text of a file.
+pub(crate) fn text(maps: &Path, name: &str) -> String {
+    std::fs::read_to_string(maps.join(name)).unwrap()
+}
+
+/// Changes Table 2 as a whole: JSON and CSV belong together afterwards.
+pub(crate) fn change_table2(maps: &Path, change: impl FnOnce(&mut Table2File)) {
+    let mut file = Table2File::from_json(&text(maps, "table2.json")).unwrap();
+    change(&mut file);
+    for map in &mut file.maps {
+        let csv = map.table().unwrap().to_matrix().to_csv();
+        map.csv.sha256 = sha256_hex(csv.as_bytes());
+        std::fs::write(maps.join(&map.csv.file), csv).unwrap();
+    }
+    std::fs::write(maps.join("table2.json"), file.to_json().unwrap()).unwrap();
+}
+
+/// Changes Table 1 as a whole, and tells Table 2 that it was made from it.
+pub(crate) fn change_table1(maps: &Path, change: impl FnOnce(&mut Table1File)) {
+    let mut file = Table1File::from_json(&text(maps, "table1.json")).unwrap();
+    change(&mut file);
+    for map in &mut file.maps {
+        let csv = map.table().unwrap().to_matrix().to_csv();
+        map.csv.sha256 = sha256_hex(csv.as_bytes());
+        std::fs::write(maps.join(&map.csv.file), csv).unwrap();
+    }
+    let json = file.to_json().unwrap();
+    std::fs::write(maps.join("table1.json"), &json).unwrap();
+    change_table2(maps, |table2| table2.table1.sha256 = sha256_hex(json.as_bytes()));
+}
+
+/// Runs the program; exit status, standard output, standard error.
+pub(crate) fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    let output = assert_cmd::Command::cargo_bin("pivot-cal").unwrap().current_dir(folder).args(args).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let errors = text(&output.stderr);
+    assert!(!errors.contains("panicked"), "{errors}");
+    (output.status.code().unwrap(), text(&output.stdout), errors)
+}
+
+/// The text with one of its numbers changed in the last decimal.
+pub(crate) fn with_last_decimal_changed(text: &str, value: f64) -> String {
+    let number = value.to_string();
+    let last = number.chars().last().unwrap();
+    let other = if last == '4' { '5' } else { '4' };
+    let changed = format!("{}{other}", &number[..number.len() - 1]);
+    assert!(number.contains('.') && text.contains(&number), "{number} is in the text");
+    text.replacen(&number, &changed, 1)
+}
