@@ -8,6 +8,7 @@
 mod actuator;
 mod anova;
 mod coarse;
+mod delay_likelihood;
 mod error;
 mod estimate;
 mod feedback;
@@ -24,9 +25,10 @@ mod runs;
 mod segment;
 mod settings;
 mod tables;
+mod traces;
 mod uncertainty;
 mod validation;
 
 pub use error::{Error, Result};
-pub use product::{Fit, fit};
+pub use product::{Fit, fit, fit_traced};
 pub use settings::Settings;

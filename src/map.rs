@@ -8,6 +8,7 @@ mod axis;
 mod cell;
 mod csv_matrix;
 mod error;
+mod fit_traces;
 mod gear;
 mod json_text;
 pub mod lookup;
@@ -22,12 +23,14 @@ pub use axis::Axis;
 pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
 pub use error::{Error, Result};
+pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
 pub use gear::Gear;
 pub use save::{sha256_hex, write_whole};
 pub use table1_file::{
     AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
     Table1File, Units, Witness,
 };
+pub(crate) use table1_file::expect_format;
 pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
 pub use torque_table::TorqueTable;
 pub use vehicle::Vehicle;
@@ -40,3 +43,6 @@ pub const TABLE1_FORMAT: &str = table1_file::FORMAT;
 
 /// What the `format` field of a `table2.json` says.
 pub const TABLE2_FORMAT: &str = table2_file::FORMAT;
+
+/// What the `format` field of a `fit_traces.json` says.
+pub const FIT_TRACES_FORMAT: &str = fit_traces::FORMAT;

@@ -3,7 +3,8 @@
 use super::{Outcome, Ui};
 use crate::map::write_whole;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of, verify,
+    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, closed_loop, log_of,
+    verify,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -67,7 +68,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let verdict = verify(&maps, &settings)?;
     let path = arguments.maps.join("verify.json");
-    write_whole(&path, verdict.to_json()?.as_bytes())?;
+    save(&maps, &settings, &verdict, &arguments.maps)?;
     ui.document(&verdict)?;
     show(&verdict, ui);
     ui.say(format!("written: {}", path.display()));
@@ -85,10 +86,24 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 pub(super) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
     let maps = Maps::read(folder, false)?;
     let bar = ui.progress(0, "verifying");
-    let verdict = verify(&maps, &Settings::new()?)?;
+    let settings = Settings::new()?;
+    let verdict = verify(&maps, &settings)?;
     bar.finish_and_clear();
-    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
+    save(&maps, &settings, &verdict, folder)?;
     Ok(verdict)
+}
+
+/// Writes `verify.json`, and the traces of the comparison beside it for the report.
+fn save(maps: &Maps, settings: &Settings, verdict: &Verdict, folder: &Path) -> anyhow::Result<()> {
+    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
+    let path = folder.join("verify_traces.json");
+    match closed_loop(maps, settings, verdict)? {
+        Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
+        // those of an earlier verdict would pass for its own
+        None if path.exists() => fs_err::remove_file(path)?,
+        None => {}
+    }
+    Ok(())
 }
 
 /// The scenarios named, or all.

@@ -57,24 +57,24 @@ impl Settings {
 }
 
 /// Everything that a scenario is run with.
-struct Stage<'a> {
+pub(super) struct Stage<'a> {
     maps: &'a Maps,
-    control: control::Settings,
-    law: WaypointLawSettings,
+    pub(super) control: control::Settings,
+    pub(super) law: WaypointLawSettings,
     region: Region,
-    plant: sim::Settings,
+    pub(super) plant: sim::Settings,
     exact: Plant,
 }
 
 impl<'a> Stage<'a> {
-    fn new(maps: &'a Maps, settings: &Settings) -> Result<Self> {
+    pub(super) fn new(maps: &'a Maps, settings: &Settings) -> Result<Self> {
         let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
         Ok(Self { maps, control, law: settings.law.unwrap_or_else(|| law_settings(maps)), region: Region::new(&maps.table2), plant, exact })
     }
 
-    fn bench(&self) -> Bench<'_> {
+    pub(super) fn bench(&self) -> Bench<'_> {
         Bench {
             control: &self.control,
             period_s: self.law.period_s,
@@ -186,7 +186,7 @@ fn judge_scenarios(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Setti
 }
 
 /// The scenario that the comparison drives.
-const COMPARED: &str = "left-90";
+pub(super) const COMPARED: &str = "left-90";
 
 fn compare(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Settings, u64)]) -> Result<Comparison> {
     let varied = &varied[..settings.comparison_draws.min(varied.len())];
