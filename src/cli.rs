@@ -11,6 +11,7 @@ mod inspect_runs;
 mod invert;
 mod logs;
 mod record;
+mod report;
 mod ui;
 mod verify;
 
@@ -75,7 +76,9 @@ enum Command {
     Invert(invert::Arguments),
     /// Judge a map in closed loop: pivots, failures, perturbed plants, other laws beside it
     Verify(verify::Arguments),
-    /// Fit, invert and verify in one go
+    /// Write the page that says whether to deploy a map
+    Report(report::Arguments),
+    /// Fit, invert, verify and report in one go
     Calibrate(calibrate::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
@@ -97,6 +100,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments, ui),
         Command::Invert(arguments) => invert::run(&arguments, ui),
         Command::Verify(arguments) => verify::run(&arguments, ui),
+        Command::Report(arguments) => report::run(&arguments, ui),
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),

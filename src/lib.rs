@@ -21,6 +21,7 @@ pub mod invert;
 pub mod log;
 pub mod map;
 pub mod record;
+pub mod report;
 pub mod signal;
 pub mod sim;
 pub mod units;

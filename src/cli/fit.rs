@@ -136,6 +136,9 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
             bound("moved from", b.moved_from_nm)
         ));
     }
+    for map in &file.maps {
+        ui.picture(crate::report::coverage_text(map));
+    }
     ui.say(format!("coverage   {:.0} % of the cells measured", 100.0 * file.report.coverage));
     ui.say(format!("residual   {:.4} m/s² root mean square", file.report.residual_rms_mps2));
     for note in &file.report.notes {

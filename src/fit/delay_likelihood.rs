@@ -15,8 +15,10 @@ use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use rayon::prelude::*;
 
-/// Half-width of the map [s] and its pairs per axis.
-const HALF_WIDTH_S: f64 = 0.03;
+/// Half-width of the map in standard errors of the less sure delay, and its bounds [s].
+const HALF_WIDTH_STD_ERRS: f64 = 10.0;
+const HALF_WIDTH_S: (f64, f64) = (0.003, 0.06);
+/// Steps to each side.
 const PAIRS: i32 = 10;
 /// Dead times over the whole range [s].
 const LONGEST_S: f64 = 0.4;
@@ -40,7 +42,9 @@ type Gram = [[f64; WIDTH]; WIDTH];
 pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let logs: Vec<LogView> = (0..estimate.logs.len()).map(|k| view(estimate, k)).collect();
     let found_lag_s = estimate.calibration.lag_s;
-    let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * HALF_WIDTH_S / f64::from(PAIRS)).collect();
+    let std_err_s = estimate.dead_time_std_err_s.iter().copied().fold(estimate.lag_std_err_s, f64::max);
+    let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
+    let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
     let lags: Vec<f64> = shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect();
     let pairs: Vec<(f64, f64)> = lags.iter().flat_map(|l| shifts.iter().map(move |s| (*l, *s))).collect();
     let values: Vec<f64> = pairs
