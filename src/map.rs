@@ -26,11 +26,11 @@ pub use error::{Error, Result};
 pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
 pub use gear::Gear;
 pub use save::{sha256_hex, write_whole};
+pub(crate) use table1_file::expect_format;
 pub use table1_file::{
     AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
     Table1File, Units, Witness,
 };
-pub(crate) use table1_file::expect_format;
 pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
 pub use torque_table::TorqueTable;
 pub use vehicle::Vehicle;

@@ -19,12 +19,13 @@ use rayon::prelude::*;
 const HALF_WIDTH_STD_ERRS: f64 = 10.0;
 const HALF_WIDTH_S: (f64, f64) = (0.003, 0.06);
 /// Steps to each side.
-const PAIRS: i32 = 10;
+const PAIRS: i32 = 7;
 /// Dead times over the whole range [s].
 const LONGEST_S: f64 = 0.4;
 const STEP_S: f64 = 0.01;
-/// Readings per log beyond which more do not change the picture.
-const ENOUGH_READINGS: usize = 6000;
+/// Readings beyond which more do not change the picture, all logs together, and the fewest of one.
+const ENOUGH_READINGS: usize = 40_000;
+const FEWEST_READINGS: usize = 2000;
 /// Directions in which the surface gives way.
 const DIRECTIONS: usize = 6;
 const WIDTH: usize = DIRECTIONS + 1;
@@ -85,10 +86,11 @@ fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
     let lagged = estimate.lagged(log);
     let dead_time_s = estimate.calibration.dead_time_s[log];
     let mut segments = data.segments(log, &estimate.calibration, &lagged, Some(&estimate.surfaces), &[]);
+    let enough = (ENOUGH_READINGS / estimate.logs.len().max(1)).max(FEWEST_READINGS);
     let mut readings = 0;
     segments.retain(|s| {
         readings += s.readings.len();
-        readings <= ENOUGH_READINGS
+        readings <= enough
     });
     let segments = segments
         .into_par_iter()

@@ -10,8 +10,8 @@ use super::validation::Comparison;
 use super::{Error, Result, Settings, monotone};
 use crate::campaign::{Survey, Verdict, ledger};
 use crate::map::{
-    Actuator, CellStatus, DelayEstimate, FORMAT_VERSION, FitTraces, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
-    Witness,
+    Actuator, CellStatus, DelayEstimate, FORMAT_VERSION, FitTraces, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File,
+    Units, Witness,
 };
 use crate::signal::median;
 

@@ -90,7 +90,7 @@ impl Chart {
         let sy = Scale::over(values.map(|v| v.min(most)), panel.with_zero, bottom, top);
         let place = |points: &Points| -> Points { points.iter().map(|p| (sx.at(p.0), sy.at(p.1.clamp(sy.low, sy.high)))).collect() };
         svg.text(LEFT, top - 8.0, "t", &panel.title);
-        let (ticks, digits) = sy.ticks((self.panel / 30.0).clamp(2.0, 6.0));
+        let (ticks, digits) = sy.ticks((self.panel / 26.0).clamp(2.0, 6.0));
         for t in ticks {
             svg.line((LEFT, sy.at(t)), (self.width - RIGHT, sy.at(t)), "g");
             svg.text(LEFT - 7.0, sy.at(t) + 4.0, "e", &num(t, digits));
@@ -118,7 +118,7 @@ impl Chart {
         let mut x = self.width - RIGHT;
         for line in panel.lines.iter().rev().filter(|l| !l.name.is_empty()) {
             svg.text(x, top - 8.0, "e m", line.name);
-            x -= 6.4 * line.name.chars().count() as f64 + 8.0;
+            x -= 7.0 * line.name.chars().count() as f64 + 14.0;
             svg.line((x - 18.0, top - 12.0), (x, top - 12.0), &format!("l {}", line.class));
             x -= 30.0;
         }

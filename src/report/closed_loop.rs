@@ -20,7 +20,8 @@ pub(super) fn closed_loop(inputs: &Inputs) -> Section {
     compare(&mut section, verdict);
     section.heading("Scenarios");
     let rows: Vec<Vec<String>> = verdict.scenarios.iter().map(scenario).collect();
-    let header = ["scenario|", "what|", "verdict|", "nearest limit|", "value", "limit", "heading error, median", "99 %", "settling time, median"];
+    let header =
+        ["scenario|", "what|", "verdict|", "nearest limit|", "value", "limit", "heading error, median", "99 %", "settling time, median"];
     section.table("", &header, &rows);
     section
 }
@@ -84,7 +85,10 @@ fn compare(section: &mut Section, verdict: &Verdict) {
         .iter()
         .map(|law| std::iter::once(escaped(&law.name)).chain(metrics.map(|m| median(&law.metrics, m))).collect())
         .collect();
-    section.heading(&format!("The map beside other laws: {}, medians over {} perturbed plants", comparison.scenario, verdict.comparison_draws));
+    section.heading(&format!(
+        "The map beside other laws: {}, medians over {} perturbed plants",
+        comparison.scenario, verdict.comparison_draws
+    ));
     section.table("", &header, &rows);
     let told = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| num(r, 2));
     section.paragraph(&format!(
@@ -110,7 +114,11 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<String> {
         Status::NotTested => "not tested",
     };
     let nearest = scenario.checks.iter().max_by(|a, b| used(a).total_cmp(&used(b)));
-    let unit = |m: Metric, v: f64| if m.unit().is_empty() { format!("{} %", num(100.0 * v, 0)) } else { format!("{} {}", num(v, 2), m.unit()) };
+    let unit = |m: Metric, v: f64| match m.unit() {
+        "" => format!("{}\u{a0}%", num(100.0 * v, 0)),
+        "°" => format!("{}°", num(v, 2)),
+        unit => format!("{}\u{a0}{unit}", num(v, 2)),
+    };
     let figure = |metric: Metric, statistic| {
         let value = scenario.metrics.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic));
         value.map_or("–".to_owned(), |v| unit(metric, v))
@@ -123,8 +131,8 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<String> {
         told(&|c| format!("{}, {}", c.metric.title(), c.statistic.title())),
         told(&|c| c.value.map_or("none".to_owned(), |v| unit(c.metric, v))),
         told(&|c| match (c.at_most, c.at_least) {
-            (Some(most), _) => format!("≤ {}", unit(c.metric, most)),
-            (_, Some(least)) => format!("≥ {}", unit(c.metric, least)),
+            (Some(most), _) => format!("≤\u{a0}{}", unit(c.metric, most)),
+            (_, Some(least)) => format!("≥\u{a0}{}", unit(c.metric, least)),
             _ => String::new(),
         }),
         figure(Metric::HeadingErrorDeg, Statistic::Median),

@@ -36,9 +36,10 @@ pub(super) fn coverage(inputs: &Inputs) -> Section {
             status: Some(Box::new(move |i, j| map.status[j][i])),
             colours: Colours::Blues,
             range: Some((0.0, 1.0)),
+            legend: true,
             curve: None,
             dot: None,
-        size: SIZE,
+            size: SIZE,
         });
         rows.push(shares(map));
     }
@@ -93,7 +94,7 @@ pub fn coverage_text(map: &AccelMap) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::map::{Vehicle, Gear};
+    use crate::map::{Gear, Vehicle};
     use crate::sim::{PhysicalSettings, Settings as World};
     use crate::verify::known_maps;
 

@@ -44,7 +44,8 @@ pub(super) fn delay(inputs: &Inputs) -> Section {
     let lag_ms: Vec<f64> = likelihood.lag_s.iter().map(|l| rounded(1e3 * l)).collect();
     let sigma = |v: f64| v.max(0.0).sqrt();
     section.open_row();
-    if dead_ms.len() > 1 && lag_ms.len() > 1 {
+    let rows = &likelihood.deviance;
+    if dead_ms.len() > 1 && lag_ms.len() > 1 && rows.len() == lag_ms.len() && rows.iter().all(|r| r.len() == dead_ms.len()) {
         let outline = outline(&likelihood.deviance, &dead_ms, &lag_ms);
         section.heat(&Heat {
             id: "delay".to_owned(),
@@ -56,6 +57,7 @@ pub(super) fn delay(inputs: &Inputs) -> Section {
             status: None,
             colours: Colours::Viridis,
             range: Some((0.0, MOST_SIGMA)),
+            legend: true,
             curve: (outline.len() > 2).then_some(("95 %", outline)),
             dot: Some((1e3 * centre_s, 1e3 * actuator.lag.value_s)),
             size: SIZE,

@@ -43,6 +43,8 @@ pub(super) struct Heat<'a> {
     pub(super) range: Option<(f64, f64)>,
     /// A line over the cells, x and y in the axes' units, with its name.
     pub(super) curve: Option<(&'static str, Vec<(f64, f64)>)>,
+    /// Whether the marks are explained below.
+    pub(super) legend: bool,
     /// A single point in the axes' units.
     pub(super) dot: Option<(f64, f64)>,
     pub(super) size: (f64, f64),
@@ -121,7 +123,8 @@ impl Heat<'_> {
                     Some(v) => format!("fill=\"{}\"", self.colours.at((v - low) / (high - low))),
                     None => "class=\"no\"".to_owned(),
                 };
-                svg.rect(x0, y0, x1 - x0, y1 - y0, &format!("{fill} data-c=\"{a} {b}\""));
+                // a little overlap, so that no seam shows
+                svg.rect(x0, y0, x1 - x0 + 0.3, y1 - y0 + 0.3, &format!("{fill} data-c=\"{a} {b}\""));
                 let Some(status) = self.status.as_ref().map(|s| s(*i, *j)) else { continue };
                 let list = match status {
                     CellStatus::Measured => {
@@ -147,9 +150,11 @@ impl Heat<'_> {
         }
         svg.close();
         svg.open("pointer-events=\"none\"");
-        for (d, fill) in
-            [(extrapolated, "fill=\"url(#he)\""), (unreachable, "fill=\"url(#hu)\""), (dots, "fill=\"#fff\" stroke=\"#222\" stroke-width=\".8\"")]
-        {
+        for (d, fill) in [
+            (extrapolated, "fill=\"url(#he)\""),
+            (unreachable, "fill=\"url(#hu)\""),
+            (dots, "fill=\"#fff\" stroke=\"#222\" stroke-width=\".8\""),
+        ] {
             if !d.is_empty() {
                 svg.path(&d, fill);
             }
@@ -213,7 +218,7 @@ impl Heat<'_> {
 
     /// What the marks over the cells mean, of those that occur.
     fn draw_marks(&self, svg: &mut Svg, seen: [bool; 4]) {
-        if self.status.is_none() {
+        if self.status.is_none() || !self.legend {
             return;
         }
         let y = self.size.1 - 16.0;
@@ -235,9 +240,7 @@ impl Heat<'_> {
     /// What the page tells of a cell that is pointed at, and draws as a surface.
     pub(super) fn data(&self) -> Value {
         let (xs, ys) = self.axes();
-        let axis = |q: &Quantity, breaks: &[f64], kept: &[usize]| {
-            json!({ "n": q.name, "u": q.unit, "b": kept.iter().map(|k| breaks[*k]).collect::<Vec<f64>>() })
-        };
+        let axis = |q: &Quantity, breaks: &[f64], kept: &[usize]| json!({ "n": q.name, "u": q.unit, "b": kept.iter().map(|k| breaks[*k]).collect::<Vec<f64>>() });
         let field = |(q, of): &(Quantity, Field)| {
             let steps = 10f64.powi(q.digits as i32 + 1);
             let rounded = |v: f64| (v * steps).round() / steps;

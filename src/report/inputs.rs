@@ -76,7 +76,10 @@ impl Inputs {
 
         let sha1 = files[0].1.clone();
         if let Some(table2) = table2.as_ref().filter(|t| t.table1.sha256 != sha1) {
-            notes.push(format!("table2.json was made from another table1.json ({:.12}…): run `pivot-cal invert` again", table2.table1.sha256));
+            notes.push(format!(
+                "table2.json was made from another table1.json ({:.12}…): run `pivot-cal invert` again",
+                table2.table1.sha256
+            ));
         }
         let csvs = table1.maps.iter().map(|m| &m.csv).chain(table2.iter().flat_map(|t| t.maps.iter().map(|m| &m.csv)));
         for csv in csvs {
@@ -84,7 +87,10 @@ impl Inputs {
                 Ok(bytes) => {
                     let found = sha256_hex(&bytes);
                     if found != csv.sha256 {
-                        notes.push(format!("{} is not the file that its JSON describes: it was edited, or belongs to another map", csv.file));
+                        notes.push(format!(
+                            "{} is not the file that its JSON describes: it was edited, or belongs to another map",
+                            csv.file
+                        ));
                     }
                     files.push((csv.file.clone(), found));
                 }

@@ -69,7 +69,7 @@
     // orthographic: turned about the vertical, then tilted towards the eye
     const eye = (x, y, h) => {
       const c = Math.cos(turn), s = Math.sin(turn), depth = s * x + c * y;
-      return [220 + 132 * (c * x - s * y), 196 - 132 * (h * Math.cos(tilt) + depth * Math.sin(tilt)), depth * Math.cos(tilt) - h * Math.sin(tilt)];
+      return [226 + 108 * (c * x - s * y), 184 - 108 * (h * Math.cos(tilt) + depth * Math.sin(tilt)), depth * Math.cos(tilt) - h * Math.sin(tilt)];
     };
     const meshes = [];
     for (let b = 0; b + 1 < heat.y.b.length; b++) for (let a = 0; a + 1 < heat.x.b.length; a++) {
@@ -108,9 +108,13 @@
       for (const t of ty.found) label([-back[0] * 1.1, unit(t, Y), base], num(t, ty.digits));
       const side = eye(-back[0], back[1], 0)[0] < eye(back[0], -back[1], 0)[0] ? [-back[0], back[1]] : [back[0], -back[1]];
       for (const t of tz.found) label([side[0] * 1.04, side[1] * 1.04, up(t)], num(t, tz.digits), "e");
-      label([side[0] * 1.04, side[1] * 1.04, up(high) + 0.17], `${heat.v[0].n} [${heat.v[0].u}]`, "m c");
-      label([0, -back[1] * 1.42, base], `${heat.x.n} [${heat.x.u}]`);
-      label([-back[0] * 1.42, 0, base], `${heat.y.n} [${heat.y.u}]`);
+      const title = (p, text) => {
+        const [x, y] = eye(...p), room = 3.4 * text.length;
+        make("text", { x: Math.min(Math.max(x, room), 440 - room).toFixed(1), y: Math.min(Math.max(y + 4, 12), 374).toFixed(1), class: "c m" }, svg, text);
+      };
+      title([side[0] * 1.04, side[1] * 1.04, up(high) + 0.3], `${heat.v[0].n} [${heat.v[0].u}]`);
+      title([0, -back[1] * 1.62, base], `${heat.x.n} [${heat.x.u}]`);
+      title([-back[0] * 1.62, 0, base], `${heat.y.n} [${heat.y.u}]`);
     };
     let from = null;
     svg.addEventListener("pointerdown", event => { from = [event.clientX, event.clientY]; svg.setPointerCapture(event.pointerId); });
@@ -166,6 +170,7 @@
     panels.forEach(([title, lines], n) => {
       const bottom = top + HEIGHTS[n], values = lines.flatMap(l => l[2].map(p => p[1])).filter(v => v !== null);
       let low = Math.min(...values), high = Math.max(...values);
+      if (n === 0 && low > -0.04 * high) low = 0;
       if (n < 2) { low = Math.min(low, 0); high = Math.max(high, 0); }
       if (high - low < 1e-6 || (n === 2 && high - low < 2)) { const middle = (low + high) / 2; low = middle - 1; high = middle + 1; }
       const step = roundStep(high - low);
@@ -191,7 +196,7 @@
         if (!name) continue;
         const y = top - (n ? 8 : 25);
         make("text", { x, y, class: "e m" }, svg, name);
-        x -= 6.4 * name.length + 8;
+        x -= 7 * name.length + 14;
         if (dots) make("circle", { class: kind, cx: x - 6, cy: y - 4, r: 2.2 }, svg);
         else make("path", { class: "l " + kind, d: `M${x - 18} ${y - 4}H${x}` }, svg);
         x -= 30;
@@ -213,6 +218,7 @@
     cell.appendChild(traces(data.traces.runs[row.dataset.row]));
     line.appendChild(cell);
     row.after(line);
+    line.scrollIntoView({ block: "nearest" });
   };
   for (const row of document.querySelectorAll("tr.click")) {
     row.addEventListener("click", () => toggle(row));

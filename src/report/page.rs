@@ -65,7 +65,13 @@ fn html(inputs: &Inputs, sections: &[Section]) -> Result<String> {
     html.push_str("<nav aria-label=\"Sections\">");
     let _ = write!(html, "<a href=\"#verdict\">Verdict</a>");
     for section in sections {
-        let name = section.title.split(':').next().unwrap_or(section.title);
+        let name = match section.id {
+            "coverage" => "Coverage",
+            "delay" => "Delays",
+            "friction" => "Friction",
+            "next" => "Drive next",
+            _ => section.title.split(':').next().unwrap_or(section.title),
+        };
         let _ = write!(html, "<a href=\"#{}\">{}</a>", section.id, escaped(name));
     }
     html.push_str("</nav>\n<main>\n");

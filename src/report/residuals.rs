@@ -43,6 +43,7 @@ pub(super) fn residuals(inputs: &Inputs) -> Section {
             status: None,
             colours: Colours::Diverging,
             range: Some((-most, most)),
+            legend: true,
             curve: None,
             dot: None,
             size: SIZE,

@@ -31,7 +31,8 @@ pub(super) fn round_trip(inputs: &Inputs) -> super::Result<Section> {
     };
     section.paragraph(
         "The acceleration that Table 1 gives for Table 2's torque, minus the one that was asked for, in the middle between the nodes, where \
-         bilinear interpolation errs most. Meshes with a node that cannot be reached are left empty.",
+         bilinear interpolation errs most. Meshes with a node beyond what was measured are hatched, those with a node \
+         that cannot be reached are left empty.",
     );
     section.open_row();
     for map in &table2.maps {
@@ -53,12 +54,13 @@ pub(super) fn round_trip(inputs: &Inputs) -> super::Result<Section> {
             value: (ERROR, Box::new(error)),
             beside: Vec::new(),
             status: Some(Box::new(move |i, j| match of_mesh(map, i, j) {
-                // left empty, which says it already
-                CellStatus::Unreachable => CellStatus::Measured,
-                other => other,
+                CellStatus::Extrapolated => CellStatus::Extrapolated,
+                // left empty, or as good as measured: no mark
+                _ => CellStatus::Measured,
             })),
             colours: Colours::Diverging,
             range: None,
+            legend: false,
             curve: None,
             dot: None,
             size: SIZE,

@@ -29,12 +29,13 @@ pub(super) fn runs(inputs: &Inputs) -> Section {
         section.paragraph(&format!("Of {} runs the {MOST_ROWS} with the largest residual are listed.", rows.len()));
     }
     let several = inputs.table1.logs.len() > 1;
-    let mut header = vec!["#", "start s", "gear|", "torque N·m", "from m/s", "to m/s", "held s", "used s", "residual m/s", "R²", "offset m/s²"];
+    let mut header =
+        vec!["#", "start s", "gear|", "torque N·m", "from m/s", "to m/s", "held s", "used s", "residual m/s", "R²", "offset m/s²"];
     if several {
         header.insert(1, "log|");
     }
     header.push("left out|");
-    let mut html = "<div class=\"scroll\"><table class=\"runs\"><thead><tr>".to_owned();
+    let mut html = "<div class=\"scroll box\" tabindex=\"0\"><table class=\"runs\"><thead><tr>".to_owned();
     for name in &header {
         let class = if name.ends_with('|') { " class=\"l\"" } else { "" };
         let _ = write!(html, "<th{class} scope=\"col\">{}</th>", name.trim_end_matches('|'));
@@ -45,13 +46,8 @@ pub(super) fn runs(inputs: &Inputs) -> Section {
     }
     html.push_str("</tbody></table></div>\n");
     section.body.push_str(&html);
-    let ledger: Vec<Vec<String>> = inputs
-        .table1
-        .report
-        .ledger
-        .iter()
-        .map(|r| vec![escaped(&r.verdict), r.samples.to_string(), num(r.seconds, 2)])
-        .collect();
+    let ledger: Vec<Vec<String>> =
+        inputs.table1.report.ledger.iter().map(|r| vec![escaped(&r.verdict), r.samples.to_string(), num(r.seconds, 2)]).collect();
     section.heading("What became of the samples");
     section.table("narrow", &["verdict|", "samples", "seconds"], &ledger);
     section
@@ -70,9 +66,13 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
 
 fn row(k: usize, run: &RunRow, several: bool, traced: bool) -> String {
     let told = |value: Option<f64>, digits| value.map_or("–".to_owned(), |v| num(v, digits));
-    let reasons: Vec<String> = run.rejected.iter().map(|r| format!("{} {} s", escaped(&r.verdict), num(r.seconds, 2))).collect();
+    let reasons: Vec<String> = run.rejected.iter().map(|r| format!("{}\u{a0}{}\u{a0}s", escaped(&r.verdict), num(r.seconds, 2))).collect();
     let unused = if run.used_s > 0.0 { "" } else { " unused" };
-    let click = if traced { format!(" class=\"click{unused}\" tabindex=\"0\" aria-expanded=\"false\"") } else { format!(" class=\"{}\"", unused.trim()) };
+    let click = if traced {
+        format!(" class=\"click{unused}\" tabindex=\"0\" aria-expanded=\"false\"")
+    } else {
+        format!(" class=\"{}\"", unused.trim())
+    };
     let log = if several { format!("<td class=\"l\">{}</td>", escaped(&run.log)) } else { String::new() };
     format!(
         "<tr data-row=\"{k}\"{click}><td>{}</td>{log}<td>{}</td><td class=\"l\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
@@ -98,9 +98,12 @@ pub(super) fn data(inputs: &Inputs) -> Value {
     let rows = &inputs.table1.report.runs;
     let one = |r: &RunTrace| {
         let span = rows.get(r.row).map(|row| [row.start_s, row.start_s + row.duration_s]);
-        (r.row.to_string(), json!({
-            "t": r.t_s, "v": r.speed_mps, "s": r.simulated_mps, "u": r.effective_nm, "a": r.angle_deg, "c": r.command, "w": r.verdicts, "h": span
-        }))
+        (
+            r.row.to_string(),
+            json!({
+                "t": r.t_s, "v": r.speed_mps, "s": r.simulated_mps, "u": r.effective_nm, "a": r.angle_deg, "c": r.command, "w": r.verdicts, "h": span
+            }),
+        )
     };
     json!({ "verdicts": traces.verdicts, "runs": traces.runs.iter().map(one).collect::<serde_json::Map<String, Value>>() })
 }

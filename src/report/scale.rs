@@ -22,7 +22,7 @@ impl Scale {
         let (low, high) = values.filter(|v| v.is_finite()).fold(start, |(a, b), v| (a.min(v), b.max(v)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let step = round_step((high - low).max(1e-9), 5.0);
-        Self::new((low / step - 1e-9).floor() * step, (high / step + 1e-9).ceil() * step, from_px, to_px)
+        Self::new((low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step, from_px, to_px)
     }
 
     /// The place of a value.

@@ -58,7 +58,7 @@ impl Section {
     pub(super) fn surface(&mut self, heat_id: &str, label: &str) {
         self.body.push_str(&format!(
             "<figure class=\"turn\"><svg class=\"f surface\" data-of=\"{heat_id}\" tabindex=\"0\" role=\"img\" aria-label=\"{}\" \
-             viewBox=\"0 0 440 400\" style=\"max-width:440px\"></svg></figure>\n",
+             viewBox=\"0 0 440 380\" style=\"max-width:440px\"></svg></figure>\n",
             escaped(label)
         ));
     }

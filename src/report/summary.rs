@@ -73,10 +73,15 @@ fn round_trip(inputs: &Inputs) -> Figure {
     let places: usize = verdict.round_trip.iter().map(|t| t.places).sum();
     Figure {
         title,
-        value: format!("{} <small>m/s²</small>", num(worst.error_mps2.abs(), 3)),
+        value: format!("{} <small>m/s²</small>", small(worst.error_mps2.abs())),
         detail: format!("worst error of the round trip over {places} places; limit {} m/s² there", num(worst.limit_mps2, 3)),
         good: Some(verdict.round_trip.iter().all(|t| t.pass)),
     }
+}
+
+/// To three decimals, and no zero where there is something.
+fn small(value: f64) -> String {
+    if value > 0.0 && value < 5e-4 { "&lt; 0.001".to_owned() } else { num(value, 3) }
 }
 
 /// The worst 99th percentile of the final heading error over the turns, with its limit [°].
