@@ -58,6 +58,7 @@ pub(super) enum Colours {
 }
 
 impl Colours {
+    #[allow(clippy::unreadable_literal)] // colours as everybody writes them
     fn stops(self) -> &'static [u32] {
         match self {
             Self::Viridis => {
