@@ -51,10 +51,13 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let values: Vec<f64> = pairs
         .par_iter()
         .map(|(lag_s, shift_s)| {
-            let grams = logs.iter().map(|log| gram(estimate, log, &LaggedCommand::new(log.command, *lag_s), log.dead_time_s + shift_s));
-            grams.fold([[0.0; WIDTH]; WIDTH], added)
+            let mut sum = [[0.0; WIDTH]; WIDTH];
+            for log in &logs {
+                let lagged = LaggedCommand::new(log.command, *lag_s);
+                add(&mut sum, &gram(estimate, log, &lagged, log.dead_time_s + shift_s));
+            }
+            deviance(&sum)
         })
-        .map(|sum| deviance(&sum))
         .collect();
     let best = values.iter().copied().fold(f64::INFINITY, f64::min);
     if !best.is_finite() {
@@ -142,9 +145,8 @@ fn gram(estimate: &Estimate, log: &LogView, lagged: &LaggedCommand, dead_time_s:
     gram
 }
 
-fn added(mut sum: Gram, other: Gram) -> Gram {
+fn add(sum: &mut Gram, other: &Gram) {
     sum.iter_mut().flatten().zip(other.iter().flatten()).for_each(|(a, b)| *a += b);
-    sum
 }
 
 /// ‖y − Xc‖² at the best c.

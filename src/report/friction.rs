@@ -28,7 +28,7 @@ pub(super) fn friction(inputs: &Inputs) -> Section {
         }
         panel.dots.push((0.0, b.torque_nm, dot, 4.0));
         let told = |v: Option<f64>, digits| v.map_or("–".to_owned(), |v| num(v, digits));
-        let cruise = holding_torque(&map.surface).into_iter().filter(|p| p.0 <= 0.6 + 1e-9).next_back();
+        let cruise = holding_torque(&map.surface).into_iter().rfind(|p| p.0 <= 0.6 + 1e-9);
         rows.push(vec![
             map.gear.to_string(),
             num(b.torque_nm, 2),

@@ -69,8 +69,8 @@ pub(super) fn provenance(inputs: &Inputs) -> super::Result<Section> {
     }
     settings.insert("diagnostics".to_owned(), file.report.diagnostics.clone());
     let text = serde_json::to_string_pretty(&settings)?;
-    section
-        .body
-        .push_str(&format!("<details><summary>Settings and diagnostics, as used</summary><pre>{}</pre></details>\n", escaped(&text)));
+    section.body.push_str("<details><summary>Settings and diagnostics, as used</summary><pre>");
+    section.body.push_str(&escaped(&text));
+    section.body.push_str("</pre></details>\n");
     Ok(section)
 }

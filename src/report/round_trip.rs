@@ -7,6 +7,7 @@ use super::section::Section;
 use super::svg::{escaped, num};
 use super::tables::{DESIRED, SIZE, SPEED};
 use crate::map::{CellStatus, TorqueMap};
+use std::fmt::Write as _;
 
 const ERROR: Quantity = Quantity { name: "error", unit: "m/s²", digits: 4 };
 
@@ -96,7 +97,7 @@ pub(super) fn round_trip(inputs: &Inputs) -> super::Result<Section> {
             .collect();
         section.heading("As the gate judges it, on the CSV itself");
         section.table("narrow", &["gear|", "places", "over their limit", "worst, of its limit m/s²", "verdict|"], &rows);
-        section.body.push_str(&format!("<p class=\"why\">{}</p>\n", escaped(&verdict.round_trip_limit.reason)));
+        let _ = writeln!(section.body, "<p class=\"why\">{}</p>", escaped(&verdict.round_trip_limit.reason));
     }
     Ok(section)
 }

@@ -5,6 +5,7 @@ use super::heat::Heat;
 use super::html;
 use super::svg::{Svg, escaped};
 use serde_json::Value;
+use std::fmt::Write as _;
 
 /// One section.
 pub(super) struct Section {
@@ -37,7 +38,7 @@ impl Section {
 
     /// A heading within the section.
     pub(super) fn heading(&mut self, text: &str) {
-        self.body.push_str(&format!("<h3>{}</h3>\n", escaped(text)));
+        let _ = writeln!(self.body, "<h3>{}</h3>", escaped(text));
     }
 
     /// Figures that follow stand side by side where there is room.
@@ -56,11 +57,12 @@ impl Section {
 
     /// The surface over a heat map that is in the page: drawn, and turned, by the script.
     pub(super) fn surface(&mut self, heat_id: &str, label: &str) {
-        self.body.push_str(&format!(
+        let _ = writeln!(
+            self.body,
             "<figure class=\"turn\"><svg class=\"f surface\" data-of=\"{heat_id}\" tabindex=\"0\" role=\"img\" aria-label=\"{}\" \
-             viewBox=\"0 0 440 380\" style=\"max-width:440px\"></svg></figure>\n",
+             viewBox=\"0 0 440 380\" style=\"max-width:440px\"></svg></figure>",
             escaped(label)
-        ));
+        );
     }
 
     pub(super) fn chart(&mut self, chart: &Chart) {
