@@ -82,7 +82,7 @@ fn every_figure_is_a_picture_of_its_own_too() {
         assert_eq!(opened, closed, "{name}");
     }
     let (_, text, _) = pivot_cal(&["report", "-v", "--maps", maps.to_str().unwrap()]);
-    assert!(text.contains("coverage, forward gear") && text.lines().any(|l| l.contains("|") && l.contains("###")), "{text}");
+    assert!(text.contains("coverage, forward gear") && text.lines().any(|l| l.contains('|') && l.contains("###")), "{text}");
 }
 
 #[test]
