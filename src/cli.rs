@@ -15,6 +15,7 @@ mod invert;
 mod lateral;
 mod logs;
 mod record;
+mod report;
 mod ui;
 mod verify;
 
@@ -81,7 +82,9 @@ enum Command {
     Verify(verify::Arguments),
     /// Calibrate away a constant lateral error: record runs, fit the compensation table
     Lateral(lateral::Arguments),
-    /// Fit, invert and verify in one go
+    /// Write the page that says whether to deploy a map
+    Report(report::Arguments),
+    /// Fit, invert, verify and report in one go
     Calibrate(calibrate::Arguments),
     /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
     Check(check::Arguments),
@@ -110,6 +113,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Invert(arguments) => invert::run(&arguments, ui),
         Command::Verify(arguments) => verify::run(&arguments, ui),
         Command::Lateral(arguments) => lateral::run(&arguments, ui),
+        Command::Report(arguments) => report::run(&arguments, ui),
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Check(arguments) => check::run(&arguments, ui),

@@ -8,6 +8,7 @@
 mod actuator;
 mod anova;
 mod coarse;
+mod delay_likelihood;
 mod error;
 mod estimate;
 mod feedback;
@@ -28,9 +29,10 @@ mod settings;
 mod soundness;
 mod spline;
 mod tables;
+mod traces;
 mod uncertainty;
 mod validation;
 
 pub use error::{Error, Result};
-pub use product::{Fit, fit};
+pub use product::{Fit, fit, fit_traced};
 pub use settings::Settings;

@@ -4,8 +4,8 @@
 //! for an acceleration; a torque map says which torque gives it at the present wheel speed. This library makes that map:
 //!
 //! ```text
-//!  MCAP logs ──► signals ──► runs ──► Table 1 ──► Table 2 ──► verdict
-//!   record /       log        campaign    fit       invert       verify
+//!  MCAP logs ──► signals ──► runs ──► Table 1 ──► Table 2 ──► verdict ──► page
+//!   record /       log        campaign    fit       invert       verify     report
 //!   any vehicle
 //! ```
 //!
@@ -24,6 +24,7 @@ pub mod lateral;
 pub mod log;
 pub mod map;
 pub mod record;
+pub mod report;
 pub mod signal;
 pub mod sim;
 pub mod units;

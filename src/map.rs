@@ -9,6 +9,7 @@ mod cell;
 pub mod check;
 mod csv_matrix;
 mod error;
+mod fit_traces;
 pub mod foreign;
 mod gear;
 mod json_text;
@@ -26,9 +27,11 @@ pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
 pub(crate) use csv_matrix::decimal;
 pub use error::{Error, Result};
+pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
 pub use save::{sha256_hex, write_whole};
+pub(crate) use table1_file::expect_format;
 pub use table1_file::{
     AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
     Table1File, Units, Witness,
@@ -48,3 +51,6 @@ pub const LATERAL_TABLE_FORMAT: &str = lateral_table_file::FORMAT;
 
 /// What the `format` field of a `table2.json` says.
 pub const TABLE2_FORMAT: &str = table2_file::FORMAT;
+
+/// What the `format` field of a `fit_traces.json` says.
+pub const FIT_TRACES_FORMAT: &str = fit_traces::FORMAT;

@@ -4,6 +4,7 @@
 //! driven by the bundled controller on the plant that Table 1 identified, as it is and perturbed (Monte Carlo); failures are provoked; every
 //! measured cell makes the round trip Table 1 → Table 2 → Table 1; and other laws drive beside the map. A gate of documented limits decides.
 
+mod closed_loop;
 mod draws;
 mod error;
 mod gate;
@@ -23,6 +24,7 @@ mod scenario;
 mod verdict;
 mod watch;
 
+pub use closed_loop::{Bands, ClosedLoop, LawTraces, closed_loop};
 pub use draws::Spread;
 pub use error::{Error, Result};
 pub use gate::{Check, Gate, Limit};

@@ -44,11 +44,11 @@ fn the_chain_runs_with_no_option_and_writes_the_same_bytes_for_any_order_and_num
         let (status, _, errors) = run_with(folder, threads, &["invert", "--maps", maps, "-q"]);
         assert_eq!(status, 0, "{errors}");
     }
-    for name in ["table1.csv", "table1.reverse.csv", "table1.json", "table2.csv", "table2.reverse.csv", "table2.json"] {
+    for name in ["table1.csv", "table1.reverse.csv", "table1.json", "fit_traces.json", "table2.csv", "table2.reverse.csv", "table2.json"] {
         assert_eq!(read("one", name), read("two", name), "{name} differs");
     }
     let names = std::fs::read_dir(folder.join("one")).unwrap().count();
-    assert_eq!(names, 6, "nothing else is left in the folder");
+    assert_eq!(names, 7, "nothing else is left in the folder");
 }
 
 #[test]
@@ -64,7 +64,9 @@ fn a_stage_under_its_own_name_is_the_subcommand() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["record", "inspect", "fit", "invert", "verify", "calibrate", "check", "export", "diff", "completions"] {
+    for command in
+        ["record", "inspect", "fit", "invert", "verify", "report", "calibrate", "lateral", "check", "export", "diff", "completions"]
+    {
         let (status, help, _) = run(folder.path(), &[command, "--help"]);
         assert_eq!(status, 0);
         assert!(help.contains("Example"), "{command} --help has no example");

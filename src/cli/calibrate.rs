@@ -1,6 +1,6 @@
-//! `calibrate LOG…`: fit, invert and verify in one go, with one summary at the end.
+//! `calibrate LOG…`: fit, invert, verify and report in one go, with one summary at the end.
 
-use super::{Outcome, Ui, fit, invert, verify};
+use super::{Outcome, Ui, fit, invert, report, verify};
 use crate::invert::ZeroRow;
 use serde_json::json;
 
@@ -11,7 +11,7 @@ Examples:
   pivot-cal calibrate logs.mcap
   pivot-cal calibrate --signals signals.toml --maps maps/monday monday/*.mcap
 
-Does what fit, invert and verify do, with their defaults, in the folder of --maps.
+Does what fit, invert, verify and report do, with their defaults, in the folder of --maps.
 Exit status: 0 the map passes, 3 it does not (or the coverage is too thin), 1 error.")]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -36,6 +36,8 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         ui,
     )?;
     let verdict = verify::make(&arguments.fit.maps, ui)?;
+    let maps = &arguments.fit.maps;
+    report::make(maps, &maps.join("report.html"), None)?;
     ui.document(&json!({ "table1": fit.file, "table2": inversion.file, "verify": verdict }))?;
     ui.say("── Table 1 ──");
     fit::show(&fit.file, ui);
@@ -63,6 +65,6 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let trip = inversion.file.maps.iter().map(|m| m.round_trip.between_rms_mps2).fold(0.0, f64::max);
     ui.say(format!("round trip   {trip:.4} m/s² root mean square"));
     ui.say(format!("verdict      {}", if verdict.passes() { "pass" } else { "FAIL" }));
-    ui.say(format!("files        {folder}/table1.csv, table1.json, table2.csv, table2.json, verify.json"));
+    ui.say(format!("files        {folder}/table1.csv, table1.json, table2.csv, table2.json, verify.json, report.html"));
     Ok(if verdict.passes() && fit.sound && !damaged { Outcome::Done } else { Outcome::Rejected })
 }

@@ -3,8 +3,8 @@
 use super::breaks::Breaks;
 use super::logs::LogArguments;
 use super::{Outcome, Ui};
-use crate::fit::{Fit, Settings, fit};
-use crate::map::{Gear, Table1File, write_whole};
+use crate::fit::{Fit, Settings, fit_traced};
+use crate::map::{FitTraces, Gear, Table1File, write_whole};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,8 @@ Examples:
   pivot-cal fit --signals signals.toml monday.mcap tuesday.mcap
   pivot-cal fit --preset autoware --wheelbase-m 0.92 --wheel-radius-m 0.12 drive.mcap
 
-Writes table1.csv and table1.json (and table1.reverse.csv when reverse gear was tested) into the folder of --maps.
+Writes table1.csv and table1.json (and table1.reverse.csv when reverse gear was tested) into the folder of --maps, and fit_traces.json for
+the report.
 Exit status: 0 done, 3 written but the coverage is too thin (or, with --strict, a log is damaged), 1 error.")]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -69,12 +70,12 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)> {
     let settings = arguments.settings()?;
     let surveyed = arguments.input.survey(arguments.angle, ui)?;
-    let fit = fit(surveyed.surveys, &settings)?;
-    save(&fit, &arguments.maps)?;
+    let (fit, traces) = fit_traced(surveyed.surveys, &settings)?;
+    save(&fit, &traces, &arguments.maps)?;
     Ok((fit, surveyed.damaged && arguments.input.strict))
 }
 
-fn save(fit: &Fit, folder: &Path) -> anyhow::Result<()> {
+fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> anyhow::Result<()> {
     // a table of an earlier fit that this one does not have would pass for its own
     for gear in Gear::ALL {
         let name = format!("table1{}.csv", gear.file_infix());
@@ -87,6 +88,7 @@ fn save(fit: &Fit, folder: &Path) -> anyhow::Result<()> {
         write_whole(&folder.join(name), text.as_bytes())?;
     }
     write_whole(&folder.join("table1.json"), fit.file.to_json()?.as_bytes())?;
+    write_whole(&folder.join("fit_traces.json"), traces.to_json()?.as_bytes())?;
     Ok(())
 }
 
@@ -134,6 +136,9 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
             bound("moved from", b.moved_from_nm)
         ));
     }
+    for map in &file.maps {
+        ui.picture(crate::report::coverage_text(map));
+    }
     ui.say(format!("coverage   {:.0} % of the cells measured", 100.0 * file.report.coverage));
     ui.say(format!("residual   {:.4} m/s² root mean square", file.report.residual_rms_mps2));
     for note in &file.report.notes {
@@ -142,5 +147,5 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
     for map in &file.maps {
         ui.say(format!("written: {}", map.csv.file));
     }
-    ui.say("written: table1.json");
+    ui.say("written: table1.json, fit_traces.json");
 }

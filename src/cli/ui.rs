@@ -41,6 +41,13 @@ impl Ui {
         }
     }
 
+    /// A picture in plain characters: on a terminal, or with `-v`.
+    pub fn picture(self, text: impl AsRef<str>) {
+        if self.verbose || std::io::stdout().is_terminal() {
+            self.say(text);
+        }
+    }
+
     /// Text that is the command's very product (a completion script), printed whatever the options.
     pub fn product(self, text: impl AsRef<str>) {
         let _ = writeln!(anstream::stdout(), "{}", text.as_ref());

@@ -7,7 +7,7 @@ use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::verify::{
     Check, Class, Comparison, Error, Gate, Manoeuvre, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status,
-    Verdict, log_of, log_of_manoeuvre, replayed, verify_watched,
+    Verdict, closed_loop, log_of, log_of_manoeuvre, replayed, verify_watched,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let mut verdict = watched(&maps, &settings, ui)?;
     verdict.replayed = replay_logs(arguments, &maps, ui)?;
     let path = arguments.maps.join("verify.json");
-    write_whole(&path, verdict.to_json()?.as_bytes())?;
+    save(&maps, &settings, &verdict, &arguments.maps)?;
     ui.document(&verdict)?;
     show(&verdict, ui);
     ui.say(format!("written: {}", path.display()));
@@ -121,8 +121,9 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 /// Judges the map in `folder` with the defaults and writes `verify.json` there.
 pub(super) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
     let maps = Maps::read(folder, false)?;
-    let verdict = watched(&maps, &Settings::new()?, ui)?;
-    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
+    let settings = Settings::new()?;
+    let verdict = watched(&maps, &settings, ui)?;
+    save(&maps, &settings, &verdict, folder)?;
     Ok(verdict)
 }
 
@@ -135,6 +136,19 @@ fn watched(maps: &Maps, settings: &Settings, ui: Ui) -> anyhow::Result<Verdict> 
     })?;
     bar.finish_and_clear();
     Ok(verdict)
+}
+
+/// Writes `verify.json`, and the traces of the comparison beside it for the report.
+fn save(maps: &Maps, settings: &Settings, verdict: &Verdict, folder: &Path) -> anyhow::Result<()> {
+    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
+    let path = folder.join("verify_traces.json");
+    match closed_loop(maps, settings, verdict)? {
+        Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
+        // those of an earlier verdict would pass for its own
+        None if path.exists() => fs_err::remove_file(path)?,
+        None => {}
+    }
+    Ok(())
 }
 
 /// The runs of the logs of `--replay` through the plant of Table 1.

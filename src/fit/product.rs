@@ -5,12 +5,14 @@ use super::feedback::{FeedbackDelays, delays};
 use super::runs::{disagreements, residual_rms_mps2, round, run_figures};
 use super::soundness::{coverage, objections};
 use super::tables::{accel_map, used_samples, verdicts};
+use super::traces::traces;
 use super::uncertainty::Uncertainty;
 use super::validation::Comparison;
 use super::{Error, Result, Settings, monotone};
 use crate::campaign::{Survey, Verdict, ledger};
 use crate::map::{
-    Actuator, DelayEstimate, FORMAT_VERSION, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Witness,
+    Actuator, DelayEstimate, FORMAT_VERSION, FitTraces, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
+    Witness,
 };
 use crate::signal::median;
 
@@ -37,7 +39,21 @@ const LAG_EXPLAINS: f64 = 2.5;
 ///
 /// # Errors
 /// No logs, logs of different vehicles, too little motion, one torque only, a speed signal that is too slow and alone.
-pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
+pub fn fit(surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
+    Ok(fit_and(surveys, settings, |_, _| ())?.0)
+}
+
+/// The same fit with the traces that a report shows, thinned out.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_traced(surveys: Vec<Survey>, settings: &Settings) -> Result<(Fit, FitTraces)> {
+    let (fit, traces) = fit_and(surveys, settings, traces)?;
+    Ok((fit, traces?))
+}
+
+/// Fits, and lets `look` see the estimate.
+fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&Estimate, &Fit) -> T) -> Result<(Fit, T)> {
     surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
     same_vehicle(&surveys)?;
     let mut estimate = estimate(&surveys, settings)?;
@@ -93,7 +109,9 @@ pub fn fit(mut surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
         maps,
         report,
     };
-    Ok(Fit { file, csvs, verdicts, sound })
+    let fit = Fit { file, csvs, verdicts, sound };
+    let seen = look(&estimate, &fit);
+    Ok((fit, seen))
 }
 
 /// Logs of one vehicle agree on its geometry.

@@ -9,11 +9,11 @@ use crate::map::{Gear, RunRow};
 use crate::signal::median;
 
 /// A reading against its simulation.
-struct Compared {
-    log: usize,
-    t_s: f64,
+pub(crate) struct Compared {
+    pub(crate) log: usize,
+    pub(crate) t_s: f64,
     recorded: f64,
-    simulated: f64,
+    pub(crate) simulated: f64,
     offset: f64,
 }
 
@@ -110,7 +110,7 @@ fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
 }
 
 /// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
-fn simulate(estimate: &Estimate) -> Vec<Compared> {
+pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
     let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
     let mut compared = Vec::new();
     for (k, ((segment, smoothed), offset)) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets).enumerate() {

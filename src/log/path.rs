@@ -1,6 +1,6 @@
 //! Message paths: `/topic.field.sub[0]`, slices `[a:b]` with both ends inclusive, −1 the last, filters `{field=="x"}`.
 //!
-//! The syntax is that of Foxglove and `PlotJuggler`, with one extension: on parallel arrays such as those of `sensor_msgs/JointState` a
+//! The syntax is that of Foxglove and `PlotJuggler`, where `[:]{…}` is `{…}`, with one extension: on parallel arrays such as those of `sensor_msgs/JointState` a
 //! filter picks the element whose sibling array matches: `/joint_states.velocity{name=="front_drive_joint"}`.
 
 use super::{Error, Result};
@@ -112,7 +112,12 @@ impl FromStr for MessagePath {
         let topic = parser.topic()?;
         let mut steps = Vec::new();
         while parser.at < text.len() {
-            steps.push(parser.step()?);
+            let step = parser.step()?;
+            // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array says the same
+            let everything = matches!(step, Step::Slice(None | Some(0), None | Some(-1)));
+            if !(everything && parser.rest().starts_with('{')) {
+                steps.push(step);
+            }
         }
         Ok(Self { topic, steps, text: text.to_owned() })
     }

@@ -310,7 +310,7 @@ fn table_of(speed: &[f64], torque: &[f64], accel: &[Vec<f64>]) -> Result<AccelTa
 }
 
 /// Parses JSON and checks its `format` and `format_version`.
-pub(super) fn expect_format(text: &str, expected: &'static str) -> Result<serde_json::Value> {
+pub(crate) fn expect_format(text: &str, expected: &'static str) -> Result<serde_json::Value> {
     let value: serde_json::Value = serde_json::from_str(text)?;
     let found = value.get("format").and_then(serde_json::Value::as_str).unwrap_or("missing");
     if found != expected {

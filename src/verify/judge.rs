@@ -67,19 +67,19 @@ impl Settings {
 }
 
 /// Everything that a scenario is run with.
-struct Stage<'a> {
+pub(super) struct Stage<'a> {
     maps: &'a Maps,
-    control: control::Settings,
-    law: WaypointLawSettings,
+    pub(super) control: control::Settings,
+    pub(super) law: WaypointLawSettings,
     region: Region,
-    plant: sim::Settings,
+    pub(super) plant: sim::Settings,
     exact: Plant,
     /// Called each time a run has ended.
     done: &'a (dyn Fn(usize) + Sync),
 }
 
 impl<'a> Stage<'a> {
-    fn new(maps: &'a Maps, settings: &Settings, done: &'a (dyn Fn(usize) + Sync)) -> Result<Self> {
+    pub(super) fn new(maps: &'a Maps, settings: &Settings, done: &'a (dyn Fn(usize) + Sync)) -> Result<Self> {
         let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
@@ -94,7 +94,7 @@ impl<'a> Stage<'a> {
         })
     }
 
-    fn bench(&self) -> Bench<'_> {
+    pub(super) fn bench(&self) -> Bench<'_> {
         let profile = &self.control.planning.profile;
         let torque_nm = |accel| self.exact.torque(Gear::Forward, 0.5 * profile.cruise_mps, accel).map_or(0.0, |found| found.torque_nm);
         Bench {
@@ -230,7 +230,7 @@ fn judge_scenarios(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Setti
 const LAWS: usize = 4;
 
 /// The scenario that the comparison drives.
-const COMPARED: &str = "left-90";
+pub(super) const COMPARED: &str = "left-90";
 
 fn compare(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Settings, u64)]) -> Result<Comparison> {
     let varied = &varied[..settings.comparison_draws.min(varied.len())];

@@ -7,6 +7,7 @@ use super::replayed::ReplayedRun;
 use super::round_trip::{RoundTrip, RoundTripLimit};
 use super::scenario::Class;
 use crate::control::HeadingLawSettings;
+use crate::map::expect_format;
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `verify.json` says.
@@ -156,6 +157,14 @@ impl From<&HeadingLawSettings> for ConventionalGains {
 }
 
 impl Verdict {
+    /// Reads the text of a `verify.json`.
+    ///
+    /// # Errors
+    /// Not JSON, another format, an unknown version, a missing or misplaced field.
+    pub fn from_json(text: &str) -> super::Result<Self> {
+        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+    }
+
     /// Whether the map passes.
     pub fn passes(&self) -> bool {
         self.status == Status::Pass

@@ -1,0 +1,160 @@
+//! How likely other delays are: the profile likelihood of dead time and lag around the finished fit.
+//!
+//! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may give way in its six main
+//! directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. That is the likelihood profiled over these directions,
+//! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free.
+
+use super::estimate::Estimate;
+use super::kalman::{smooth, whiten};
+use super::regressors::predicted;
+use super::runs::round;
+use super::segment::Segment;
+use crate::fit::actuator::LaggedCommand;
+use crate::map::{DeadTimeLikelihood, DelayLikelihood};
+use faer::linalg::solvers::Solve;
+use faer::{Col, Mat};
+use rayon::prelude::*;
+
+/// Half-width of the map in standard errors of the less sure delay, and its bounds [s].
+const HALF_WIDTH_STD_ERRS: f64 = 10.0;
+const HALF_WIDTH_S: (f64, f64) = (0.003, 0.06);
+/// Steps to each side.
+const PAIRS: i32 = 7;
+/// Dead times over the whole range [s].
+const LONGEST_S: f64 = 0.4;
+const STEP_S: f64 = 0.01;
+/// Readings beyond which more do not change the picture, all logs together, and the fewest of one.
+const ENOUGH_READINGS: usize = 40_000;
+const FEWEST_READINGS: usize = 2000;
+/// Directions in which the surface gives way.
+const DIRECTIONS: usize = 6;
+const WIDTH: usize = DIRECTIONS + 1;
+
+/// Segments of one log without the cuts after steps, which are what tells of delays.
+struct LogView<'a> {
+    command: &'a crate::signal::Series,
+    dead_time_s: f64,
+    segments: Vec<(Segment, Vec<f64>)>,
+}
+
+type Gram = [[f64; WIDTH]; WIDTH];
+
+/// The likelihood around the estimate; `None` when nothing tells of delays.
+pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
+    let logs: Vec<LogView> = (0..estimate.logs.len()).map(|k| view(estimate, k)).collect();
+    let found_lag_s = estimate.calibration.lag_s;
+    let std_err_s = estimate.dead_time_std_err_s.iter().copied().fold(estimate.lag_std_err_s, f64::max);
+    let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
+    let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
+    let lags: Vec<f64> = shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect();
+    let pairs: Vec<(f64, f64)> = lags.iter().flat_map(|l| shifts.iter().map(move |s| (*l, *s))).collect();
+    let values: Vec<f64> = pairs
+        .par_iter()
+        .map(|(lag_s, shift_s)| {
+            let mut sum = [[0.0; WIDTH]; WIDTH];
+            for log in &logs {
+                let lagged = LaggedCommand::new(log.command, *lag_s);
+                add(&mut sum, &gram(estimate, log, &lagged, log.dead_time_s + shift_s));
+            }
+            deviance(&sum)
+        })
+        .collect();
+    let best = values.iter().copied().fold(f64::INFINITY, f64::min);
+    if !best.is_finite() {
+        return None;
+    }
+    let rows = values.chunks(shifts.len()).map(|row| row.iter().map(|v| round(v - best, 1e2)).collect()).collect();
+    let per_log = logs.iter().zip(&estimate.logs).map(|(log, data)| {
+        let dead_time_s: Vec<f64> = (0..=(LONGEST_S / STEP_S).round() as i32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
+        let lagged = LaggedCommand::new(log.command, found_lag_s);
+        let values: Vec<f64> = dead_time_s.par_iter().map(|d| deviance(&gram(estimate, log, &lagged, *d))).collect();
+        let best = values.iter().copied().fold(f64::INFINITY, f64::min);
+        DeadTimeLikelihood {
+            log: data.survey.track.source.file.clone(),
+            found_s: round(log.dead_time_s, 1e6),
+            deviance: values.iter().map(|v| if v.is_finite() { round(v - best, 1e1) } else { 0.0 }).collect(),
+            dead_time_s,
+        }
+    });
+    Some(DelayLikelihood {
+        dead_time_shift_s: shifts.iter().map(|s| round(*s, 1e6)).collect(),
+        lag_s: lags.iter().map(|l| round(*l, 1e6)).collect(),
+        deviance: rows,
+        per_log: per_log.collect(),
+    })
+}
+
+fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
+    let data = &estimate.logs[log];
+    let lagged = estimate.lagged(log);
+    let dead_time_s = estimate.calibration.dead_time_s[log];
+    let mut segments = data.segments(log, &estimate.calibration, &lagged, Some(&estimate.surfaces), &[]);
+    let enough = (ENOUGH_READINGS / estimate.logs.len().max(1)).max(FEWEST_READINGS);
+    let mut readings = 0;
+    segments.retain(|s| {
+        readings += s.readings.len();
+        readings <= enough
+    });
+    let segments = segments
+        .into_par_iter()
+        .map(|s| {
+            let torque = |t: f64| s.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
+            let mut speed: Vec<f64> = s.readings.iter().map(|r| r.speed_mps.max(0.0)).collect();
+            for _ in 0..2 {
+                let model = predicted(&s, &speed, &torque, estimate.surface(s.gear));
+                let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
+                let deviation = smooth(&residual, &s.readings, s.start_s, &estimate.noise, s.start_std_mps).speed_mps;
+                speed = model.iter().zip(&deviation).map(|(m, d)| (m + d).max(0.0)).collect();
+            }
+            (s, speed)
+        })
+        .collect();
+    LogView { command: &data.survey.track.command_nm, dead_time_s, segments }
+}
+
+/// The whitened sums of one log: directions and residual.
+fn gram(estimate: &Estimate, log: &LogView, lagged: &LaggedCommand, dead_time_s: f64) -> Gram {
+    let mut gram = [[0.0; WIDTH]; WIDTH];
+    for (segment, speed) in &log.segments {
+        let torque = |t: f64| segment.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
+        let model = predicted(segment, speed, &torque, estimate.surface(segment.gear));
+        let mut data = vec![0.0; segment.readings.len() * WIDTH];
+        let mut sums = [0.0; WIDTH];
+        for (row, line) in data.chunks_exact_mut(WIDTH).enumerate() {
+            let reading = segment.readings[row];
+            let from_s = if row > 0 { segment.readings[row - 1].t_s } else { segment.start_s };
+            let dt = reading.t_s - from_s;
+            let v = if row > 0 { 0.5 * (speed[row] + speed[row - 1]) } else { speed[row] };
+            let u = torque(0.5 * (from_s + reading.t_s));
+            let near = v / 0.08;
+            for (sum, column) in sums.iter_mut().zip([1.0, u, u.max(0.0), v, v * v, (-near * near).exp()]) {
+                *sum += dt * column;
+            }
+            sums[DIRECTIONS] = reading.speed_mps - model[row];
+            line.copy_from_slice(&sums);
+        }
+        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, &estimate.noise, segment.start_std_mps);
+        for line in data.chunks_exact(WIDTH) {
+            for a in 0..WIDTH {
+                for b in a..WIDTH {
+                    gram[a][b] += line[a] * line[b];
+                }
+            }
+        }
+    }
+    gram
+}
+
+fn add(sum: &mut Gram, other: &Gram) {
+    sum.iter_mut().flatten().zip(other.iter().flatten()).for_each(|(a, b)| *a += b);
+}
+
+/// ‖y − Xc‖² at the best c.
+fn deviance(gram: &Gram) -> f64 {
+    let at = |a: usize, b: usize| if a <= b { gram[a][b] } else { gram[b][a] };
+    let matrix = Mat::from_fn(DIRECTIONS, DIRECTIONS, |a, b| at(a, b) + if a == b { 1e-9 * at(a, a) + 1e-12 } else { 0.0 });
+    let right = Col::from_fn(DIRECTIONS, |a| at(a, DIRECTIONS));
+    let Ok(factor) = matrix.llt(faer::Side::Lower) else { return f64::INFINITY };
+    let c = factor.solve(&right);
+    at(DIRECTIONS, DIRECTIONS) - (0..DIRECTIONS).map(|k| c[k] * right[k]).sum::<f64>()
+}

@@ -1,0 +1,25 @@
+//! Why there is no report.
+
+use std::path::PathBuf;
+
+/// Result of this room.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why there is no report. A file that is absent and not needed is no error: the page says so.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Error {
+    #[error("{}: {source}; Table 1 is made by `pivot-cal fit LOG…`, and --maps names its folder", path.display())]
+    NoTable1 { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("{}: {source}", path.display())]
+    Map { path: PathBuf, source: crate::map::Error },
+    #[error("{}: {source}", path.display())]
+    Verdict { path: PathBuf, source: crate::verify::Error },
+    #[error(transparent)]
+    Table(#[from] crate::map::Error),
+    #[error("the page's data cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}

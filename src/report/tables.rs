@@ -1,0 +1,105 @@
+//! Table 1 and Table 2: heat maps, and surfaces over the same cells.
+
+use super::Inputs;
+use super::heat::{Heat, Quantity};
+use super::scale::Colours;
+use super::section::Section;
+use crate::map::{AccelMap, Surface, TorqueMap};
+
+pub(super) const SPEED: Quantity = Quantity { name: "front-wheel speed", unit: "m/s", digits: 2 };
+pub(super) const TORQUE: Quantity = Quantity { name: "torque", unit: "N·m", digits: 1 };
+pub(super) const ACCEL: Quantity = Quantity { name: "acceleration", unit: "m/s²", digits: 2 };
+pub(super) const DESIRED: Quantity = Quantity { name: "desired acceleration", unit: "m/s²", digits: 2 };
+pub(super) const ACCEL_ERROR: Quantity = Quantity { name: "standard error", unit: "m/s²", digits: 3 };
+const TORQUE_ERROR: Quantity = Quantity { name: "standard error", unit: "N·m", digits: 2 };
+pub(super) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digits: 0 };
+/// Size of a heat map [px].
+pub(super) const SIZE: (f64, f64) = (560.0, 400.0);
+
+/// Torque at which the speed neither rises nor falls, over speed: where the surface crosses zero.
+pub(super) fn holding_torque(surface: &Surface) -> Vec<(f64, f64)> {
+    let torques = &surface.torque_nm;
+    let crossing = |j: usize| {
+        let k = (1..torques.len()).rev().find(|k| surface.accel_mps2[k - 1][j] <= 0.0 && surface.accel_mps2[*k][j] > 0.0)?;
+        let (low, high) = (surface.accel_mps2[k - 1][j], surface.accel_mps2[k][j]);
+        Some(torques[k - 1] + (torques[k] - torques[k - 1]) * -low / (high - low))
+    };
+    surface.speed_mps.iter().enumerate().filter_map(|(j, v)| Some((*v, crossing(j)?))).collect()
+}
+
+/// Table 1 as a section.
+pub(super) fn table1(inputs: &Inputs) -> Section {
+    let mut section = Section::new("table1", "Table 1: acceleration over speed and torque");
+    section.paragraph(
+        "What the vehicle does: acceleration of the front wheel at each speed and effective torque, in the gear's frame. On the line the \
+         speed neither rises nor falls. Hatched cells lie beyond what was measured; point at a cell for its value, drag the surface to turn it.",
+    );
+    for map in &inputs.table1.maps {
+        section.open_row();
+        let heat = of_accel(map);
+        section.heat(&heat);
+        section.surface(&heat.id, &format!("Table 1 as a surface, {} gear", map.gear));
+        section.close_row();
+    }
+    section
+}
+
+fn of_accel(map: &AccelMap) -> Heat<'_> {
+    Heat {
+        id: format!("table1-{}", map.gear),
+        title: format!("Acceleration, {} gear", map.gear),
+        x: (SPEED, &map.speed_mps),
+        y: (TORQUE, &map.torque_nm),
+        value: (ACCEL, Box::new(move |i, j| Some(map.accel_mps2[j][i]))),
+        beside: vec![
+            (ACCEL_ERROR, Box::new(move |i, j| Some(map.std_err_mps2[j][i]))),
+            (SAMPLES, Box::new(move |i, j| Some(map.count[j][i] as f64))),
+        ],
+        status: Some(Box::new(move |i, j| map.status[j][i])),
+        colours: Colours::Viridis,
+        range: None,
+        legend: true,
+        curve: Some(("a = 0", holding_torque(&map.surface))),
+        dot: None,
+        size: SIZE,
+    }
+}
+
+/// Table 2 as a section.
+pub(super) fn table2(inputs: &Inputs) -> Section {
+    let mut section = Section::new("table2", "Table 2: torque over speed and desired acceleration");
+    let Some(table2) = &inputs.table2 else {
+        section.absent("There is no Table 2 yet: run pivot-cal invert.");
+        return section;
+    };
+    section.paragraph(
+        "What the controller looks up: the torque that gives the desired acceleration at the present speed. Crossed cells cannot be \
+         reached within the torque limit and hold the nearest torque that can.",
+    );
+    for map in &table2.maps {
+        section.open_row();
+        let heat = of_torque(map);
+        section.heat(&heat);
+        section.surface(&heat.id, &format!("Table 2 as a surface, {} gear", map.gear));
+        section.close_row();
+    }
+    section
+}
+
+fn of_torque(map: &TorqueMap) -> Heat<'_> {
+    Heat {
+        id: format!("table2-{}", map.gear),
+        title: format!("Torque, {} gear", map.gear),
+        x: (SPEED, &map.speed_mps),
+        y: (DESIRED, &map.accel_mps2),
+        value: (TORQUE, Box::new(move |i, j| Some(map.torque_nm[i][j]))),
+        beside: vec![(TORQUE_ERROR, Box::new(move |i, j| map.std_err_nm[i][j]))],
+        status: Some(Box::new(move |i, j| map.status[i][j])),
+        colours: Colours::Viridis,
+        range: None,
+        legend: true,
+        curve: None,
+        dot: None,
+        size: SIZE,
+    }
+}
