@@ -12,6 +12,7 @@ mod error;
 mod heading_law;
 mod lateral;
 mod longitudinal;
+pub mod manoeuvre;
 mod messages;
 mod numeric;
 mod path;
