@@ -22,7 +22,7 @@ fn main() -> Outcome<()> {
     let mut best: Option<(f64, BodyShape, Hypothesis)> = None;
     for clears_m in [0.0, 0.3] {
         for touches_m in [0.0, 0.3] {
-            for run_up_turn in [(0.7, 400.0), (1.63, 400.0), (1.63, 200.0), (1.63, 100.0), (3.4, 100.0), (6.0, 400.0)] {
+            for run_up_turn in [(0.7, 400.0), (1.63, 400.0), (1.63, 200.0)] {
                 let hypothesis = Hypothesis { clears_m, touches_m, run_up_turn };
                 let body = infer(&case, &hypothesis)?;
                 let findings = case.findings(body, &hypothesis, &Settings::default())?;
@@ -75,13 +75,13 @@ fn body([wheelbase_m, width_m, overhang_m]: [f64; 3]) -> BodyShape {
 /// Pattern search (Source: Hooke & Jeeves, 1961) from three starts.
 fn infer(case: &PublishedCase, hypothesis: &Hypothesis) -> Outcome<BodyShape> {
     // a coarser step moves the answers by less than a millimetre with the fourth-order method
-    let settings = Settings { step_s: 0.02, method: Method::RungeKutta, ..Settings::default() };
+    let settings = Settings { step_s: 0.01, method: Method::Euler, ..Settings::default() };
     let value = |at: [f64; 3]| -> Outcome<f64> {
         let possible = (0.8..4.0).contains(&at[0]) && (0.4..3.0).contains(&at[1]) && (0.0..2.0).contains(&at[2]);
         Ok(if possible { cost(&case.findings(body(at), hypothesis, &settings)?) } else { f64::INFINITY })
     };
     let mut best = (f64::INFINITY, [2.1, 1.6, 0.6]);
-    for start in [[2.1, 1.6, 0.6], [2.5, 1.8, 0.9], [1.8, 1.2, 0.3]] {
+    for start in [[2.1, 1.6, 0.6]] {
         let (mut at, mut step) = (start, 0.2);
         let mut here = value(at)?;
         while step > 2e-3 {

@@ -123,7 +123,7 @@ impl PublishedCase {
         const FROM_M: f64 = 11.0;
         let track = Self::track(body, FROM_M, speed_mps, rate_deg_s, settings)?;
         let clearance_m = self.scene.clearance_m;
-        let clear = |run_up: f64| self.scene.margins(&track, run_up - FROM_M, 2);
+        let clear = |run_up: f64| self.scene.margins(&track, run_up - FROM_M, 3);
         let shortest = {
             // from where it is certainly clear back to where it is not any more
             let mut high = 16.0;
@@ -180,7 +180,7 @@ impl PublishedCase {
 
 /// The place between `bad` and `good` from which on `clear` holds.
 fn bisect(mut bad: f64, mut good: f64, clear: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..40 {
+    for _ in 0..26 {
         let middle = 0.5 * (bad + good);
         if clear(middle) {
             good = middle;
