@@ -9,6 +9,7 @@ mod fit;
 mod inspect;
 mod inspect_runs;
 mod invert;
+mod lateral;
 mod logs;
 mod record;
 mod ui;
@@ -75,6 +76,8 @@ enum Command {
     Invert(invert::Arguments),
     /// Judge a map in closed loop: pivots, failures, perturbed plants, other laws beside it
     Verify(verify::Arguments),
+    /// Calibrate away a constant lateral error: record runs, fit the compensation table
+    Lateral(lateral::Arguments),
     /// Fit, invert and verify in one go
     Calibrate(calibrate::Arguments),
     /// Print a completion script for a shell
@@ -97,6 +100,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments, ui),
         Command::Invert(arguments) => invert::run(&arguments, ui),
         Command::Verify(arguments) => verify::run(&arguments, ui),
+        Command::Lateral(arguments) => lateral::run(&arguments, ui),
         Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
         Command::Inspect(arguments) => inspect::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),

@@ -10,14 +10,15 @@
 //! ```
 //!
 //! Table 1 is a(v, τ), the acceleration over front-wheel speed and torque; Table 2 is τ(v, a), the torque over front-wheel speed and
-//! desired acceleration. Rooms import only rooms further down this list: `report`, `verify`, `record`, `sim`, `control`, `fit` and
-//! `invert`, `campaign`, `signal`, `log`, `map`, `units`.
+//! desired acceleration. Rooms import only rooms further down this list: `report`, `verify`, `record`, `sim`, `control`, `fit`,
+//! `invert` and `lateral`, `campaign`, `signal`, `log`, `map`, `units`.
 
 pub mod campaign;
 pub mod cli;
 pub mod control;
 pub mod fit;
 pub mod invert;
+pub mod lateral;
 pub mod log;
 pub mod map;
 pub mod record;

@@ -48,7 +48,7 @@ pub use path::{Compare, Literal, MessagePath, Step, Test};
 pub use plan::PlanError;
 pub use presets::Preset;
 pub use rate::{Rate, rate};
-pub use read::{read, read_bytes, read_signals};
+pub use read::{read, read_bytes, read_lateral, read_lateral_bytes, read_signals};
 pub use recording::{Origin, Recording, Signal, Signals};
 pub use schema::SchemaError;
 pub use signal_map::{Code, SignalMap, SignalName, SignalSpec, VehicleOverrides};

@@ -10,6 +10,7 @@ mod csv_matrix;
 mod error;
 mod gear;
 mod json_text;
+mod lateral_table_file;
 pub mod lookup;
 mod save;
 mod table1_file;
@@ -23,6 +24,7 @@ pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
 pub use error::{Error, Result};
 pub use gear::Gear;
+pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
 pub use save::{sha256_hex, write_whole};
 pub use table1_file::{
     AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
@@ -37,6 +39,9 @@ pub const FORMAT_VERSION: u32 = 1;
 
 /// What the `format` field of a `table1.json` says.
 pub const TABLE1_FORMAT: &str = table1_file::FORMAT;
+
+/// What the `format` field of a `lateral_table.json` says.
+pub const LATERAL_TABLE_FORMAT: &str = lateral_table_file::FORMAT;
 
 /// What the `format` field of a `table2.json` says.
 pub const TABLE2_FORMAT: &str = table2_file::FORMAT;

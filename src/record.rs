@@ -18,6 +18,6 @@ pub use campaign::{Campaign, RunGroup, RunPlan, TopicSettings, Torques};
 pub use error::{Error, Result};
 pub use event::{Event, EventKind};
 pub use log_writer::LogWriter;
-pub use message::{JointState, Message, Odometry, Stamp, TwistStamped};
+pub use message::{JointState, Message, Odometry, PathMessage, PointStamped, Stamp, TwistStamped};
 pub use recorder::{Recording, Report, record};
 pub use runner::{End, RunOutcome};

@@ -11,6 +11,7 @@ mod judge;
 mod known;
 mod laws;
 mod log;
+pub mod manoeuvre;
 mod maps;
 mod metric;
 mod plant;
@@ -27,6 +28,9 @@ pub use gate::{Check, Gate, Limit};
 pub use judge::{Settings, replay, verify};
 pub use known::known_maps;
 pub use log::log_of;
+pub use manoeuvre::{
+    Kind, LateralRun, Manoeuvre, ManoeuvreMoment, Mounting, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, replay_manoeuvre,
+};
 pub use maps::Maps;
 pub use metric::{Metric, Statistic, Summary, Values};
 pub use plant::Plant;

@@ -2,8 +2,10 @@
 
 use super::{Outcome, Ui};
 use crate::map::write_whole;
+use crate::sim::VehicleFile;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of, verify,
+    Check, Comparison, Error, Gate, Manoeuvre, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of,
+    log_of_manoeuvre, verify,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -15,6 +17,7 @@ use std::path::{Path, PathBuf};
 Examples:
   pivot-cal verify                            all scenarios on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
+  pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: --list)
   pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
 
 Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
@@ -37,6 +40,9 @@ pub(super) struct Arguments {
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
+    /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
+    #[arg(long, value_name = "FILE")]
+    vehicle: Option<PathBuf>,
     /// Perturbed plants per scenario
     #[arg(long, value_name = "N", default_value_t = 200)]
     draws: usize,
@@ -51,15 +57,26 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
+    let defaults = Settings::new()?;
+    let (scenarios, manoeuvres) = chosen(&arguments.scenario)?;
     let settings = Settings {
-        scenarios: chosen(&arguments.scenario)?,
+        scenarios,
+        manoeuvres,
+        manoeuvre_draws: arguments.draws.min(defaults.manoeuvre_draws),
+        manoeuvre_vehicle: match &arguments.vehicle {
+            Some(path) => {
+                let text = fs_err::read_to_string(path)?;
+                VehicleFile::from_toml(&text).with_context(|| path.display().to_string())?.settings()
+            }
+            None => defaults.manoeuvre_vehicle.clone(),
+        },
         draws: arguments.draws,
         seed: arguments.seed,
         gate: match &arguments.gate {
             Some(path) => Gate::with(gate.as_deref()).with_context(|| path.display().to_string())?,
             None => Gate::with(None)?,
         },
-        ..Settings::new()?
+        ..defaults
     };
     let maps = Maps::read(&arguments.maps, arguments.force)?;
     for forced in &maps.forced {
@@ -77,6 +94,12 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             write_whole(&path, &log_of(&maps, &settings, scenario)?)?;
             ui.detail(format!("written: {}", path.display()));
         }
+        let tested = |m: &&Manoeuvre| verdict.scenarios.iter().any(|s| s.name == m.name && s.status != Status::NotTested);
+        for manoeuvre in settings.manoeuvres.iter().filter(tested) {
+            let path = folder.join(format!("{}.mcap", manoeuvre.name));
+            write_whole(&path, &log_of_manoeuvre(&maps, &settings, manoeuvre)?)?;
+            ui.detail(format!("written: {}", path.display()));
+        }
     }
     Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
 }
@@ -91,21 +114,20 @@ pub(super) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
     Ok(verdict)
 }
 
-/// The scenarios named, or all.
-fn chosen(names: &[String]) -> Result<Vec<Scenario>, Error> {
-    let all = Scenario::all();
+/// The scenarios and manoeuvres named, or all.
+fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
+    let (all, manoeuvres) = (Scenario::all(), Manoeuvre::all());
     if names.is_empty() {
-        return Ok(all);
+        return Ok((all, manoeuvres));
     }
-    names
-        .iter()
-        .map(|name| {
-            all.iter().find(|s| &s.name == name).cloned().ok_or_else(|| Error::NoScenario {
-                found: name.clone(),
-                nearest: all.iter().min_by_key(|s| differing(&s.name, name)).map(|s| s.name.clone()).unwrap_or_default(),
-            })
-        })
-        .collect()
+    let known: Vec<&String> = all.iter().map(|s| &s.name).chain(manoeuvres.iter().map(|m| &m.name)).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(name)) {
+        let nearest = known.iter().min_by_key(|known| differing(known, name)).map(|known| (*known).clone()).unwrap_or_default();
+        return Err(Error::NoScenario { found: name.clone(), nearest });
+    }
+    // in the order of the command line
+    let scenarios = names.iter().filter_map(|name| all.iter().find(|s| &s.name == name).cloned()).collect();
+    Ok((scenarios, names.iter().filter_map(|name| manoeuvres.iter().find(|m| &m.name == name).cloned()).collect()))
 }
 
 /// How many letters of the longer name are not in the same place of both, counted from the start.
@@ -115,11 +137,12 @@ fn differing(a: &str, b: &str) -> usize {
 }
 
 fn list(ui: Ui) -> anyhow::Result<()> {
-    let all = Scenario::all();
-    ui.document(&all)?;
+    let (all, manoeuvres) = (Scenario::all(), Manoeuvre::all());
+    let documents: Result<Vec<_>, _> = all.iter().map(serde_json::to_value).chain(manoeuvres.iter().map(serde_json::to_value)).collect();
+    ui.document(&documents?)?;
     let mut table = new_table(&["scenario", "what"]);
-    for scenario in all {
-        table.add_row([scenario.name, scenario.what]);
+    for (name, what) in all.into_iter().map(|s| (s.name, s.what)).chain(manoeuvres.into_iter().map(|m| (m.name, m.what))) {
+        table.add_row([name, what]);
     }
     ui.say(table.to_string());
     Ok(())

@@ -206,6 +206,8 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
             }
             score += 6 + near(&["estop", "emergency"]) + 2 * i32::from(candidate.kind == LeafKind::Bool);
         }
+        // poses and references are named, not guessed: a log holds many of them, in many frames
+        _ => return None,
     }
     let origin = if named { "its name says so" } else { "usual" };
     let schema = if candidate.schema.is_empty() { String::new() } else { format!(" of {}", candidate.schema) };

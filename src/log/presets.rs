@@ -42,6 +42,13 @@ impl Preset {
                 yaw_rate = { path = "/imu/twist.twist.angular.z", unit = "rad/s" }
                 gear = { path = "/drive/gear.data", neutral = 0, forward = 1, reverse = 2 }
                 estop = { path = "/safety/estop.data" }
+                pose_x = { path = "/odom.pose.pose.position.x", unit = "m" }
+                pose_y = { path = "/odom.pose.pose.position.y", unit = "m" }
+                yaw_z = { path = "/odom.pose.pose.orientation.z" }
+                yaw_w = { path = "/odom.pose.pose.orientation.w" }
+                reference_x = { path = "/reference/matched_point.point.x", unit = "m" }
+                reference_y = { path = "/reference/matched_point.point.y", unit = "m" }
+                compensation = { path = "/steering/compensation.data", unit = "rad" }
                 "#
             }
             Self::Autoware => {

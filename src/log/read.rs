@@ -23,7 +23,24 @@ const MAX_PASSES: usize = 3;
 /// Damage is no error as long as something is left: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), true), source, overrides, progress)
+    read_input(Input::open(path)?, (name, path.to_owned(), true), &SignalName::ALL, source, overrides, progress)
+}
+
+/// As [`read`], but the signals of the lateral calibration ([`SignalName::LATERAL`]): they are in [`Signals::lateral`], the others are empty.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    read_input(Input::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)
+}
+
+/// As [`read_lateral`], from memory, under the name `name`.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_lateral_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
+    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::LATERAL, source, overrides, &|_| {})
 }
 
 /// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
@@ -32,7 +49,7 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 /// As [`read`].
 pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), false), source, overrides, progress)
+    read_input(Input::open(path)?, (name, path.to_owned(), false), &SignalName::ALL, source, overrides, progress)
 }
 
 /// Reads a log from memory, under the name `name`; otherwise as [`read`].
@@ -40,12 +57,13 @@ pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, 
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), source, overrides, &|_| {})
+    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::ALL, source, overrides, &|_| {})
 }
 
 fn read_input(
     input: Input,
     (file, path, hashed): (String, PathBuf, bool),
+    wanted: &[SignalName],
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
@@ -53,8 +71,10 @@ fn read_input(
     let mut container = Container::open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding
-    let (sha256, read) =
-        rayon::join(|| if hashed { input.sha256() } else { Ok(String::new()) }, || pass(&mut container, source, overrides, progress));
+    let (sha256, read) = rayon::join(
+        || if hashed { input.sha256() } else { Ok(String::new()) },
+        || pass(&mut container, wanted, source, overrides, progress),
+    );
     let Pass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
     let mut loss = loss(&container, &gathered);
@@ -108,7 +128,13 @@ pub(super) struct Pass {
     pub said: VehicleOverrides,
 }
 
-fn pass(container: &mut Container, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Pass> {
+fn pass(
+    container: &mut Container,
+    wanted: &[SignalName],
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Pass> {
     let mut samples = gather::explore(container);
     let told = match source {
         Source::Map(map) => map.vehicle,
@@ -117,7 +143,7 @@ fn pass(container: &mut Container, source: &Source, overrides: &VehicleOverrides
     let from_log = if told.is_empty() { VehicleOverrides::from_metadata(&container.metadata)? } else { VehicleOverrides::default() };
     let said = overrides.or(told).or(from_log);
     for number in 1.. {
-        let chosen = required(resolve::choose(source, container, &samples), container).and_then(|mut choices| {
+        let chosen = required(resolve::choose(source, wanted, container, &samples), container).and_then(|mut choices| {
             let plans = resolve::plans(&mut choices, container, &samples, said.vehicle()?.wheel_radius_m)?;
             Ok((choices, plans))
         });

@@ -4,6 +4,7 @@ use super::loss::Loss;
 use super::signal_map::SignalName;
 use crate::map::{LogRef, Vehicle};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// One log, its signals found, in SI.
@@ -42,6 +43,8 @@ pub struct Signals {
     pub gear: Option<Signal>,
     /// Emergency stop: 1 active, 0 not.
     pub estop: Option<Signal>,
+    /// Signals of the lateral calibration, by name, when those were read.
+    pub lateral: BTreeMap<SignalName, Signal>,
 }
 
 /// A time series: sorted by time, values finite. Equal times keep the order of the log.
@@ -95,6 +98,7 @@ impl Signals {
             SignalName::YawRate => self.yaw_rate.as_ref(),
             SignalName::Gear => self.gear.as_ref(),
             SignalName::Estop => self.estop.as_ref(),
+            lateral => self.lateral.get(&lateral),
         }
     }
 
@@ -107,6 +111,9 @@ impl Signals {
             SignalName::YawRate => self.yaw_rate = Some(signal),
             SignalName::Gear => self.gear = Some(signal),
             SignalName::Estop => self.estop = Some(signal),
+            lateral => {
+                self.lateral.insert(lateral, signal);
+            }
         }
     }
 }

@@ -43,7 +43,7 @@ pub(super) struct Choices {
 ///
 /// # Errors
 /// A signal map that names a topic or a field that the log does not have.
-pub(super) fn choose(source: &Source, container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Result<Choices> {
+pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Result<Choices> {
     let candidates = candidates::list(container, samples);
     let topics: BTreeSet<&str> = container.inventory.channels.values().map(|channel| channel.topic.as_str()).collect();
     let mut choices = Choices::default();
@@ -58,7 +58,7 @@ pub(super) fn choose(source: &Source, container: &Container, samples: &BTreeMap<
         }
         Source::Detect => (SignalMap::default(), String::new(), None),
     };
-    for signal in SignalName::ALL {
+    for &signal in wanted {
         if let Some(spec) = map.signals.get(&signal) {
             if topics.contains(spec.path.topic.as_str()) {
                 choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });

@@ -25,10 +25,30 @@ pub enum SignalName {
     Gear,
     /// Emergency stop.
     Estop,
+    /// x of the rear axle's middle by the navigation.
+    PoseX,
+    /// y of the same.
+    PoseY,
+    /// The vehicle's heading by the navigation, counter-clockwise.
+    Yaw,
+    /// z of the heading's quaternion, in the place of `yaw`.
+    YawZ,
+    /// w of the heading's quaternion.
+    YawW,
+    /// x of the reference path's point that the vehicle was matched to.
+    ReferenceX,
+    /// y of the same.
+    ReferenceY,
+    /// Compensation angle in force, left positive.
+    Compensation,
 }
 
 impl SignalName {
-    /// Every signal, in the order in which they are shown.
+    /// The signals of the lateral calibration, in the order in which they are shown. They are named by a map or a preset, never looked for.
+    pub const LATERAL: [Self; 8] =
+        [Self::PoseX, Self::PoseY, Self::Yaw, Self::YawZ, Self::YawW, Self::ReferenceX, Self::ReferenceY, Self::Compensation];
+
+    /// Every signal of the torque map's calibration, in the order in which they are shown.
     pub const ALL: [Self; 7] = [Self::Speed, Self::Torque, Self::TorqueFeedback, Self::Angle, Self::YawRate, Self::Gear, Self::Estop];
 
     /// The key in a signal map.
@@ -41,12 +61,21 @@ impl SignalName {
             Self::YawRate => "yaw_rate",
             Self::Gear => "gear",
             Self::Estop => "estop",
+            Self::PoseX => "pose_x",
+            Self::PoseY => "pose_y",
+            Self::Yaw => "yaw",
+            Self::YawZ => "yaw_z",
+            Self::YawW => "yaw_w",
+            Self::ReferenceX => "reference_x",
+            Self::ReferenceY => "reference_y",
+            Self::Compensation => "compensation",
         }
     }
 
     /// Whether a log without it cannot be used.
     pub fn is_required(self) -> bool {
-        matches!(self, Self::Speed | Self::Torque | Self::Angle)
+        use SignalName::{Angle, PoseX, PoseY, ReferenceX, ReferenceY, Speed, Torque};
+        matches!(self, Speed | Torque | Angle | PoseX | PoseY | ReferenceX | ReferenceY)
     }
 
     /// Unit that is taken when the map names none: SI.
@@ -54,9 +83,10 @@ impl SignalName {
         match self {
             Self::Speed => "m/s",
             Self::Torque | Self::TorqueFeedback => "N.m",
-            Self::Angle => "rad",
+            Self::Angle | Self::Yaw | Self::Compensation => "rad",
             Self::YawRate => "rad/s",
-            Self::Gear | Self::Estop => "1",
+            Self::Gear | Self::Estop | Self::YawZ | Self::YawW => "1",
+            Self::PoseX | Self::PoseY | Self::ReferenceX | Self::ReferenceY => "m",
         }
     }
 
@@ -64,9 +94,10 @@ impl SignalName {
         match self {
             Self::Speed => matches!(dimension, Dimension::Speed | Dimension::AngularSpeed),
             Self::Torque | Self::TorqueFeedback => dimension == Dimension::Torque,
-            Self::Angle => dimension == Dimension::Angle,
+            Self::Angle | Self::Yaw | Self::Compensation => dimension == Dimension::Angle,
             Self::YawRate => dimension == Dimension::AngularSpeed,
-            Self::Gear | Self::Estop => dimension == Dimension::Number,
+            Self::Gear | Self::Estop | Self::YawZ | Self::YawW => dimension == Dimension::Number,
+            Self::PoseX | Self::PoseY | Self::ReferenceX | Self::ReferenceY => dimension == Dimension::Length,
         }
     }
 }
@@ -186,13 +217,14 @@ impl SignalMap {
                     map.vehicle = value.try_into().map_err(|error| Error::Toml(format!("[vehicle]: {error}")))?;
                 }
                 "signals" => {
-                    let keys = SignalName::ALL.map(SignalName::key);
+                    let names: Vec<SignalName> = SignalName::ALL.into_iter().chain(SignalName::LATERAL).collect();
+                    let keys: Vec<&'static str> = names.iter().map(|name| name.key()).collect();
                     known_keys(&value, "[signals]", &keys)?;
                     let toml::Value::Table(signals) = value else {
                         return Err(Error::Toml("[signals] must be a table".into()));
                     };
                     for (key, value) in signals {
-                        if let Some(name) = SignalName::ALL.into_iter().find(|name| name.key() == key) {
+                        if let Some(&name) = names.iter().find(|name| name.key() == key) {
                             known_keys(&value, &key, &ENTRY_KEYS)?;
                             let entry: Entry = value.try_into().map_err(|error| Error::Toml(format!("{key}: {error}")))?;
                             map.signals.insert(name, entry.into_spec(name)?);

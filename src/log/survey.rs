@@ -139,7 +139,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         }
     }
     let mut notes = Vec::new();
-    let mut choices = match resolve::choose(source, &container, &samples) {
+    let mut choices = match resolve::choose(source, &SignalName::ALL, &container, &samples) {
         Ok(choices) => choices,
         Err(error) => {
             notes.push(error.to_string());

@@ -38,6 +38,8 @@ pub enum Error {
         "format version {found} is not known to this program, which reads version {known}; use the pivot-cal that wrote the file, or make it anew"
     )]
     UnknownVersion { found: u64, known: u32 },
+    #[error("the compensation curve: {field} in place {} is {value}; allowed: {allowed}", index + 1)]
+    Curve { field: &'static str, index: usize, value: f64, allowed: &'static str },
     #[error("the JSON cannot be read: {0}")]
     Json(#[from] serde_json::Error),
     #[error("{}: {source}", path.display())]

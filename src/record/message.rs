@@ -61,6 +61,30 @@ pub struct Odometry<'a> {
     pub yaw_rate_rad_s: f64,
 }
 
+/// `geometry_msgs/msg/PointStamped` on the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointStamped<'a> {
+    /// `header.stamp`.
+    pub stamp: Stamp,
+    /// `header.frame_id`.
+    pub frame_id: &'a str,
+    /// Position [m].
+    pub x_m: f64,
+    /// Position [m].
+    pub y_m: f64,
+}
+
+/// `nav_msgs/msg/Path` on the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathMessage<'a> {
+    /// `header.stamp`, and that of every pose.
+    pub stamp: Stamp,
+    /// `header.frame_id`, and that of every pose.
+    pub frame_id: &'a str,
+    /// x [m], y [m], heading [rad] of every pose.
+    pub poses: &'a [[f64; 3]],
+}
+
 /// A message of one of the standard types.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Message<'a> {
@@ -78,6 +102,10 @@ pub enum Message<'a> {
     TwistStamped(TwistStamped<'a>),
     /// `nav_msgs/msg/Odometry`.
     Odometry(Odometry<'a>),
+    /// `geometry_msgs/msg/PointStamped`.
+    PointStamped(PointStamped<'a>),
+    /// `nav_msgs/msg/Path`.
+    Path(PathMessage<'a>),
 }
 
 impl Message<'_> {
@@ -91,6 +119,8 @@ impl Message<'_> {
             Self::JointState(_) => "sensor_msgs/msg/JointState",
             Self::TwistStamped(_) => "geometry_msgs/msg/TwistStamped",
             Self::Odometry(_) => "nav_msgs/msg/Odometry",
+            Self::PointStamped(_) => "geometry_msgs/msg/PointStamped",
+            Self::Path(_) => "nav_msgs/msg/Path",
         }
     }
 
@@ -125,6 +155,19 @@ impl Message<'_> {
                 cdr.f64_array(&[0.0; 36]);
                 cdr.f64_array(&[odometry.speed_mps, 0.0, 0.0, 0.0, 0.0, odometry.yaw_rate_rad_s]);
                 cdr.f64_array(&[0.0; 36]);
+            }
+            Self::PointStamped(point) => {
+                header(&mut cdr, point.stamp, point.frame_id);
+                cdr.f64_array(&[point.x_m, point.y_m, 0.0]);
+            }
+            Self::Path(path) => {
+                header(&mut cdr, path.stamp, path.frame_id);
+                cdr.u32(path.poses.len() as u32);
+                for [x_m, y_m, heading_rad] in path.poses {
+                    header(&mut cdr, path.stamp, path.frame_id);
+                    let (sin, cos) = (0.5 * heading_rad).sin_cos();
+                    cdr.f64_array(&[*x_m, *y_m, 0.0, 0.0, 0.0, sin, cos]);
+                }
             }
         }
         cdr.into_bytes()

@@ -72,6 +72,28 @@ const DEFINITIONS: &[Definition] = &[
         contains: &[],
     },
     Definition {
+        short: "geometry_msgs/PointStamped",
+        fields: "# A point with its frame and time\nstd_msgs/Header header\ngeometry_msgs/Point point\n",
+        contains: &["std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Point"],
+    },
+    Definition {
+        short: "geometry_msgs/PoseStamped",
+        fields: "# A pose with its frame and time\nstd_msgs/Header header\ngeometry_msgs/Pose pose\n",
+        contains: &["std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Pose", "geometry_msgs/Point", "geometry_msgs/Quaternion"],
+    },
+    Definition {
+        short: "nav_msgs/Path",
+        fields: "# Poses to follow\nstd_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n",
+        contains: &[
+            "std_msgs/Header",
+            "builtin_interfaces/Time",
+            "geometry_msgs/PoseStamped",
+            "geometry_msgs/Pose",
+            "geometry_msgs/Point",
+            "geometry_msgs/Quaternion",
+        ],
+    },
+    Definition {
         short: "geometry_msgs/Pose",
         fields: "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
         contains: &[],
@@ -109,7 +131,7 @@ mod tests {
             let mut fields: Vec<&str> = root.fields.lines().collect();
             fields.extend(root.contains.iter().filter_map(|c| definition(c)).flat_map(|d| d.fields.lines()));
             let types = fields.iter().filter(|l| !l.starts_with('#')).filter_map(|l| l.split_whitespace().next());
-            for name in types.filter(|t| t.contains('/')) {
+            for name in types.filter(|t| t.contains('/')).map(|t| t.trim_end_matches("[]")) {
                 assert!(root.contains.contains(&name), "{} lacks {name}", root.short);
             }
         }

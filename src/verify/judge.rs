@@ -3,6 +3,7 @@
 use super::draws::{Spread, draws};
 use super::gate::Gate;
 use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law};
+use super::manoeuvre::{self, Manoeuvre};
 use super::metric::{Metric, Statistic, Summary, Values};
 use super::plant::Plant;
 use super::region::Region;
@@ -35,6 +36,12 @@ pub struct Settings {
     pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
     pub plant: Option<sim::Settings>,
+    /// The manoeuvres. Default all.
+    pub manoeuvres: Vec<Manoeuvre>,
+    /// Perturbed vehicles per manoeuvre. Default 20: a manoeuvre takes a hundred times as long as a pivot.
+    pub manoeuvre_draws: usize,
+    /// The physical vehicle that drives manoeuvres. Default the bundled scrubber.
+    pub manoeuvre_vehicle: sim::Settings,
 }
 
 impl Settings {
@@ -52,6 +59,9 @@ impl Settings {
             gate: Gate::with(None)?,
             law: None,
             plant: None,
+            manoeuvres: Manoeuvre::all(),
+            manoeuvre_draws: 20,
+            manoeuvre_vehicle: manoeuvre::bundled_vehicle()?,
         })
     }
 }
@@ -93,7 +103,8 @@ pub fn verify(maps: &Maps, settings: &Settings) -> Result<Verdict> {
     let stage = Stage::new(maps, settings)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
-    let scenarios = judge_scenarios(&stage, settings, &varied)?;
+    let mut scenarios = judge_scenarios(&stage, settings, &varied)?;
+    scenarios.extend(manoeuvre::judge(maps, settings)?);
     let comparison = if settings.comparison_draws > 0 { Some(compare(&stage, settings, &varied)?) } else { None };
     let notes = notes(maps, &trips, &scenarios);
     let good = !trips.is_empty() && trips.iter().all(|t| t.pass) && scenarios.iter().all(|s| s.status != Status::Fail);
@@ -244,7 +255,10 @@ fn notes(maps: &Maps, trips: &[RoundTrip], scenarios: &[ScenarioVerdict]) -> Vec
         notes.push(format!("failed: {failed}"));
     }
     if !untested.is_empty() {
-        notes.push(format!("not tested, since there is no reverse table: {untested}"));
+        notes.push(format!("not tested: {untested}"));
     }
+    let mut reasons: Vec<&String> = scenarios.iter().filter(|s| s.status == Status::NotTested).flat_map(|s| &s.notes).collect();
+    reasons.dedup();
+    notes.extend(reasons.into_iter().cloned());
     notes
 }

@@ -1,7 +1,7 @@
 //! The maps under test: `table2.csv` itself, the artefact that is deployed, with the JSON files that belong to it.
 
 use super::{Error, Result};
-use crate::map::{Gear, Matrix, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
+use crate::map::{Gear, LateralTableFile, Matrix, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
 use std::path::Path;
 
 /// Tolerance within which two wheel angles are the same one [°].
@@ -22,6 +22,8 @@ pub struct Maps {
     pub csv_sha256: Vec<String>,
     /// What does not fit together and was let pass.
     pub forced: Vec<String>,
+    /// The lateral compensation table, when the folder has one.
+    pub lateral: Option<LateralTableFile>,
 }
 
 impl Maps {
@@ -65,7 +67,16 @@ impl Maps {
         let forward = read(Gear::Forward)?;
         let reverse = read(Gear::Reverse)?;
         let forward = forward.ok_or_else(|| Self::no_forward(&table2))?;
-        Ok(Self { table1, table2, forward, reverse, csv_sha256, forced })
+        let path = folder.join("lateral_table.json");
+        let lateral = if path.exists() {
+            let json = text("lateral_table.json")?;
+            let file = LateralTableFile::from_json(&json).map_err(|e| at("lateral_table.json", e))?;
+            check_lateral(folder, &file, force, &mut forced)?;
+            Some(file)
+        } else {
+            None
+        };
+        Ok(Self { table1, table2, forward, reverse, csv_sha256, forced, lateral })
     }
 
     /// Takes over files that are already in memory, the CSV being what `table2` holds.
@@ -78,7 +89,7 @@ impl Maps {
         let forward = map(Gear::Forward).ok_or_else(|| Self::no_forward(&table2))?.table()?;
         let reverse = map(Gear::Reverse).map(TorqueMap::table).transpose()?;
         let csv_sha256 = Gear::ALL.into_iter().filter_map(map).map(|m| m.csv.sha256.clone()).collect();
-        Ok(Self { table1, table2, forward, reverse, csv_sha256, forced: Vec::new() })
+        Ok(Self { table1, table2, forward, reverse, csv_sha256, forced: Vec::new(), lateral: None })
     }
 
     fn no_forward(table2: &Table2File) -> Error {
@@ -106,4 +117,19 @@ impl Maps {
             values.fold(0.0, |largest, v| v.abs().max(largest))
         })
     }
+}
+
+/// `lateral_table.csv` has to be the one that `lateral_table.json` describes.
+fn check_lateral(folder: &Path, file: &LateralTableFile, force: bool, forced: &mut Vec<String>) -> Result<()> {
+    let path = folder.join(&file.csv.file);
+    let bytes = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+    let found = sha256_hex(&bytes);
+    if found == file.csv.sha256 {
+        return Ok(());
+    }
+    if !force {
+        return Err(Error::Hash { path, by: folder.join("lateral_table.json"), found, expected: file.csv.sha256.clone() });
+    }
+    forced.push(format!("{} is not the file that lateral_table.json describes", file.csv.file));
+    Ok(())
 }

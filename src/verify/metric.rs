@@ -36,11 +36,25 @@ pub enum Metric {
     DriveAfterFailureNm,
     /// Arc from the failure to standstill.
     TravelAfterFailureM,
+    /// Largest distance of the rear axle's middle from a corner, or from the end of the path, when it stands there.
+    CornerErrorM,
+    /// Largest distance of the rear axle's middle from the line of a segment while driving.
+    SegmentErrorM,
+    /// Root mean square of the same over the way.
+    SegmentRmsM,
+    /// |mean lateral error| without compensation.
+    LateralBeforeM,
+    /// |mean lateral error| with it, over the same stretch.
+    LateralAfterM,
+    /// The second over the first.
+    LateralRatio,
+    /// RMS of the heading rate with compensation over that without.
+    HeadingRateRatio,
 }
 
 impl Metric {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 22] = [
         Self::AsExpected,
         Self::HeadingErrorDeg,
         Self::OvershootDeg,
@@ -56,6 +70,13 @@ impl Metric {
         Self::OutsideShare,
         Self::DriveAfterFailureNm,
         Self::TravelAfterFailureM,
+        Self::CornerErrorM,
+        Self::SegmentErrorM,
+        Self::SegmentRmsM,
+        Self::LateralBeforeM,
+        Self::LateralAfterM,
+        Self::LateralRatio,
+        Self::HeadingRateRatio,
     ];
 
     /// Name for people.
@@ -76,6 +97,13 @@ impl Metric {
             Self::OutsideShare => "look-ups outside the measured region",
             Self::DriveAfterFailureNm => "driving torque after the failure",
             Self::TravelAfterFailureM => "travel after the failure",
+            Self::CornerErrorM => "corner position error",
+            Self::SegmentErrorM => "segment lateral error",
+            Self::SegmentRmsM => "segment lateral RMS",
+            Self::LateralBeforeM => "mean lateral error before",
+            Self::LateralAfterM => "mean lateral error after",
+            Self::LateralRatio => "mean lateral error, after over before",
+            Self::HeadingRateRatio => "RMS of heading rate, after over before",
         }
     }
 
@@ -84,7 +112,14 @@ impl Metric {
         match self {
             Self::AsExpected | Self::SaturatedShare | Self::OutsideShare => "",
             Self::HeadingErrorDeg | Self::OvershootDeg => "°",
-            Self::DriftM | Self::TravelAfterFailureM => "m",
+            Self::LateralRatio | Self::HeadingRateRatio => "×",
+            Self::DriftM
+            | Self::TravelAfterFailureM
+            | Self::CornerErrorM
+            | Self::SegmentErrorM
+            | Self::SegmentRmsM
+            | Self::LateralBeforeM
+            | Self::LateralAfterM => "m",
             Self::SpeedRmsMps | Self::SpeedMaxMps => "m/s",
             Self::PeakAccelMps2 => "m/s²",
             Self::PeakJerkMps3 | Self::StartJerkMps3 => "m/s³",

@@ -13,6 +13,10 @@ pub enum Class {
     Hard,
     /// Something fails, and the vehicle has to stop safely.
     Failure,
+    /// A polyline with turns on the spot.
+    Polyline,
+    /// A path with the lateral error compensated.
+    Compensation,
 }
 
 /// What the world does to the vehicle; figures that depend on the vehicle are relative to it.

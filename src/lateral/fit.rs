@@ -1,0 +1,248 @@
+//! From runs to the compensation table: differences to the base, standard errors, what is dropped, the monotone curve.
+
+use super::bins::{Bin, LateralRun};
+use super::isotonic::isotonic;
+use super::newey_west::{Mean, newey_west};
+use super::{Error, Result};
+use crate::log::Recording;
+use crate::map::{
+    CsvRef, FORMAT_VERSION, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, LateralTableFile, LogRef, sha256_hex,
+};
+use serde::Serialize;
+
+/// Over what a mean is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weighting {
+    /// The way: every piece of it counts alike, however long it took.
+    Distance,
+    /// The control periods: every reading counts alike.
+    Periods,
+}
+
+/// Settings of the fit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Settings {
+    /// Entries at or beyond this are dropped [m]. Default 0.3: further out the tracking law is at its limits.
+    pub threshold_m: f64,
+    /// Over what means are taken. Default the way.
+    pub weighting: Weighting,
+    /// Length of a piece of the way [m]. Default 0.5.
+    pub piece_m: f64,
+    /// Way after every start that is left out [m]. Default 4.
+    pub settle_m: f64,
+    /// Shortest way that may remain [m]. Default 10.
+    pub least_m: f64,
+    /// How much the ways of two runs of one task may differ, as a share. Default 0.05.
+    pub same_task: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { threshold_m: 0.3, weighting: Weighting::Distance, piece_m: 0.5, settle_m: 4.0, least_m: 10.0, same_task: 0.05 }
+    }
+}
+
+/// What happened.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Pieces of the way that each entry rests on, in the order of the entries.
+    pub pieces: Vec<usize>,
+    /// Slope of the curve between its ends [rad/m].
+    pub slope_rad_per_m: f64,
+    /// Largest correction that made the entries monotone, in standard errors.
+    pub largest_correction: f64,
+}
+
+/// Most angles, the base included: what the run-time law's table holds.
+const MOST: usize = 32;
+/// An angle up to this is none [rad].
+const NO_ANGLE_RAD: f64 = 1e-6;
+/// Smallest standard error that weighs in the fit [m]: entries without noise would otherwise weigh infinitely.
+const LEAST_STD_ERR_M: f64 = 1e-6;
+
+/// Makes the table.
+///
+/// # Errors
+/// No base or two, logs of another task or too short, a compensation that changes within a log, fewer than one entry left.
+pub fn fit(recordings: &[Recording], settings: &Settings) -> Result<(LateralTableFile, Report)> {
+    for (field, value, low, high) in [
+        ("threshold_m", settings.threshold_m, 1e-4, 10.0),
+        ("piece_m", settings.piece_m, 0.1, 10.0),
+        ("settle_m", settings.settle_m, 0.0, 100.0),
+    ] {
+        if !(low..=high).contains(&value) {
+            let allowed = if field == "threshold_m" { "0.0001 to 10" } else { "0.1 to 10 (a piece), 0 to 100 (settling)" };
+            return Err(Error::Setting { field, value, allowed });
+        }
+    }
+    let mut runs = recordings.iter().map(|r| Ok((LateralRun::new(r, settings)?, &r.source))).collect::<Result<Vec<_>>>()?;
+    // the order of the logs must not matter
+    runs.sort_by(|a, b| a.0.angle_rad.total_cmp(&b.0.angle_rad).then_with(|| a.1.sha256.cmp(&b.1.sha256)));
+    let mut bases = runs.iter().filter(|(run, _)| run.angle_rad.abs() <= NO_ANGLE_RAD);
+    let Some((base, base_source)) = bases.next() else { return Err(Error::NoBase { found: runs.len() }) };
+    if let Some((second, _)) = bases.next() {
+        return Err(Error::TwoBases { first: base.log.clone(), second: second.log.clone() });
+    }
+    if runs.len() > MOST {
+        return Err(Error::TooMany { found: runs.len(), most: MOST });
+    }
+    let base_mean = alone(base, settings)?;
+    let zero =
+        LateralEntry { angle_rad: 0.0, error_m: 0.0, std_err_m: 0.0, way_m: base_mean.way_m, log: base.log.clone(), reason: String::new() };
+    let (mut entries, mut dropped) = (vec![zero], Vec::new());
+    for (run, _) in runs.iter().filter(|(run, _)| run.angle_rad.abs() > NO_ANGLE_RAD) {
+        let mut entry = against(run, base, settings)?;
+        if entry.error_m.abs() >= settings.threshold_m {
+            entry.reason = format!("at or beyond the threshold of {} m", settings.threshold_m);
+            dropped.push(entry);
+        } else {
+            entries.push(entry);
+        }
+    }
+    if entries.len() < 2 {
+        return Err(Error::NothingLeft { left: entries.len() - 1, all: runs.len() - 1, threshold_m: settings.threshold_m });
+    }
+    let (curve, largest_correction) = curve(&entries)?;
+    entries.sort_by(|a, b| a.error_m.total_cmp(&b.error_m).then(a.angle_rad.total_cmp(&b.angle_rad)));
+    let last = curve.error_m.len() - 1;
+    let report = Report {
+        pieces: entries.iter().map(|e| (e.way_m / settings.piece_m).round() as usize).collect(),
+        slope_rad_per_m: (curve.angle_rad[last] - curve.angle_rad[0]) / (curve.error_m[last] - curve.error_m[0]),
+        largest_correction,
+    };
+    let others = runs.iter().filter(|(run, _)| run.angle_rad.abs() > NO_ANGLE_RAD).map(|(_, source)| (*source).clone());
+    let logs: Vec<LogRef> = std::iter::once((*base_source).clone()).chain(others).collect();
+    let mut file = LateralTableFile {
+        format: LATERAL_TABLE_FORMAT.to_owned(),
+        format_version: FORMAT_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        vehicle: recordings[0].vehicle,
+        logs,
+        csv: CsvRef { file: "lateral_table.csv".to_owned(), sha256: String::new() },
+        settings: serde_json::to_value(settings).unwrap_or_default(),
+        base: base_mean,
+        entries,
+        dropped,
+        curve,
+    };
+    file.csv.sha256 = sha256_hex(file.to_csv().as_bytes());
+    Ok((file, report))
+}
+
+/// Weight of a piece.
+fn weight(settings: &Settings, bin: &Bin) -> f64 {
+    if settings.weighting == Weighting::Distance { 1.0 } else { bin.count }
+}
+
+fn way(pieces: usize, log: &str, settings: &Settings) -> Result<f64> {
+    let found_m = pieces as f64 * settings.piece_m;
+    if found_m < settings.least_m {
+        return Err(Error::TooShort { log: log.to_owned(), found_m, needed_m: settings.least_m });
+    }
+    Ok(found_m)
+}
+
+/// Mean of one run.
+fn alone(run: &LateralRun, settings: &Settings) -> Result<LateralMean> {
+    let values: Vec<f64> = run.bins.values().map(Bin::mean_m).collect();
+    let weights: Vec<f64> = run.bins.values().map(|b| weight(settings, b)).collect();
+    let Mean { mean, std_err } = newey_west(&values, &weights);
+    Ok(LateralMean { mean_error_m: mean, std_err_m: std_err, way_m: way(values.len(), &run.log, settings)? })
+}
+
+/// Entry of a run: the mean of the differences to the base, piece by piece, so that what the path itself does cancels.
+fn against(run: &LateralRun, base: &LateralRun, settings: &Settings) -> Result<LateralEntry> {
+    if (run.way_m - base.way_m).abs() > settings.same_task * base.way_m {
+        return Err(Error::OtherTask {
+            log: run.log.clone(),
+            found_m: run.way_m,
+            base: base.log.clone(),
+            base_m: base.way_m,
+            allowed_pct: 100.0 * settings.same_task,
+        });
+    }
+    let pairs = || run.bins.iter().filter_map(|(k, with)| Some((with, base.bins.get(k)?)));
+    let values: Vec<f64> = pairs().map(|(with, without)| with.mean_m() - without.mean_m()).collect();
+    let weights: Vec<f64> = pairs().map(|(with, without)| 0.5 * (weight(settings, with) + weight(settings, without))).collect();
+    let Mean { mean, std_err } = newey_west(&values, &weights);
+    Ok(LateralEntry {
+        angle_rad: run.angle_rad,
+        error_m: mean,
+        std_err_m: std_err,
+        way_m: way(values.len(), &run.log, settings)?,
+        log: run.log.clone(),
+        reason: String::new(),
+    })
+}
+
+/// The curve, and the largest correction in standard errors: errors made monotone over the angle (in the direction that they have on the whole),
+/// angles of equal errors joined.
+fn curve(entries: &[LateralEntry]) -> Result<(LateralCurve, f64)> {
+    let mut sorted: Vec<&LateralEntry> = entries.iter().collect();
+    sorted.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad));
+    let std_err = |e: &LateralEntry| e.std_err_m.clamp(LEAST_STD_ERR_M, 1e3);
+    // the base weighs like the best entry: its zero is exact by definition, but must not outweigh all others
+    let best = sorted.iter().filter(|e| e.angle_rad != 0.0).map(|e| std_err(e)).fold(f64::INFINITY, f64::min);
+    let weights: Vec<f64> = sorted.iter().map(|e| std_err(e).max(best).powi(-2)).collect();
+    let covariance: f64 = sorted.iter().zip(&weights).map(|(e, w)| w * e.angle_rad * e.error_m).sum();
+    if covariance == 0.0 {
+        return Err(Error::NoEffect);
+    }
+    let sign = covariance.signum();
+    let errors: Vec<f64> = sorted.iter().map(|e| sign * e.error_m).collect();
+    let fitted = isotonic(&errors, &weights);
+    let corrections = fitted.iter().zip(&errors).zip(&sorted).map(|((f, e), entry)| (f - e).abs() / std_err(entry).max(best));
+    let largest = corrections.fold(0.0, f64::max);
+    // runs of equal errors become one point at their mean angle
+    let mut points: Vec<(f64, f64, f64)> = Vec::new();
+    for ((error, entry), weight) in fitted.iter().zip(&sorted).zip(&weights) {
+        match points.last_mut() {
+            Some((last, angle, sum)) if *last == *error => {
+                *angle = (*angle * *sum + entry.angle_rad * weight) / (*sum + weight);
+                *sum += weight;
+            }
+            _ => points.push((*error, entry.angle_rad, *weight)),
+        }
+    }
+    if points.len() < 2 {
+        return Err(Error::NoEffect);
+    }
+    if sign < 0.0 {
+        points.reverse();
+    }
+    let curve = LateralCurve { error_m: points.iter().map(|p| sign * p.0).collect(), angle_rad: points.iter().map(|p| p.1).collect() };
+    curve.check()?;
+    Ok((curve, largest))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn entry(angle_rad: f64, error_m: f64, std_err_m: f64) -> LateralEntry {
+        LateralEntry { angle_rad, error_m, std_err_m, way_m: 40.0, log: String::new(), reason: String::new() }
+    }
+
+    #[test]
+    fn the_curve_is_monotone_where_the_entries_are_not() {
+        let entries = [
+            entry(0.0, 0.0, 0.0),
+            entry(0.01, -0.02, 1e-3),
+            entry(0.02, -0.05, 1e-3),
+            entry(0.03, -0.049, 1e-3),
+            entry(-0.01, 0.021, 1e-3),
+        ];
+        let (curve, largest) = curve(&entries).unwrap();
+        assert_eq!(curve.error_m.len(), 4);
+        assert!((curve.error_m[0] + 0.0495).abs() < 1e-12 && (curve.angle_rad[0] - 0.025).abs() < 1e-12);
+        assert!((largest - 0.5).abs() < 1e-9);
+        assert_eq!(curve.error_m[3], 0.021);
+    }
+
+    #[test]
+    fn angles_without_effect_are_no_table() {
+        assert!(matches!(curve(&[entry(0.0, 0.0, 0.0), entry(0.01, 0.0, 1e-3)]), Err(Error::NoEffect)));
+    }
+}

@@ -1,0 +1,100 @@
+//! A path driven by a tracking law with a fixed compensation angle, as a run of the lateral calibration, and its log.
+
+use super::super::Result;
+use super::drive::{Moment, Mounting, Start, drive};
+use super::log::Log;
+use super::torque::ExactTorque;
+use crate::control::Inputs;
+use crate::control::manoeuvre::path::PosePath;
+use crate::control::manoeuvre::torque_source::TorqueSource;
+use crate::control::path::course::{course, lateral_task};
+use crate::control::path::follower::{DriveCommand, Follower, FollowerSettings, Stage};
+use crate::control::path::place::Leg;
+use crate::control::path::tracking::{LawName, TrackingSettings};
+use crate::sim;
+
+/// One run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LateralRun {
+    /// The tracking law.
+    pub law: LawName,
+    /// Compensation angle [rad].
+    pub compensation_rad: f64,
+    /// What is mounted wrongly.
+    pub mounting: Mounting,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// Drives the legs of a path one after the other; `compensation` is told each command's error and gives the angle for the next period.
+pub(super) struct LegsDriver<'a> {
+    path: &'a PosePath,
+    first: usize,
+    leg: usize,
+    follower: Follower,
+}
+
+impl<'a> LegsDriver<'a> {
+    pub(super) fn new(path: &'a PosePath, settings: FollowerSettings) -> Self {
+        Self { path, first: 0, leg: 0, follower: Follower::new(settings) }
+    }
+
+    pub(super) fn leg(&self) -> usize {
+        self.leg
+    }
+
+    pub(super) fn current(&self) -> Option<Leg<'a>> {
+        Leg::first(self.path.poses.get(self.first..)?)
+    }
+
+    pub(super) fn step<T: TorqueSource>(&mut self, inputs: &Inputs, torque: &T, compensation_rad: f64) -> Option<DriveCommand> {
+        let leg = self.current()?;
+        let command = self.follower.step(leg, inputs, torque, compensation_rad);
+        let end = self.first + leg.last_index();
+        if command.stage == Stage::Arrived && end + 1 < self.path.poses.len() {
+            (self.first, self.leg) = (end, self.leg + 1);
+            self.follower.start();
+            return Some(DriveCommand { stage: Stage::Stopping, ..command });
+        }
+        Some(command)
+    }
+}
+
+/// The follower of the lateral calibration.
+pub(super) fn follower_settings(wheelbase_m: f64, law: LawName) -> FollowerSettings {
+    FollowerSettings::new(wheelbase_m, TrackingSettings::new(law))
+}
+
+/// Drives the lateral task (a straight, a bend, around an obstacle, reverse) and shows every period to `record`; returns how it ended.
+///
+/// # Errors
+/// A vehicle that cannot be simulated.
+pub fn lateral_run(vehicle: &sim::Settings, run: &LateralRun, mut record: impl FnMut(&Moment)) -> Result<Stage> {
+    let wheelbase_m = vehicle.vehicle.wheelbase_m;
+    let path = course(&lateral_task(), wheelbase_m);
+    let settings = follower_settings(wheelbase_m, run.law);
+    let torque = ExactTorque::new(vehicle)?;
+    let mut driver = LegsDriver::new(&path, settings);
+    let controller = |inputs: &Inputs| {
+        let command = driver.step(inputs, &torque, run.compensation_rad).unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
+        (command, run.compensation_rad, driver.leg())
+    };
+    drive(vehicle, run.seed, &Start::default(), &run.mounting, settings.limits.period_s, controller, |m| record(m))
+}
+
+/// The log of a run: the bytes of an MCAP file, and how it ended.
+///
+/// # Errors
+/// As [`lateral_run`], and what the MCAP writer refuses.
+pub fn lateral_log(vehicle: &sim::Settings, run: &LateralRun) -> Result<(Vec<u8>, Stage)> {
+    let mut log = Log::new(&vehicle.vehicle);
+    log.reference(&course(&lateral_task(), vehicle.vehicle.wheelbase_m))?;
+    let mut outcome = Ok(());
+    let stage = lateral_run(vehicle, run, |moment| {
+        if outcome.is_ok() {
+            outcome = log.write(moment);
+        }
+    })?;
+    outcome?;
+    Ok((log.finish()?, stage))
+}

@@ -1,0 +1,94 @@
+//! The manoeuvres: name, what it is, class, and what is driven.
+
+use super::super::metric::Values;
+use super::super::scenario::Class;
+use super::super::{Maps, Result};
+use super::compensation::CompensationScenario;
+use super::drive::Moment;
+use super::polyline;
+use super::torque::ManoeuvreTorque;
+use crate::control::path::tracking::LawName;
+use crate::map::Gear;
+use crate::sim;
+use serde::Serialize;
+
+/// What a manoeuvre drives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A polyline with turns on the spot, its segments tracked by a law.
+    Polyline(LawName),
+    /// A path with mounting errors, without and with compensation.
+    Compensation(CompensationScenario),
+}
+
+/// One manoeuvre.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Manoeuvre {
+    /// Its name on the command line.
+    pub name: String,
+    /// What it is, for people.
+    pub what: String,
+    /// Class, by which limits are chosen.
+    pub class: Class,
+    /// What is driven.
+    pub kind: Kind,
+}
+
+/// What a manoeuvre is run with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bench<'a> {
+    /// The map, with the compensation table if the folder has one.
+    pub(super) maps: &'a Maps,
+    /// Torque for speed, acceleration and angle.
+    pub(super) torque: ManoeuvreTorque<'a>,
+    /// Wheelbase [m].
+    pub(super) wheelbase_m: f64,
+}
+
+impl Manoeuvre {
+    /// Every manoeuvre, in the order in which they are shown.
+    pub fn all() -> Vec<Self> {
+        let mut all: Vec<Self> = LawName::ALL
+            .into_iter()
+            .map(|law| Self {
+                name: format!("polyline-{}", law.name()),
+                what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
+                class: Class::Polyline,
+                kind: Kind::Polyline(law),
+            })
+            .collect();
+        for direction in Gear::ALL {
+            all.push(Self {
+                name: format!("lateral-{direction}"),
+                what: format!("mounting yaw 1.0° and steering zero 0.8° off, compensated, in {direction} gear"),
+                class: Class::Compensation,
+                kind: Kind::Compensation(CompensationScenario::new(direction)),
+            });
+        }
+        all
+    }
+
+    /// Why it cannot be run, if it cannot.
+    pub(super) fn hindrance(&self, maps: &Maps, plant: &sim::Settings) -> Option<String> {
+        let (map_m, plant_m) = (maps.table2.vehicle.wheelbase_m, plant.vehicle.wheelbase_m);
+        if (map_m - plant_m).abs() > 0.01 * plant_m {
+            return Some(format!(
+                "not tested: the map's vehicle has a wheelbase of {map_m} m, the simulated one {plant_m} m; name the map's vehicle with --vehicle"
+            ));
+        }
+        match &self.kind {
+            Kind::Polyline(_) => None,
+            Kind::Compensation(_) if maps.lateral.is_some() => None,
+            Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
+        }
+    }
+
+    /// Runs it on `plant`; `record` sees every period.
+    pub(super) fn run(&self, bench: &Bench<'_>, plant: &sim::Settings, seed: u64, record: impl FnMut(&Moment)) -> Result<Values> {
+        match &self.kind {
+            Kind::Polyline(law) => polyline::run(bench, *law, plant, seed, record),
+            Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
+        }
+    }
+}

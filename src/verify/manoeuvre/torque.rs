@@ -1,0 +1,110 @@
+//! Torque for a manoeuvre: Table 2 where its wheel angle is, the exact inverse of the physical plant elsewhere.
+
+use super::super::{Maps, Result};
+use crate::control::manoeuvre::torque_source::TorqueSource;
+use crate::control::{OutsidePolicy, Tables, TorqueMap};
+use crate::map::Gear;
+use crate::sim::{self, MotionSettings, Truth};
+use crate::units::RAD_PER_DEG;
+
+/// What a perfect map of every wheel angle would answer: the plant's own equation, solved for the torque.
+#[derive(Debug, Clone, Copy)]
+pub struct ExactTorque {
+    truth: Option<Truth>,
+    limit_nm: f64,
+}
+
+/// Halvings of the torque range: 88 N·m to 1e-10 N·m.
+const HALVINGS: u32 = 40;
+
+impl ExactTorque {
+    /// Of a world with a physical plant; an identified one knows no other wheel angle and gives no torque.
+    ///
+    /// # Errors
+    /// A plant out of its range.
+    pub fn new(world: &sim::Settings) -> Result<Self> {
+        let truth = match &world.motion {
+            MotionSettings::Physical(physical) => Some(Truth::new(physical, &world.vehicle)?),
+            MotionSettings::Identified(_) => None,
+        };
+        let limit_nm = world.drive.torque_limit_nm.min(world.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY));
+        Ok(Self { truth, limit_nm })
+    }
+}
+
+impl TorqueSource for ExactTorque {
+    fn torque_nm(&self, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> f64 {
+        let Some(truth) = &self.truth else { return 0.0 };
+        if !(speed_mps.is_finite() && accel_mps2.is_finite() && wheel_angle_rad.is_finite()) {
+            return 0.0;
+        }
+        let (mut low, mut high) = (-self.limit_nm, self.limit_nm);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if truth.accel_mps2(speed_mps, middle, wheel_angle_rad) < accel_mps2 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// Nearer than this to the map's wheel angle the map answers [rad]: the tolerance within which the wheel is held during a turn.
+const AT_MAP_RAD: f64 = 3.0 * RAD_PER_DEG;
+
+/// The map under test for turns on the spot, and the exact inverse at every other angle.
+#[derive(Debug, Clone, Copy)]
+pub struct ManoeuvreTorque<'a> {
+    tables: Option<Tables<'a>>,
+    angle_rad: f64,
+    exact: ExactTorque,
+}
+
+impl<'a> ManoeuvreTorque<'a> {
+    /// Of a map and a physical world; without a map the exact inverse answers everywhere.
+    ///
+    /// # Errors
+    /// A plant out of its range.
+    pub fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
+        let tables = maps.map(|m| Tables { forward: &m.forward, reverse: m.reverse.as_ref(), policy: OutsidePolicy::Clamp });
+        let angle_deg = maps.map_or(90.0, |m| m.table2.vehicle.test_angle_deg);
+        Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, exact: ExactTorque::new(world)? })
+    }
+}
+
+impl TorqueSource for ManoeuvreTorque<'_> {
+    fn torque_nm(&self, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> f64 {
+        let gear = if speed_mps.is_sign_negative() { Gear::Reverse } else { Gear::Forward };
+        let found = match &self.tables {
+            Some(tables) if (wheel_angle_rad - self.angle_rad).abs() <= AT_MAP_RAD => {
+                tables.torque(gear, speed_mps.abs(), gear.sign() * accel_mps2)
+            }
+            _ => None,
+        };
+        found.map_or_else(|| self.exact.torque_nm(speed_mps, accel_mps2, wheel_angle_rad), |f| gear.sign() * f.torque_nm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::verify::bundled_vehicle;
+
+    #[test]
+    fn the_exact_torque_gives_the_acceleration_at_every_angle_in_both_directions() {
+        let world = bundled_vehicle().unwrap();
+        let exact = ExactTorque::new(&world).unwrap();
+        let truth = exact.truth.unwrap();
+        for angle_deg in [0.0, 30.0, -60.0, 90.0] {
+            for (v, a) in [(0.0, 0.3), (0.5, -0.6), (-0.0, -0.3), (-0.5, 0.4)] {
+                let angle = angle_deg * RAD_PER_DEG;
+                let torque_nm = exact.torque_nm(v, a, angle);
+                assert!((truth.accel_mps2(v, torque_nm, angle) - a).abs() < 1e-6, "{angle_deg} {v} {a}: {torque_nm}");
+            }
+        }
+        assert_eq!(exact.torque_nm(f64::NAN, 0.0, 0.0), 0.0);
+    }
+}
