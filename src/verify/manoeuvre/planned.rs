@@ -214,3 +214,38 @@ pub(super) fn run(bench: &Bench<'_>, task: PlannedTask, plant: &sim::Settings, s
     Ok(values)
 }
 
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::super::{Maps, Settings, known_maps};
+    use super::super::{Kind, Manoeuvre, bundled_vehicle, replay_manoeuvre};
+    use super::*;
+
+    #[test]
+    fn every_planned_manoeuvre_ends_where_it_should_and_touches_nothing() {
+        let (table1, table2) = known_maps(&bundled_vehicle().unwrap()).unwrap();
+        let (maps, settings) = (Maps::new(table1, table2).unwrap(), Settings::new().unwrap());
+        for manoeuvre in Manoeuvre::all().into_iter().filter(|m| matches!(m.kind, Kind::Planned(_))) {
+            let mut legs = 0;
+            let values = replay_manoeuvre(&maps, &settings, &manoeuvre, |moment| legs = legs.max(moment.leg)).unwrap();
+            let told: Vec<_> = Metric::ALL.into_iter().filter_map(|m| values.get(m).map(|v| format!("{}: {v:.4}", m.title()))).collect();
+            eprintln!("{}: {}", manoeuvre.name, told.join(", "));
+            let (parking, get) = (manoeuvre.name.starts_with("parking"), |m| values.get(m).unwrap());
+            assert_eq!(get(Metric::AsExpected), 1.0, "{}", manoeuvre.name);
+            assert!(get(Metric::FinalPositionM) < 0.05 && get(Metric::HeadingErrorDeg) < 1.0, "{}: {told:?}", manoeuvre.name);
+            assert!(get(Metric::ClearanceM) > if parking { 0.05 } else { 0.2 }, "{}: {told:?}", manoeuvre.name);
+            assert_eq!(legs, usize::from(parking), "parking drives up and backs in");
+        }
+    }
+
+    #[test]
+    fn scenes_scale_with_the_vehicle() {
+        for wheelbase_m in [0.7, 0.92, 1.35] {
+            for task in [PlannedTask::UTurn, PlannedTask::Parking { angle_deg: 90.0, obstacle_right: true }] {
+                let planned = task.plan(wheelbase_m).unwrap();
+                assert!(planned.clearance_m >= 0.1, "{task:?} {wheelbase_m}: {}", planned.clearance_m);
+            }
+        }
+    }
+}

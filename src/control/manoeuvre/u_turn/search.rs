@@ -148,3 +148,69 @@ fn best_shift(scene: &Scene, track: &Track, most_m: f64) -> (f64, Margins) {
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::super::{BodyShape, Point, Polygon};
+    use super::super::PublishedCase;
+    use super::*;
+    use proptest::prelude::*;
+
+    fn aisle(right_m: f64) -> (Car, Scene, Ranges, Settings) {
+        let rectangle = |x0, x1, y0, y1| {
+            Polygon::new(vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]).unwrap()
+        };
+        let car = Car { body: BodyShape::usual(0.9), steering_ratio: 1.0, steering_limit_rad: 60.0_f64.to_radians() };
+        let scene =
+            Scene { field: rectangle(-3.2, right_m, -1.2, 6.5), obstacles: vec![rectangle(-1.6, -0.8, -1.2, 3.4)], lines: Vec::new(), clearance_m: 0.3 };
+        let ranges = Ranges { run_up_m: [1.0, 5.5], speed_mps: [0.3, 0.8], steering_rate_rad_s: [0.2, 0.7], yaw_rate_rad_s: None };
+        (car, scene, ranges, Settings { run_up_accel_mps2: 0.5, step_s: 0.02, ..Settings::default() })
+    }
+
+    #[test]
+    fn the_best_turn_is_limited_by_the_aisle_alone() {
+        let (car, scene, ranges, settings) = aisle(0.8);
+        let found = search(&car, &scene, &ranges, &settings).unwrap();
+        // 0.8 m of aisle on either side, 0.36 m of it the vehicle's half: no turn can have more than 0.44 m
+        assert!(found.margins.smallest_m() <= 0.44 + 1e-9 && found.margins.smallest_m() > 0.4, "{:?} {:?}", found.turn, found.margins);
+    }
+
+    #[test]
+    fn an_impossible_turn_names_the_clearance_that_is_possible() {
+        let (car, mut scene, ranges, settings) = aisle(0.8);
+        scene.clearance_m = 0.6;
+        let Err(Error::NoUTurn { nearest_m, .. }) = search(&car, &scene, &ranges, &settings) else { panic!() };
+        scene.clearance_m = nearest_m;
+        assert!(search(&car, &scene, &ranges, &settings).is_ok());
+    }
+
+    #[test]
+    fn the_published_scene_has_a_turn_that_clears_everything_and_ends_in_a_lane() {
+        let case = PublishedCase::new().unwrap();
+        let car = PublishedCase::car(super::super::INFERRED_BODY);
+        let ranges =
+            Ranges { run_up_m: [8.0, 24.0], speed_mps: [0.5, 6.0], steering_rate_rad_s: [1.0, 400.0_f64.to_radians()], yaw_rate_rad_s: None };
+        let settings = Settings { step_s: 0.02, ..Settings::default() };
+        let found = search(&car, &case.scene, &ranges, &settings).unwrap();
+        eprintln!("{:?} {:?}", found.turn, found.margins);
+        assert!(found.margins.smallest_m() > 0.5 && found.margins.line_m > 0.0, "{:?} {:?}", found.turn, found.margins);
+    }
+
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![4 => 0.0..8.0f64, 1 => any::<f64>(), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn no_turn_panics_and_every_track_keeps_its_limits(run_up_m in number(), speed_mps in number(), steering_rate_rad_s in number(), accel in number()) {
+            let (car, _, _, settings) = aisle(0.8);
+            let settings = Settings { step_s: 0.05, turn_accel_mps2: [0.0, -0.01 * accel, 0.0], ..settings };
+            if let Ok(track) = drive(&car, &Turn { run_up_m, speed_mps, steering_rate_rad_s }, &settings) {
+                prop_assert!(track.states.iter().all(|s| s.wheel_angle_rad.abs() <= car.wheel_limit_rad() + 1e-9));
+                prop_assert!((track.end().heading_rad - 1.5 * std::f64::consts::PI).abs() < 1e-6);
+            }
+        }
+    }
+}
