@@ -17,7 +17,9 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 fn main() -> Outcome<()> {
     relation();
     let case = PublishedCase::new()?;
-    println!("\n| clears | touches | run-up of | wheelbase | width | overhang | border | inner line | shortest | longest | RMS | 200°/s | 400°/s |");
+    println!(
+        "\n| clears | touches | run-up of | wheelbase | width | overhang | border | inner line | shortest | longest | RMS | 200°/s | 400°/s |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut best: Option<(f64, BodyShape, Hypothesis)> = None;
     for clears_m in [0.0, 0.3] {
@@ -51,7 +53,9 @@ fn main() -> Outcome<()> {
 fn relation() {
     let pairs = [(1.63_f64, 0.205_f64), (1.585, 0.21)];
     println!("law: value at the two pairs, how far apart, how far rounding of the third digit can put them apart");
-    for (name, speed_power, curvature_power) in [("v κ (yaw rate)", 1.0, 1.0), ("v² κ (lateral acceleration)", 2.0, 1.0), ("v κ² (wheel rate)", 1.0, 2.0)] {
+    for (name, speed_power, curvature_power) in
+        [("v κ (yaw rate)", 1.0, 1.0), ("v² κ (lateral acceleration)", 2.0, 1.0), ("v κ² (wheel rate)", 1.0, 2.0)]
+    {
         let value = |(v, k): (f64, f64)| v.powf(speed_power) * k.powf(curvature_power);
         let (a, b) = (value(pairs[0]), value(pairs[1]));
         // half of the last digit that both numbers of a kind share: 0.005 m/s and 0.0005 per metre
@@ -62,9 +66,8 @@ fn relation() {
 }
 
 fn cost(findings: &[Finding]) -> f64 {
-    let metric = |f: &&Finding| {
-        matches!(f.answer, Answer::ClearsBorder | Answer::TouchesInnerLine | Answer::ShortestRunUp | Answer::LongestRunUp)
-    };
+    let metric =
+        |f: &&Finding| matches!(f.answer, Answer::ClearsBorder | Answer::TouchesInnerLine | Answer::ShortestRunUp | Answer::LongestRunUp);
     findings.iter().filter(metric).map(|f| f.residual_m * f.residual_m).sum()
 }
 

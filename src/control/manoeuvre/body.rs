@@ -33,12 +33,7 @@ impl BodyShape {
     /// The usual outline for a wheelbase [m]: 0.8 of it wide, overhangs of 0.25 and 0.3 of it. A scrubber of wheelbase 0.9 m is 0.72 m wide and
     /// 1.4 m long.
     pub fn usual(wheelbase_m: f64) -> Self {
-        Self {
-            wheelbase_m,
-            width_m: 0.8 * wheelbase_m,
-            front_overhang_m: 0.25 * wheelbase_m,
-            rear_overhang_m: 0.3 * wheelbase_m,
-        }
+        Self { wheelbase_m, width_m: 0.8 * wheelbase_m, front_overhang_m: 0.25 * wheelbase_m, rear_overhang_m: 0.3 * wheelbase_m }
     }
 
     /// Length over all [m].

@@ -160,7 +160,8 @@ pub fn largest_steps(path: &PosePath) -> (f64, f64) {
 
 /// Checks that a start can be used at all.
 pub(super) fn finite_start(x_m: f64, y_m: f64, heading_rad: f64) -> Result<()> {
-    let check = |field, value: f64| if value.abs() <= 1e3 { Ok(()) } else { Err(Error::Setting { field, value, allowed: "-1000 to 1000" }) };
+    let check =
+        |field, value: f64| if value.abs() <= 1e3 { Ok(()) } else { Err(Error::Setting { field, value, allowed: "-1000 to 1000" }) };
     check("start x_m", x_m)?;
     check("start y_m", y_m)?;
     check("start heading_rad", heading_rad)

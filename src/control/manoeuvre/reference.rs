@@ -28,13 +28,19 @@ pub struct Reference {
 impl Reference {
     /// An empty reference that starts at a point with a direction of travel [rad].
     pub fn starting(start: Point, course_rad: f64) -> Self {
-        Self { pieces: vec![Piece { start, course_rad, bend_per_m: 0.0, from_m: 0.0, length_m: 0.0 }], end: start, end_course_rad: course_rad, length_m: 0.0 }
+        Self {
+            pieces: vec![Piece { start, course_rad, bend_per_m: 0.0, from_m: 0.0, length_m: 0.0 }],
+            end: start,
+            end_course_rad: course_rad,
+            length_m: 0.0,
+        }
     }
 
     /// The same with a piece of `length_m` (none below 0) behind it, which bends by `bend_per_m` (left positive in the direction of travel).
     #[must_use]
     pub fn then(mut self, length_m: f64, bend_per_m: f64) -> Self {
-        let piece = Piece { start: self.end, course_rad: self.end_course_rad, bend_per_m, from_m: self.length_m, length_m: length_m.max(0.0) };
+        let piece =
+            Piece { start: self.end, course_rad: self.end_course_rad, bend_per_m, from_m: self.length_m, length_m: length_m.max(0.0) };
         (self.end, self.end_course_rad) = piece.at(piece.length_m);
         self.length_m += piece.length_m;
         self.pieces.push(piece);

@@ -100,12 +100,13 @@ pub fn parking_scene(wheelbase_m: f64, angle_deg: f64, obstacle_right: bool) -> 
     (scene, parking::Start { x_m: -2.2 * wheelbase_m, y_m: 1.1 * scene.line_m(), heading_rad: -3.0 * RAD_PER_DEG, wheel_angle_rad: 0.0 })
 }
 
-/// The U-turn's vehicle, scene, ranges and settings for a wheelbase: two aisles and a shelf between them, in proportion to 0.9 m.
+/// The U-turn's vehicle, scene, ranges and settings for a wheelbase: two aisles of 1.6 m and a shelf between them, wider in proportion for a vehicle
+/// longer than 0.9 m.
 ///
 /// # Errors
 /// A wheelbase that makes no scene.
 pub fn u_turn_scene(wheelbase_m: f64) -> Result<(u_turn::Car, u_turn::Scene, u_turn::Ranges, u_turn::Settings)> {
-    let k = wheelbase_m / 0.9;
+    let k = (wheelbase_m / 0.9).max(1.0);
     let box_of = |x0: f64, x1: f64, y0: f64, y1: f64| {
         Polygon::new([(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point::new(k * x, k * y)).to_vec())
     };
@@ -122,7 +123,8 @@ pub fn u_turn_scene(wheelbase_m: f64) -> Result<(u_turn::Car, u_turn::Scene, u_t
         steering_rate_rad_s: [12.0 * RAD_PER_DEG, 40.0 * RAD_PER_DEG],
         yaw_rate_rad_s: None,
     };
-    let settings = u_turn::Settings { run_up_accel_mps2: 0.5, method: u_turn::Method::RungeKutta, step_s: 0.02, ..u_turn::Settings::default() };
+    let settings =
+        u_turn::Settings { run_up_accel_mps2: 0.5, method: u_turn::Method::RungeKutta, step_s: 0.02, ..u_turn::Settings::default() };
     Ok((car, scene, ranges, settings))
 }
 
@@ -138,7 +140,8 @@ impl Planned {
         // feedback over the length of the vehicle's own turning: back onto the path within a metre
         let law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 4.0 };
         let mut settings = FollowerSettings::new(wheelbase_m, TrackingSettings::RearAxle(law));
-        settings.speed = SegmentSpeed { start_mps: 0.15, accelerating_m: 0.4, cruise_mps: self.cruise_mps, decelerating_m: 0.6, switch_mps: 0.1 };
+        settings.speed =
+            SegmentSpeed { start_mps: 0.15, accelerating_m: 0.4, cruise_mps: self.cruise_mps, decelerating_m: 0.6, switch_mps: 0.1 };
         settings
     }
 }
@@ -168,7 +171,13 @@ impl LegDriver<'_> {
 }
 
 /// Plans, drives and measures.
-pub(super) fn run(bench: &Bench<'_>, task: PlannedTask, plant: &sim::Settings, seed: u64, mut record: impl FnMut(&Moment)) -> Result<Values> {
+pub(super) fn run(
+    bench: &Bench<'_>,
+    task: PlannedTask,
+    plant: &sim::Settings,
+    seed: u64,
+    mut record: impl FnMut(&Moment),
+) -> Result<Values> {
     let planned = task.plan(bench.wheelbase_m)?;
     let settings = planned.settings(bench.wheelbase_m);
     let first = planned.path.poses[0];
@@ -213,7 +222,6 @@ pub(super) fn run(bench: &Bench<'_>, task: PlannedTask, plant: &sim::Settings, s
     values.set(Metric::CurvatureStepPerM, largest_steps(&planned.path).1);
     Ok(values)
 }
-
 
 #[cfg(test)]
 mod tests {

@@ -79,11 +79,10 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
         }
         found.then_some(s)
     });
-    if feasible.is_none() && best.judgement.clearance_m < scene.tolerance.clearance_m {
-        let reach = swing_out_m(&scene, &best.path) + scene.tolerance.clearance_m;
-        if reach > scene.slot.aisle_m {
-            return Err(Error::AisleTooNarrow { found_m: scene.slot.aisle_m, nearest_m: reach });
-        }
+    if feasible.is_none()
+        && let Some(nearest_m) = nearest_aisle_m(&scene, nearer(1.0), &entry)
+    {
+        return Err(Error::AisleTooNarrow { found_m: scene.slot.aisle_m, nearest_m });
     }
     Err(Error::NoPath {
         x_m: start.x_m,
@@ -98,9 +97,24 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
     })
 }
 
-/// Farthest that the body comes from the row's edge [m].
-fn swing_out_m(scene: &Scene, path: &PosePath) -> f64 {
-    path.poses.iter().flat_map(|p| scene.body.at_pose(p).corners().to_vec()).map(|c| c.y_m).fold(0.0, f64::max)
+/// The narrowest aisle, to a centimetre, in which a start on the first line is planned; `None` when eight times the aisle does not help.
+fn nearest_aisle_m(scene: &Scene, start: Start, entry: &Entry) -> Option<f64> {
+    let fits = |aisle_m: f64| {
+        let mut wider = *scene;
+        wider.slot.aisle_m = aisle_m;
+        attempt(&wider, start, entry).1
+    };
+    let mut low = scene.slot.aisle_m.max(0.1);
+    let mut high = [2.0, 4.0, 8.0].into_iter().map(|f| f * low).find(|&aisle_m| fits(aisle_m))?;
+    while high - low > 0.01 {
+        let middle = 0.5 * (low + high);
+        if fits(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Some(high)
 }
 
 /// The first plan that passes, else the one with the most clearance of those that end nearest.
@@ -167,9 +181,11 @@ fn by_circle(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan
     let turning = follower.path.poses[first..].iter().position(|p| p.x_m <= entry.line_x_m + ahead_m).unwrap_or(0);
     stages.push(StageSpan { stage: Stage::Enter, from: first + turning });
     shuffle(scene, &mut follower, &mut stages);
-    stages.dedup_by(|next, before| next.from == before.from && {
-        before.stage = next.stage;
-        true
+    stages.dedup_by(|next, before| {
+        next.from == before.from && {
+            before.stage = next.stage;
+            true
+        }
     });
     finish(scene, follower, stages, Some(*entry))
 }
@@ -297,8 +313,8 @@ mod tests {
         scene.slot.aisle_m = 1.9;
         let error = plan(&scene, Start { x_m: -2.0, y_m: 1.0, ..Start::default() }).unwrap_err();
         let Error::AisleTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
-        scene.slot.aisle_m = nearest_m + 0.1;
-        assert!(plan(&scene, Start { x_m: -2.0, y_m: 1.0, ..Start::default() }).is_ok());
+        scene.slot.aisle_m = nearest_m;
+        assert!(plan(&scene, Start { x_m: -2.0, y_m: scene.line_m(), ..Start::default() }).is_ok(), "{nearest_m}");
     }
 
     fn number() -> impl Strategy<Value = f64> {

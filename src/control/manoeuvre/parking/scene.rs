@@ -88,7 +88,12 @@ impl Scene {
         let nearest_m = self.least_width_m();
         // 1e-9: a slot of exactly the least width, written as a sum
         if slot.width_m < nearest_m - 1e-9 {
-            return Err(Error::SlotTooNarrow { found_m: slot.width_m, vehicle_m: self.body.width_m, clearance_m: self.safety_m, nearest_m });
+            return Err(Error::SlotTooNarrow {
+                found_m: slot.width_m,
+                vehicle_m: self.body.width_m,
+                clearance_m: self.safety_m,
+                nearest_m,
+            });
         }
         let (sin, cos) = slot.angle_rad.sin_cos();
         let nearest_m = self.body.length_m() + (self.safety_m + self.body.width_m * cos.abs()) / sin;

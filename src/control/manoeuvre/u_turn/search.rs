@@ -158,22 +158,35 @@ mod tests {
     use proptest::prelude::*;
 
     fn aisle(right_m: f64) -> (Car, Scene, Ranges, Settings) {
-        let rectangle = |x0, x1, y0, y1| {
-            Polygon::new(vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]).unwrap()
-        };
+        let rectangle =
+            |x0, x1, y0, y1| Polygon::new(vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]).unwrap();
         let car = Car { body: BodyShape::usual(0.9), steering_ratio: 1.0, steering_limit_rad: 60.0_f64.to_radians() };
-        let scene =
-            Scene { field: rectangle(-3.2, right_m, -1.2, 6.5), obstacles: vec![rectangle(-1.6, -0.8, -1.2, 3.4)], lines: Vec::new(), clearance_m: 0.3 };
+        let scene = Scene {
+            field: rectangle(-3.2, right_m, -1.2, 6.5),
+            obstacles: vec![rectangle(-1.6, -0.8, -1.2, 3.4)],
+            lines: Vec::new(),
+            clearance_m: 0.3,
+        };
         let ranges = Ranges { run_up_m: [1.0, 5.5], speed_mps: [0.3, 0.8], steering_rate_rad_s: [0.2, 0.7], yaw_rate_rad_s: None };
         (car, scene, ranges, Settings { run_up_accel_mps2: 0.5, step_s: 0.02, ..Settings::default() })
     }
 
     #[test]
-    fn the_best_turn_is_limited_by_the_aisle_alone() {
+    fn the_best_turn_is_no_worse_than_an_even_grid_of_turns() {
         let (car, scene, ranges, settings) = aisle(0.8);
         let found = search(&car, &scene, &ranges, &settings).unwrap();
+        let margin_m = found.margins.smallest_m();
         // 0.8 m of aisle on either side, 0.36 m of it the vehicle's half: no turn can have more than 0.44 m
-        assert!(found.margins.smallest_m() <= 0.44 + 1e-9 && found.margins.smallest_m() > 0.4, "{:?} {:?}", found.turn, found.margins);
+        assert!(margin_m <= 0.44 + 1e-9 && margin_m >= 0.3, "{:?} {:?}", found.turn, found.margins);
+        // and an even grid of the whole space holds nothing better
+        for speed in 0..5 {
+            for rate in 0..6 {
+                let (speed_mps, steering_rate_rad_s) = (0.3 + 0.125 * f64::from(speed), 0.2 + 0.1 * f64::from(rate));
+                let track = drive(&car, &Turn { run_up_m: 1.0, speed_mps, steering_rate_rad_s }, &settings).unwrap();
+                let best = (0..=45).map(|k| scene.margins(&track, 0.1 * f64::from(k), 2).smallest_m()).fold(f64::MIN, f64::max);
+                assert!(best <= margin_m + 0.01, "{best} at {speed_mps} m/s, {steering_rate_rad_s} rad/s; found {margin_m}");
+            }
+        }
     }
 
     #[test]
@@ -189,8 +202,12 @@ mod tests {
     fn the_published_scene_has_a_turn_that_clears_everything_and_ends_in_a_lane() {
         let case = PublishedCase::new().unwrap();
         let car = PublishedCase::car(super::super::INFERRED_BODY);
-        let ranges =
-            Ranges { run_up_m: [8.0, 24.0], speed_mps: [0.5, 6.0], steering_rate_rad_s: [1.0, 400.0_f64.to_radians()], yaw_rate_rad_s: None };
+        let ranges = Ranges {
+            run_up_m: [8.0, 24.0],
+            speed_mps: [0.5, 6.0],
+            steering_rate_rad_s: [1.0, 400.0_f64.to_radians()],
+            yaw_rate_rad_s: None,
+        };
         let settings = Settings { step_s: 0.02, ..Settings::default() };
         let found = search(&car, &case.scene, &ranges, &settings).unwrap();
         eprintln!("{:?} {:?}", found.turn, found.margins);

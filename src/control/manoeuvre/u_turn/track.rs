@@ -98,11 +98,7 @@ pub fn drive(car: &Car, turn: &Turn, settings: &Settings) -> Result<Track> {
 
 fn segments(car: &Car, turn: &Turn, settings: &Settings, phases_s: [f64; 3]) -> [Segment; 3] {
     let rate = turn.steering_rate_rad_s / car.steering_ratio;
-    [0, 1, 2].map(|k| Segment {
-        duration_s: phases_s[k],
-        wheel_rate_rad_s: [rate, 0.0, -rate][k],
-        accel_mps2: settings.turn_accel_mps2[k],
-    })
+    [0, 1, 2].map(|k| Segment { duration_s: phases_s[k], wheel_rate_rad_s: [rate, 0.0, -rate][k], accel_mps2: settings.turn_accel_mps2[k] })
 }
 
 /// Lengths of the phases [s] for a turn of exactly 180° by this method and step: with the wheel to its limit the hold is what is missing; where
