@@ -3,8 +3,8 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
+use pivot_cal::control::path::follower::Stage;
 use pivot_cal::control::path::polyline::{PolylinePlan, PolylineSettings};
-use pivot_cal::map::Table2File;
 use pivot_cal::verify::manoeuvre::DEMO_POINTS;
 use pivot_cal::verify::{Manoeuvre, ManoeuvreMoment, Maps, Metric, Settings, replay_manoeuvre};
 use std::error::Error;
@@ -20,7 +20,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let which = std::env::args().nth(1).unwrap_or_else(|| "polyline".to_owned());
     let picture = if which == "lateral" { lateral(&maps, &settings)? } else { polyline(&maps, &settings)? };
     println!("{picture}");
-    let _: &Table2File = &maps.table2;
     Ok(())
 }
 
@@ -63,7 +62,13 @@ fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> 
     for (k, segment) in plan.segments.iter().enumerate() {
         let middle = at(0.5 * (segment.from_m[0] + segment.to_m[0]), 0.5 * (segment.from_m[1] + segment.to_m[1]));
         let label = format!("{} {}", k + 1, segment.gear);
-        text(&mut picture, middle.0 + 6.0, middle.1 - 7.0, "fill=\"#555\"", &label);
+        // beside an upright or a steep segment, above a level one
+        let (aside, above) = if segment.course_rad.sin().abs() > 0.2 {
+            (8.0, if segment.course_rad.cos().abs() < 0.1 { 0.0 } else { 22.0 })
+        } else {
+            (0.0, -7.0)
+        };
+        text(&mut picture, middle.0 + aside, middle.1 + above, "fill=\"#555\"", &label);
     }
     let (top, height, right) = (480.0, 220.0, WIDTH - 20.0);
     let mut rows = Vec::new();
@@ -71,17 +76,22 @@ fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> 
     let (mut longest_s, mut largest_m) = (0.0_f64, 0.0_f64);
     for (manoeuvre, colour) in laws.iter().zip(COLOURS) {
         let (all, values) = moments(maps, settings, manoeuvre)?;
-        line(&mut picture, colour, 1.3, &all.iter().map(|m| at(m.state.x_m, m.state.y_m)).collect::<Vec<_>>());
-        let errors: Vec<(f64, f64)> =
-            all.iter().filter(|m| m.command.matched.is_some()).map(|m| (m.state.t_s, m.command.lateral_error_m)).collect();
+        line(&mut picture, colour, 1.3, &all.iter().step_by(10).map(|m| at(m.state.x_m, m.state.y_m)).collect::<Vec<_>>());
+        // one line per leg; means of five periods, a tenth of a second
+        let mut errors: Vec<Vec<(f64, f64)>> = vec![Vec::new(); plan.legs.len()];
+        let tracked: Vec<&ManoeuvreMoment> = all.iter().filter(|m| m.command.stage == Stage::Driving).collect();
+        for chunk in tracked.chunks(5).filter(|c| c.iter().all(|m| m.leg == c[0].leg)) {
+            let mean = chunk.iter().map(|m| m.command.lateral_error_m).sum::<f64>() / chunk.len() as f64;
+            errors[chunk[0].leg].push((chunk[0].state.t_s, mean));
+        }
         longest_s = longest_s.max(all.last().map_or(0.0, |m| m.state.t_s));
-        largest_m = errors.iter().fold(largest_m, |m, e| m.max(e.1.abs()));
+        largest_m = errors.iter().flatten().fold(largest_m, |m, e| m.max(e.1.abs()));
         let figure = |metric| values.get(metric).map_or("none".to_owned(), |v| format!("{:.0} mm", 1e3 * v));
         let (corner, segment, rms) = (figure(Metric::CornerErrorM), figure(Metric::SegmentErrorM), figure(Metric::SegmentRmsM));
         let name = manoeuvre.name.trim_start_matches("polyline-").to_owned();
         rows.push((format!("{name}: corner {corner}, segment {segment}, RMS {rms}"), colour, errors));
     }
-    text(&mut picture, left, top - 10.0, "font-weight=\"bold\"", "lateral error as the controller sees it [mm] over time");
+    text(&mut picture, left, top - 10.0, "font-weight=\"bold\"", "lateral error as the controller sees it, means of 0.1 s [mm]");
     let step = if largest_m > 0.1 {
         0.05
     } else if largest_m > 0.04 {
@@ -102,8 +112,10 @@ fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> 
         text(&mut picture, plot(f64::from(second), 0.0).0, top + height + 16.0, "text-anchor=\"middle\"", &format!("{second} s"));
     }
     for (k, (label, colour, errors)) in rows.iter().enumerate() {
-        line(&mut picture, colour, 1.0, &errors.iter().map(|e| plot(e.0, e.1)).collect::<Vec<_>>());
-        text(&mut picture, left + 470.0 * 0.0, 395.0 + 14.0 * k as f64, &format!("fill=\"{colour}\""), label);
+        for leg in errors {
+            line(&mut picture, colour, 1.0, &leg.iter().map(|e| plot(e.0, e.1)).collect::<Vec<_>>());
+        }
+        text(&mut picture, 470.0, 330.0 + 15.0 * k as f64, &format!("fill=\"{colour}\""), label);
     }
     picture.push_str("</svg>");
     Ok(picture)
@@ -134,16 +146,22 @@ fn lateral(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> {
             text(&mut picture, right + 6.0, place + 4.0, &format!("fill=\"{}\"", COLOURS[1]), &format!("{k}°"));
         }
         let place = |m: &ManoeuvreMoment| m.command.matched.map(|p| p.s_m);
-        let errors: Vec<_> = all.iter().filter_map(|m| Some((x(place(m)?), y(1e3 * m.command.lateral_error_m, 60.0)))).collect();
-        let angles: Vec<_> = all.iter().filter_map(|m| Some((x(place(m)?), y(m.compensation_rad.to_degrees(), 3.0)))).collect();
+        let errors: Vec<_> = all
+            .chunks(5)
+            .filter_map(|c| {
+                let mean = c.iter().map(|m| m.command.lateral_error_m).sum::<f64>() / c.len() as f64;
+                Some((x(place(&c[0])?), y(1e3 * mean, 60.0)))
+            })
+            .collect();
+        let angles: Vec<_> = all.iter().step_by(5).filter_map(|m| Some((x(place(m)?), y(m.compensation_rad.to_degrees(), 3.0)))).collect();
         line(&mut picture, COLOURS[0], 1.0, &errors);
         line(&mut picture, COLOURS[1], 1.6, &angles);
         for way in (0..=end_m as u32).step_by(20) {
             text(&mut picture, x(f64::from(way)), top + height + 16.0, "text-anchor=\"middle\"", &format!("{way} m"));
         }
     }
-    text(&mut picture, 70.0, 505.0, &format!("fill=\"{}\"", COLOURS[0]), "lateral error e as the controller sees it");
-    text(&mut picture, 330.0, 505.0, &format!("fill=\"{}\"", COLOURS[1]), "compensation added to the tracking law's angle");
+    text(&mut picture, 70.0, 505.0, &format!("fill=\"{}\"", COLOURS[0]), "lateral error e as the controller sees it, means of 0.1 s");
+    text(&mut picture, 400.0, 505.0, &format!("fill=\"{}\"", COLOURS[1]), "compensation added to the tracking law's angle");
     picture.push_str("</svg>");
     Ok(picture)
 }

@@ -23,7 +23,7 @@ fn good() -> (Table1File, Table2File) {
 fn settings(scenarios: &[&str], draws: usize) -> Settings {
     let all = Scenario::all().into_iter();
     let scenarios = all.filter(|s| scenarios.contains(&s.name.as_str())).collect();
-    Settings { scenarios, draws, comparison_draws: 0, ..Settings::new().unwrap() }
+    Settings { scenarios, draws, comparison_draws: 0, manoeuvres: Vec::new(), ..Settings::new().unwrap() }
 }
 
 /// The verdict on a map whose forward table was changed.

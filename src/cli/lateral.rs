@@ -5,7 +5,7 @@ use super::{Outcome, Ui};
 use crate::control::path::follower::Stage;
 use crate::control::path::tracking::LawName;
 use crate::lateral::{Settings, Weighting, fit};
-use crate::log::{Recording, find_logs, read_lateral};
+use crate::log::{Recording, SignalName, find_logs, read_lateral};
 use crate::map::{LateralTableFile, write_whole};
 use crate::sim::VehicleFile;
 use crate::units::RAD_PER_DEG;
@@ -138,7 +138,7 @@ fn read(arguments: &LogArguments, ui: Ui) -> anyhow::Result<Vec<Recording>> {
                 let place = format!("{} = {} [{}] ({})", origin.signal.key(), origin.path, origin.unit, origin.reason);
                 ui.detail(format!("{}: {place}", path.display()));
             }
-            if recording.signals.lateral.get(&crate::log::SignalName::Compensation).is_none() {
+            if !recording.signals.lateral.contains_key(&SignalName::Compensation) {
                 ui.warn(format!("{}: no compensation signal: taken as the run without compensation", path.display()));
             }
             recordings.push(recording);

@@ -4,8 +4,8 @@ use super::{Outcome, Ui};
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::verify::{
-    Check, Comparison, Error, Gate, Manoeuvre, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict, log_of,
-    log_of_manoeuvre, verify,
+    Check, Class, Comparison, Error, Gate, Manoeuvre, Maps, Metric, Scenario, ScenarioVerdict, Settings, Statistic, Status, Verdict,
+    log_of, log_of_manoeuvre, verify,
 };
 use anyhow::Context;
 use comfy_table::{ContentArrangement, Table, presets};
@@ -170,6 +170,9 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     for scenario in &verdict.scenarios {
         detail(scenario, ui);
     }
+    manoeuvres(verdict, Class::Polyline, &[Metric::CornerErrorM, Metric::SegmentErrorM, Metric::SegmentRmsM, Metric::TimeS], ui);
+    let compensated = [Metric::LateralBeforeM, Metric::LateralAfterM, Metric::LateralRatio, Metric::HeadingRateRatio];
+    manoeuvres(verdict, Class::Compensation, &compensated, ui);
     if let Some(comparison) = &verdict.comparison {
         compare(comparison, ui);
     }
@@ -241,6 +244,31 @@ fn detail(scenario: &ScenarioVerdict, ui: Ui) {
         table.add_row(std::iter::once(summary.metric.title().to_owned()).chain(statistics.map(figure)));
     }
     ui.detail(table.to_string());
+}
+
+/// The figures of manoeuvres of one class: nominal, and the largest over the draws.
+fn manoeuvres(verdict: &Verdict, class: Class, metrics: &[Metric], ui: Ui) {
+    let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class == class && s.status != Status::NotTested).collect();
+    if tested.is_empty() {
+        return;
+    }
+    let header: Vec<_> = std::iter::once("nominal (largest)").chain(metrics.iter().map(|m| m.title())).collect();
+    let mut table = new_table(&header);
+    for scenario in tested {
+        let figure = |metric: &Metric| {
+            let shown = |v: f64| match metric.unit() {
+                "m" => format!("{:.1}", 1e3 * v),
+                "s" => format!("{v:.1}"),
+                _ => format!("{v:.3}"),
+            };
+            let unit = if metric.unit() == "m" { "mm" } else { metric.unit() };
+            let summary = scenario.metrics.iter().find(|s| s.metric == *metric);
+            let nominal = summary.and_then(|s| s.nominal).map_or("none".to_owned(), |v| format!("{} {unit}", shown(v)));
+            summary.and_then(|s| s.max).map_or(nominal.clone(), |v| format!("{nominal} ({})", shown(v)))
+        };
+        table.add_row(std::iter::once(scenario.name.clone()).chain(metrics.iter().map(figure)));
+    }
+    ui.say(table.to_string());
 }
 
 /// The map beside the other laws: medians over the draws.

@@ -5,6 +5,8 @@
 //! compensation in force; begin again. The sum moves at a limited rate, and nothing is accumulated until it has arrived and the tracking law has
 //! settled again: the slow loop never works against the fast one.
 //!
+//! Nothing is accumulated where the path bends or within the settling way behind it: there the error is the tracking law's own.
+//!
 //! Forward and reverse have a compensation each: an error of the navigation's yaw acts with the opposite sign in reverse, one of the steering's
 //! zero does not.
 
@@ -157,6 +159,9 @@ pub struct CompensationSettings {
     pub rate_rad_s: f64,
     /// Way after a change before the accumulation begins again [m]. Default 4: the tracking law has settled.
     pub settle_m: f64,
+    /// Where the path curves more than this, nothing is accumulated [1/m]: in and after a bend the error is the tracking law's own, which comes
+    /// and goes. Default 0.02, a radius of 50 m.
+    pub straight_per_m: f64,
     /// An error beyond this is an event, not an offset: the accumulation begins again [m]. Default 0.5.
     pub plausible_m: f64,
     /// Control period [s]. Default 0.02.
@@ -172,6 +177,7 @@ impl Default for CompensationSettings {
             limit_rad: 10.0 * RAD_PER_DEG,
             rate_rad_s: 0.5 * RAD_PER_DEG,
             settle_m: 4.0,
+            straight_per_m: 0.02,
             plausible_m: 0.5,
             period_s: 0.02,
         }
@@ -208,17 +214,18 @@ impl LateralCompensation {
         if gear == Gear::Forward { self.forward.in_force_rad } else { self.reverse.in_force_rad }
     }
 
-    /// One period. `error_m`: the instantaneous lateral error e; `travelled_m`: way since the last period, not negative; `tracking`: whether the
-    /// tracking law is at work (standing, turning or out of line nothing is accumulated). Returns what to add to the law's wheel angle [rad].
-    pub fn step(&mut self, gear: Gear, error_m: f64, travelled_m: f64, tracking: bool) -> f64 {
+    /// One period. `error_m`: the instantaneous lateral error e; `travelled_m`: way since the last period, not negative; `curvature_per_m`: of the
+    /// path at the matched point; `tracking`: whether the tracking law is at work (standing or turning nothing is accumulated). Returns what to add to the law's wheel angle [rad].
+    pub fn step(&mut self, gear: Gear, error_m: f64, travelled_m: f64, curvature_per_m: f64, tracking: bool) -> f64 {
         let settings = &self.settings;
         let memory = if gear == Gear::Forward { &mut self.forward } else { &mut self.reverse };
         let step = settings.rate_rad_s * settings.period_s;
         let arrived = (memory.in_force_rad - self.out_rad).abs() <= step;
         self.out_rad = memory.in_force_rad.max(self.out_rad - step).min(self.out_rad + step);
-        let sound = error_m.abs() <= settings.plausible_m && travelled_m >= 0.0 && travelled_m.is_finite();
+        let straight = curvature_per_m.abs() <= settings.straight_per_m;
+        let sound = straight && error_m.abs() <= settings.plausible_m && travelled_m >= 0.0 && travelled_m.is_finite();
         if !tracking || !sound || !arrived {
-            // a stop, an event or a change in progress: the law has to settle again before its error says anything
+            // a stop, a bend, an event or a change in progress: the law has to settle again before its error says anything
             (memory.sum, memory.weight, memory.settled_m) = (0.0, 0.0, 0.0);
             return self.out_rad;
         }
@@ -263,7 +270,7 @@ mod tests {
         let mut angles = vec![0.0];
         let mut error_m = offset_m;
         for _ in 0..periods {
-            angles.push(law.step(Gear::Forward, error_m, 0.016, true));
+            angles.push(law.step(Gear::Forward, error_m, 0.016, 0.0, true));
             error_m = offset_m - angles[angles.len() - 1];
         }
         (error_m, angles)
@@ -289,9 +296,9 @@ mod tests {
         assert_eq!(law.in_force_rad(Gear::Reverse), 0.0);
         let mut law = LateralCompensation::new(settings, table(-1.0));
         for k in 0..5000 {
-            // 9 m pass, fewer than settling and accumulating take, then an event: it begins again and again
-            law.step(Gear::Forward, if k % 500 == 499 { 0.8 } else { 0.05 }, 0.0175, true);
-            law.step(Gear::Reverse, 0.05, 0.0175, false);
+            // 8.75 m pass, fewer than settling and accumulating take, then an event: it begins again and again
+            law.step(Gear::Forward, if k % 500 == 499 { 0.8 } else { 0.05 }, 0.0175, 0.0, true);
+            law.step(Gear::Reverse, 0.05, 0.0175, if k % 300 == 0 { 0.2 } else { 0.0 }, k % 2 == 0);
         }
         assert_eq!((law.in_force_rad(Gear::Forward), law.in_force_rad(Gear::Reverse)), (0.0, 0.0));
     }
@@ -322,7 +329,7 @@ mod tests {
         #[test]
         fn no_reading_panics(error in any::<f64>(), way in any::<f64>()) {
             let mut law = LateralCompensation::new(CompensationSettings::default(), table(-1.0));
-            let out = law.step(Gear::Reverse, error, way, true);
+            let out = law.step(Gear::Reverse, error, way, error, true);
             prop_assert!(out.is_finite());
         }
     }

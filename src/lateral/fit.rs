@@ -220,6 +220,11 @@ fn curve(entries: &[LateralEntry]) -> Result<(LateralCurve, f64)> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::log::{Loss, Signal, SignalName, Signals};
+    use crate::map::Vehicle;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64;
+    use std::collections::BTreeMap;
 
     fn entry(angle_rad: f64, error_m: f64, std_err_m: f64) -> LateralEntry {
         LateralEntry { angle_rad, error_m, std_err_m, way_m: 40.0, log: String::new(), reason: String::new() }
@@ -239,6 +244,80 @@ mod tests {
         assert!((curve.error_m[0] + 0.0495).abs() < 1e-12 && (curve.angle_rad[0] - 0.025).abs() < 1e-12);
         assert!((largest - 0.5).abs() < 1e-9);
         assert_eq!(curve.error_m[3], 0.021);
+    }
+
+    /// A vehicle beside a straight of `way_m` at 0.8 m/s and 50 Hz: offset plus noise with a memory, `angle` on top.
+    fn recording(file: &str, angle_rad: f64, offset_m: f64, way_m: f64, seed: u64) -> Recording {
+        let mut random = Pcg64::new(u128::from(seed), 5);
+        let mut noise = 0.0;
+        let mut lateral: BTreeMap<SignalName, Signal> = BTreeMap::new();
+        let mut push = |name, time_ns, value| {
+            let signal = lateral.entry(name).or_default();
+            signal.time_ns.push(time_ns);
+            signal.value.push(value);
+        };
+        for k in 0..(way_m / 0.016) as i64 {
+            let (t, s) = (k * 20_000_000, 0.016 * k as f64);
+            let fresh: f64 = StandardNormal.sample(&mut random);
+            noise = 0.99 * noise + 0.0005 * fresh;
+            // along a line at 30°, the matched point to the left of the vehicle by the error
+            let (sin, cos) = 0.5_f64.sin_cos();
+            let error = offset_m + noise;
+            for (name, value) in [
+                (SignalName::PoseX, s * cos + error * sin),
+                (SignalName::PoseY, s * sin - error * cos),
+                (SignalName::Yaw, 0.5),
+                (SignalName::ReferenceX, s * cos),
+                (SignalName::ReferenceY, s * sin),
+                (SignalName::Compensation, angle_rad),
+            ] {
+                push(name, t, value);
+            }
+        }
+        Recording {
+            source: LogRef { sha256: file.to_owned(), file: file.to_owned(), bytes: 0 },
+            path: file.into(),
+            vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            signals: Signals { lateral, ..Signals::default() },
+            origins: Vec::new(),
+            loss: Loss::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn an_entry_is_the_difference_to_the_base_and_its_standard_error_covers_it() {
+        let (base_m, added_m, trials) = (0.03, -0.02, 100);
+        let (mut covered, mut largest) = (0, 0.0_f64);
+        for seed in 0..trials {
+            let logs = [recording("base", 0.0, base_m, 60.0, 2 * seed), recording("one", 0.02, base_m + added_m, 60.0, 2 * seed + 1)];
+            let (file, _) = fit(&logs, &Settings::default()).unwrap();
+            let entry = file.entries.iter().find(|e| e.angle_rad != 0.0).unwrap();
+            covered += i32::from((entry.error_m - added_m).abs() <= 2.0 * entry.std_err_m);
+            largest = largest.max((entry.error_m - added_m).abs());
+            assert!((file.base.mean_error_m - base_m).abs() < 5.0 * file.base.std_err_m);
+        }
+        // 95.4 % for two standard errors; a memory of 1.6 m in 56 m leaves some 35 independent values, which is what the trials may miss
+        assert!(covered >= 88, "{covered} of {trials}, largest {largest}");
+    }
+
+    #[test]
+    fn logs_of_another_task_too_short_or_with_a_changing_angle_are_refused() {
+        let base = || recording("base", 0.0, 0.03, 60.0, 1);
+        let settings = Settings::default();
+        let refused = |logs: &[Recording]| fit(logs, &settings).unwrap_err();
+        assert!(matches!(refused(&[base(), recording("a", 0.02, 0.0, 80.0, 2)]), Error::OtherTask { .. }));
+        assert!(matches!(refused(&[recording("b", 0.0, 0.0, 9.0, 2), recording("a", 0.02, 0.0, 9.0, 3)]), Error::TooShort { .. }));
+        let mut changing = recording("a", 0.02, 0.0, 60.0, 2);
+        changing.signals.lateral.get_mut(&SignalName::Compensation).unwrap().value[100] = 0.03;
+        assert!(matches!(refused(&[base(), changing]), Error::Changing { .. }));
+        let mut blind = recording("a", 0.02, 0.0, 60.0, 2);
+        blind.signals.lateral.remove(&SignalName::Yaw);
+        assert!(matches!(refused(&[base(), blind]), Error::NoHeading { .. }));
+        let mut elsewhen = recording("a", 0.02, 0.0, 60.0, 2);
+        elsewhen.signals.lateral.get_mut(&SignalName::PoseX).unwrap().time_ns.iter_mut().for_each(|t| *t += 1 << 50);
+        assert!(matches!(refused(&[base(), elsewhen]), Error::NoOverlap { .. }));
+        assert!(matches!(fit(&[base()], &Settings { threshold_m: f64::NAN, ..settings }), Err(Error::Setting { .. })));
     }
 
     #[test]

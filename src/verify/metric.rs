@@ -48,7 +48,7 @@ pub enum Metric {
     LateralAfterM,
     /// The second over the first.
     LateralRatio,
-    /// RMS of the heading rate with compensation over that without.
+    /// RMS of the heading rate with compensation over that without, on the whole stretch or on its straights alone, whichever is larger.
     HeadingRateRatio,
     /// Distance of the rear axle's middle from the path's last pose at the end.
     FinalPositionM,

@@ -31,6 +31,7 @@ impl Piece {
     }
 
     /// The same in reverse.
+    #[must_use]
     pub fn reversed(self) -> Self {
         Self { direction: Gear::Reverse, ..self }
     }

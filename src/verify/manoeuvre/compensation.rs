@@ -40,8 +40,8 @@ pub struct CompensationScenario {
 struct Figures {
     error_m: f64,
     way_m: f64,
-    rate_squares: f64,
-    rates: f64,
+    /// Σ θ̇² and their number over the whole stretch, and over its straights alone.
+    rates: [(f64, f64); 2],
 }
 
 /// The file's table as the run-time law reads it.
@@ -86,8 +86,12 @@ impl CompensationScenario {
         values.set(Metric::LateralBeforeM, before_m);
         values.set(Metric::LateralAfterM, after_m);
         values.set(Metric::LateralRatio, after_m / before_m);
-        let rms = |f: &Figures| (f.rate_squares / f.rates).sqrt();
-        values.set(Metric::HeadingRateRatio, rms(&after) / rms(&before));
+        // on the straights nothing hides an oscillation: the larger ratio counts
+        let ratio = |k: usize| {
+            let rms = |f: &Figures| (f.rates[k].0 / f.rates[k].1).sqrt();
+            rms(&after) / rms(&before)
+        };
+        values.set(Metric::HeadingRateRatio, ratio(0).max(ratio(1)));
         Ok(values)
     }
 
@@ -110,7 +114,8 @@ impl CompensationScenario {
             let command = driver.step(inputs, &bench.torque, used_rad).unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
             if let (Some(law), Some(matched)) = (&mut law, &command.matched) {
                 let travelled_m = (matched.s_m - last_s_m).max(0.0);
-                compensation_rad = law.step(self.direction, command.lateral_error_m, travelled_m, command.stage == Stage::Driving);
+                let tracking = command.stage == Stage::Driving;
+                compensation_rad = law.step(self.direction, command.lateral_error_m, travelled_m, matched.curvature_per_m, tracking);
                 last_s_m = matched.s_m;
             }
             (command, used_rad, driver.leg())
@@ -131,8 +136,11 @@ impl CompensationScenario {
                 let rate_rad_s = state.speed_mps * state.wheel_angle_rad.sin() / bench.wheelbase_m;
                 figures.error_m += way_m * error_m;
                 figures.way_m += way_m;
-                figures.rate_squares += rate_rad_s * rate_rad_s;
-                figures.rates += 1.0;
+                let straight = matched.curvature_per_m == 0.0;
+                for (squares, count) in &mut figures.rates[..if straight { 2 } else { 1 }] {
+                    *squares += rate_rad_s * rate_rad_s;
+                    *count += 1.0;
+                }
             }
         })?;
         Ok(figures)

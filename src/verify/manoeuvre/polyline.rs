@@ -103,6 +103,7 @@ impl Watch<'_> {
 pub(super) fn run(bench: &Bench<'_>, law: LawName, plant: &sim::Settings, seed: u64, mut record: impl FnMut(&Moment)) -> Result<Values> {
     let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default()).map_err(Error::Polyline)?;
     let (settings, turn) = polyline_settings(bench.wheelbase_m, law);
+    settings.speed.checked()?;
     let mut driver = PolylineDriver::new(&plan, settings, turn);
     let mut watch = Watch {
         plan: &plan,

@@ -1,0 +1,169 @@
+//! The lateral calibration at the process boundary: logs → table → proof in closed loop, and what is refused.
+#![allow(clippy::unwrap_used)]
+
+use assert_cmd::Command;
+use pivot_cal::control::path::lqr::Lqr;
+use pivot_cal::map::{LateralTableFile, sha256_hex};
+use std::path::{Path, PathBuf};
+
+fn repo(path: &str) -> String {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path).to_str().unwrap().to_owned()
+}
+
+fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    let output = Command::cargo_bin("pivot-cal").unwrap().current_dir(folder).args(args).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+/// Base and two angles on the bundled vehicle with its mounting errors.
+fn record(folder: &Path, seed: &str, output: &str) {
+    let vehicle = repo("data/vehicles/scrubber.toml");
+    let args = ["lateral", "record", "--vehicle", &vehicle, "-o", output, "--angles-deg", "-1.5,2", "--seed", seed, "-q"];
+    let (status, _, errors) = run(folder, &args);
+    assert_eq!(status, 0, "{errors}");
+}
+
+fn table(folder: &Path, maps: &str) -> LateralTableFile {
+    LateralTableFile::from_json(&std::fs::read_to_string(folder.join(maps).join("lateral_table.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn the_table_is_what_the_tracking_laws_gain_says_and_does_not_depend_on_the_order_of_the_logs() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    record(folder, "1", "logs");
+    let logs = ["logs/base.mcap", "logs/compensation_-1.5deg.mcap", "logs/compensation_+2deg.mcap"];
+    let fit = |order: [usize; 3], maps: &str, more: &[&str]| {
+        let mut args = vec!["lateral", "fit", logs[order[0]], logs[order[1]], logs[order[2]], "--maps", maps, "-q"];
+        args.extend(more);
+        run(folder, &args)
+    };
+    assert_eq!(fit([0, 1, 2], "one", &[]).0, 0);
+    assert_eq!(fit([2, 0, 1], "two", &[]).0, 0);
+    for name in ["lateral_table.csv", "lateral_table.json"] {
+        let read = |maps: &str| std::fs::read(folder.join(maps).join(name)).unwrap();
+        assert_eq!(read("one"), read("two"), "{name} differs");
+    }
+    let file = table(folder, "one");
+    assert_eq!(file.csv.sha256, sha256_hex(&std::fs::read(folder.join("one/lateral_table.csv")).unwrap()));
+    // steady on a straight the law's angle cancels the compensation: atan(L k_e e) = −α, whatever the mounting errors
+    let [k_e, _] = Lqr::default().gains();
+    assert_eq!(file.entries.len(), 3);
+    for entry in file.entries.iter().filter(|e| e.angle_rad != 0.0) {
+        let expected_m = -entry.angle_rad.tan() / (0.9 * k_e);
+        // the bends and the settling tails are up to 2 % of an entry; the noise is the standard error's
+        let allowed_m = 0.02 * expected_m.abs() + 3.0 * entry.std_err_m;
+        assert!((entry.error_m - expected_m).abs() < allowed_m, "{entry:?}: {expected_m}");
+        assert!(entry.std_err_m > 1e-6 && entry.std_err_m < 0.001, "{entry:?}");
+    }
+
+    // the same logs through a map that names the heading itself
+    let signals = "[signals]\npose_x = { path = '/odom.pose.pose.position.x' }\npose_y = { path = '/odom.pose.pose.position.y' }\n\
+                   yaw = { path = '/navigation/yaw.data', unit = 'rad' }\nreference_x = { path = '/reference/matched_point.point.x' }\n\
+                   reference_y = { path = '/reference/matched_point.point.y' }\ncompensation = { path = '/steering/compensation.data' }\n";
+    std::fs::write(folder.join("signals.toml"), signals).unwrap();
+    let (status, _, errors) = fit([0, 1, 2], "named", &["--signals", "signals.toml"]);
+    assert_eq!(status, 0, "{errors}");
+    for (a, b) in table(folder, "named").entries.iter().zip(&file.entries) {
+        assert!((a.error_m - b.error_m).abs() < 1e-9, "the quaternion and the heading say the same");
+    }
+
+    // a threshold below every entry leaves nothing, and writes nothing
+    let (status, _, errors) = fit([0, 1, 2], "none", &["--threshold-m", "0.001"]);
+    assert!(status == 1 && errors.contains("0 of 2 entries are left"), "{errors}");
+    assert!(!folder.join("none").exists());
+    let (status, said, _) = run(folder, &["lateral", "fit", logs[0], logs[1], logs[2], "--maps", "far", "--threshold-m", "0.035"]);
+    assert!(status == 0 && said.contains("dropped: at or beyond the threshold of 0.035 m"), "{said}");
+    assert_eq!(table(folder, "far").dropped.len(), 1);
+}
+
+#[test]
+fn what_is_no_calibration_is_refused_with_what_would_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    record(folder, "1", "a");
+    record(folder, "2", "b");
+    let refused = |logs: &[&str], what: &str| {
+        let (status, _, errors) = run(folder, &[&["lateral", "fit"], logs].concat());
+        assert!(status == 1 && errors.contains(what), "{errors}");
+        assert!(!folder.join("maps").exists());
+    };
+    refused(&["a/compensation_+2deg.mcap"], "none of the 1 log(s) is without compensation");
+    refused(&["a/base.mcap", "b/base.mcap", "a/compensation_+2deg.mcap"], "are both without compensation");
+    refused(&["a/base.mcap"], "0 of 0 entries are left");
+    refused(&[&repo("data/demo.mcap")], "reference");
+    let vehicle = repo("data/vehicles/scrubber.toml");
+    let (status, _, errors) = run(folder, &["lateral", "record", "--vehicle", &vehicle, "-o", "c", "--angles-deg", "45"]);
+    assert!(status == 1 && errors.contains("allowed: −20° to 20°") && !folder.join("c").exists(), "{errors}");
+}
+
+/// The repository's maps in a folder of their own.
+fn maps(folder: &Path) -> PathBuf {
+    let to = folder.join("maps");
+    std::fs::create_dir(&to).unwrap();
+    for entry in std::fs::read_dir(repo("maps")).unwrap() {
+        let from = entry.unwrap().path();
+        std::fs::copy(&from, to.join(from.file_name().unwrap())).unwrap();
+    }
+    to
+}
+
+#[test]
+fn the_compensation_passes_with_its_table_and_fails_with_one_of_the_wrong_sign() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let to = maps(folder);
+    let args = ["verify", "--scenario", "lateral-forward", "--scenario", "lateral-reverse", "--draws", "1"];
+    let (status, said, errors) = run(folder, &args);
+    assert_eq!(status, 0, "{said}{errors}");
+    // the same entries, angles negated: the compensation drives the vehicle away
+    let path = to.join("lateral_table.json");
+    let mut file = LateralTableFile::from_json(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    file.entries.iter_mut().for_each(|e| e.angle_rad = -e.angle_rad);
+    file.curve.angle_rad.iter_mut().for_each(|a| *a = -*a);
+    file.csv.sha256 = sha256_hex(file.to_csv().as_bytes());
+    std::fs::write(to.join("lateral_table.csv"), file.to_csv()).unwrap();
+    std::fs::write(&path, file.to_json().unwrap()).unwrap();
+    let (status, said, _) = run(folder, &args);
+    assert!(status == 3 && said.contains("mean lateral error, after over before"), "{said}");
+    // a CSV that is not the one described
+    std::fs::write(to.join("lateral_table.csv"), "mean_lateral_error_m\n").unwrap();
+    let (status, _, errors) = run(folder, &args);
+    assert!(status == 1 && errors.contains("lateral_table.csv is not the file"), "{errors}");
+    std::fs::remove_file(to.join("lateral_table.csv")).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let (status, said, _) = run(folder, &args);
+    assert!(status == 0 && said.contains("there is no lateral_table.json"), "{said}");
+}
+
+#[test]
+fn every_tracking_law_drives_the_polyline_within_the_gate_and_its_run_is_logged() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    maps(folder);
+    let laws = ["pure-pursuit", "front-axle", "rear-axle", "lqr", "mpc"].map(|law| format!("polyline-{law}"));
+    let mut args = vec!["verify", "--draws", "1", "--log", "logs", "--json"];
+    for name in &laws {
+        args.extend(["--scenario", name]);
+    }
+    let (status, said, errors) = run(folder, &args);
+    assert_eq!(status, 0, "{errors}");
+    let verdict: serde_json::Value = serde_json::from_str(&said).unwrap();
+    for (name, scenario) in laws.iter().zip(verdict["scenarios"].as_array().unwrap()) {
+        assert_eq!((scenario["name"].as_str(), scenario["status"].as_str()), (Some(name.as_str()), Some("pass")));
+        let figure =
+            |metric: &str| scenario["metrics"].as_array().unwrap().iter().find(|m| m["metric"] == metric).unwrap()["nominal"].as_f64();
+        // not the perfect zero of a run that measured nothing
+        assert!(figure("corner_error_m").unwrap() > 1e-4 && figure("segment_error_m").unwrap() > 1e-3);
+        assert!(std::fs::metadata(folder.join("logs").join(format!("{name}.mcap"))).unwrap().len() > 100_000);
+    }
+    let (_, list, _) = run(folder, &["verify", "--list"]);
+    assert!(laws.iter().all(|name| list.contains(name.as_str())) && list.contains("lateral-reverse"));
+    let (status, _, errors) = run(folder, &["verify", "--scenario", "polyline-lqg"]);
+    assert!(status == 1 && errors.contains("polyline-lqr"), "{errors}");
+    // a map of another vehicle is not judged by this one's manoeuvres
+    let (status, said, _) =
+        run(folder, &["verify", "--scenario", "polyline-lqr", "--vehicle", &repo("data/vehicles/sweeper.toml"), "--draws", "1"]);
+    assert!(status == 0 && said.contains("name the map's vehicle with --vehicle"), "{said}");
+}
