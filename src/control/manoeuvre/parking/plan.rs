@@ -61,7 +61,7 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
     finite_start(start.x_m, start.y_m, start.heading_rad)?;
     finite_start(0.0, 0.0, start.wheel_angle_rad)?;
     let entry = entry_circle(&scene)?;
-    let (mut best, found) = attempt(&scene, start, &entry);
+    let (best, found) = attempt(&scene, start, &entry);
     if found {
         return Ok(best);
     }
@@ -72,13 +72,7 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
         heading_rad: start.heading_rad * (1.0 - share),
         wheel_angle_rad: start.wheel_angle_rad * (1.0 - share),
     };
-    let feasible = (1..=10).map(|k| nearer(0.1 * f64::from(k))).find_map(|s| {
-        let (plan, found) = attempt(&scene, s, &entry);
-        if plan.judgement.clearance_m > best.judgement.clearance_m && !found {
-            best = plan;
-        }
-        found.then_some(s)
-    });
+    let feasible = (1..=10).map(|k| nearer(0.1 * f64::from(k))).find(|s| attempt(&scene, *s, &entry).1);
     if feasible.is_none()
         && let Some(nearest_m) = nearest_aisle_m(&scene, nearer(1.0), &entry)
     {
