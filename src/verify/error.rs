@@ -37,6 +37,8 @@ pub enum Error {
     Control(#[from] crate::control::Error),
     #[error("the polyline cannot be planned: {0}")]
     Polyline(crate::control::path::polyline::PolylineError),
+    #[error("the manoeuvre cannot be planned: {0}")]
+    Planning(#[from] crate::control::manoeuvre::Error),
     #[error("the log of a run cannot be written: {0}")]
     Record(#[from] crate::record::Error),
     #[error("the verdict cannot be written as JSON: {0}")]

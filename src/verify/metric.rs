@@ -50,11 +50,19 @@ pub enum Metric {
     LateralRatio,
     /// RMS of the heading rate with compensation over that without, on the whole stretch or on its straights alone, whichever is larger.
     HeadingRateRatio,
+    /// Distance of the rear axle's middle from the path's last pose at the end.
+    FinalPositionM,
+    /// Smallest distance of the body from anything that it may not touch; negative in a collision.
+    ClearanceM,
+    /// How much smaller that is than on the planned path.
+    ClearanceLossM,
+    /// Largest change of the curvature from one pose of the planned path to the next.
+    CurvatureStepPerM,
 }
 
 impl Metric {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 26] = [
         Self::AsExpected,
         Self::HeadingErrorDeg,
         Self::OvershootDeg,
@@ -77,6 +85,10 @@ impl Metric {
         Self::LateralAfterM,
         Self::LateralRatio,
         Self::HeadingRateRatio,
+        Self::FinalPositionM,
+        Self::ClearanceM,
+        Self::ClearanceLossM,
+        Self::CurvatureStepPerM,
     ];
 
     /// Name for people.
@@ -104,6 +116,10 @@ impl Metric {
             Self::LateralAfterM => "mean lateral error after",
             Self::LateralRatio => "mean lateral error, after over before",
             Self::HeadingRateRatio => "RMS of heading rate, after over before",
+            Self::FinalPositionM => "final position error",
+            Self::ClearanceM => "smallest clearance",
+            Self::ClearanceLossM => "clearance lost in the drive",
+            Self::CurvatureStepPerM => "curvature step",
         }
     }
 
@@ -119,7 +135,11 @@ impl Metric {
             | Self::SegmentErrorM
             | Self::SegmentRmsM
             | Self::LateralBeforeM
-            | Self::LateralAfterM => "m",
+            | Self::LateralAfterM
+            | Self::FinalPositionM
+            | Self::ClearanceM
+            | Self::ClearanceLossM => "m",
+            Self::CurvatureStepPerM => "1/m",
             Self::SpeedRmsMps | Self::SpeedMaxMps => "m/s",
             Self::PeakAccelMps2 => "m/s²",
             Self::PeakJerkMps3 | Self::StartJerkMps3 => "m/s³",

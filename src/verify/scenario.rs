@@ -17,6 +17,10 @@ pub enum Class {
     Polyline,
     /// A path with the lateral error compensated.
     Compensation,
+    /// Backing into a slot.
+    Parking,
+    /// A U-turn.
+    UTurn,
 }
 
 /// What the world does to the vehicle; figures that depend on the vehicle are relative to it.

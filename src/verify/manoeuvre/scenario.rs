@@ -5,6 +5,7 @@ use super::super::scenario::Class;
 use super::super::{Error, Maps, Result};
 use super::compensation::CompensationScenario;
 use super::drive::Moment;
+use super::planned::{self, PlannedTask};
 use super::polyline::{self, DEMO_POINTS};
 use super::torque::ManoeuvreTorque;
 use crate::control::manoeuvre::path::PosePath;
@@ -22,6 +23,8 @@ pub enum Kind {
     Polyline(LawName),
     /// A path with mounting errors, without and with compensation.
     Compensation(CompensationScenario),
+    /// A path that is planned beforehand: parking, the U-turn.
+    Planned(PlannedTask),
 }
 
 /// One manoeuvre.
@@ -68,6 +71,22 @@ impl Manoeuvre {
                 kind: Kind::Compensation(CompensationScenario::new(direction)),
             });
         }
+        let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool| Self {
+            name: name.to_owned(),
+            what: what.to_owned(),
+            class: Class::Parking,
+            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right }),
+        };
+        all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true));
+        all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false));
+        all.push(parking("parking-60", "backing into a slot slanted by 60° against the row", 60.0, true));
+        all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true));
+        all.push(Self {
+            name: "u-turn".to_owned(),
+            what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
+            class: Class::UTurn,
+            kind: Kind::Planned(PlannedTask::UTurn),
+        });
         all
     }
 
@@ -80,7 +99,7 @@ impl Manoeuvre {
             ));
         }
         match &self.kind {
-            Kind::Polyline(_) => None,
+            Kind::Polyline(_) | Kind::Planned(_) => None,
             Kind::Compensation(_) if maps.lateral.is_some() => None,
             Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
         }
@@ -97,6 +116,7 @@ impl Manoeuvre {
                 Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
             }
             Kind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
+            Kind::Planned(task) => Ok(task.plan(wheelbase_m)?.path),
         }
     }
 
@@ -105,6 +125,7 @@ impl Manoeuvre {
         match &self.kind {
             Kind::Polyline(law) => polyline::run(bench, *law, plant, seed, record),
             Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
+            Kind::Planned(task) => planned::run(bench, *task, plant, seed, record),
         }
     }
 }

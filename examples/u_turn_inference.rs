@@ -1,0 +1,134 @@
+//! Infers the unpublished dimensions of the published U-turn's vehicle from its known answers: `cargo run --example u_turn_inference`.
+//!
+//! Unknown are wheelbase, width and overhangs (taken as equal front and rear: the rear one hardly shows), and what "just clears", "just touches"
+//! and "between" mean. For each reading the four dimensions that leave the least sum of squares of the four answers in metres are looked for by
+//! a pattern search from several starts; lanes and curvature are then told as they come out.
+
+#![allow(clippy::print_stdout)] // the table is what this program is for
+
+use pivot_cal::control::manoeuvre::BodyShape;
+use pivot_cal::control::manoeuvre::u_turn::{
+    Answer, Finding, Hypothesis, Method, PublishedCase, Settings, YAW_RATE_RAD_S, largest_difference_m,
+};
+use std::error::Error;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    relation();
+    let case = PublishedCase::new()?;
+    println!(
+        "\n| clears | touches | run-up of | wheelbase | width | overhang | border | inner line | shortest | longest | RMS | 200°/s | 400°/s |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut best: Option<(f64, BodyShape, Hypothesis)> = None;
+    for clears_m in [0.0, 0.3] {
+        for touches_m in [0.0, 0.3] {
+            for run_up_turn in [(0.7, 400.0), (1.63, 400.0), (1.63, 200.0)] {
+                let hypothesis = Hypothesis { clears_m, touches_m, run_up_turn };
+                let body = infer(&case, &hypothesis)?;
+                let findings = case.findings(body, &hypothesis, &Settings::default())?;
+                let rms = (cost(&findings) / 4.0).sqrt();
+                row(&hypothesis, body, &findings, rms);
+                if best.is_none_or(|b| rms < b.0) {
+                    best = Some((rms, body, hypothesis));
+                }
+            }
+        }
+    }
+    let Some((rms, body, hypothesis)) = best else { return Ok(()) };
+    println!("\nbest: {body:?}\n{hypothesis:?}, RMS {rms:.4} m");
+    for finding in case.findings(body, &hypothesis, &Settings::default())? {
+        println!("  {finding:?}");
+    }
+    for (speed, rate) in [(0.7, 400.0), (3.4, 100.0), (6.0, 200.0), (6.0, 400.0)] {
+        let of = |method| PublishedCase::track(body, 11.0, speed, rate, &Settings { method, ..Settings::default() });
+        let (along, end) = largest_difference_m(&of(Method::Euler)?, &of(Method::RungeKutta)?);
+        println!("Euler beside Runge-Kutta at {speed} m/s and {rate}°/s: {along:.4} m along, {end:.4} m at the end");
+    }
+    Ok(())
+}
+
+/// Which law the two pairs of entry speed and curvature follow.
+fn relation() {
+    let pairs = [(1.63_f64, 0.205_f64), (1.585, 0.21)];
+    println!("law: value at the two pairs, how far apart, how far rounding of the third digit can put them apart");
+    for (name, speed_power, curvature_power) in
+        [("v κ (yaw rate)", 1.0, 1.0), ("v² κ (lateral acceleration)", 2.0, 1.0), ("v κ² (wheel rate)", 1.0, 2.0)]
+    {
+        let value = |(v, k): (f64, f64)| v.powf(speed_power) * k.powf(curvature_power);
+        let (a, b) = (value(pairs[0]), value(pairs[1]));
+        // half of the last digit that both numbers of a kind share: 0.005 m/s and 0.0005 per metre
+        let rounding: f64 = pairs.iter().map(|p| speed_power * 0.0005 / p.0 + curvature_power * 0.0005 / p.1).sum();
+        println!("  {name}: {a:.4}, {b:.4}; {:.2} % apart; rounding allows {:.2} %", 100.0 * (a / b - 1.0), 100.0 * rounding);
+    }
+    println!("  taken: yaw rate {YAW_RATE_RAD_S:.4} rad/s");
+}
+
+fn cost(findings: &[Finding]) -> f64 {
+    let metric =
+        |f: &&Finding| matches!(f.answer, Answer::ClearsBorder | Answer::TouchesInnerLine | Answer::ShortestRunUp | Answer::LongestRunUp);
+    findings.iter().filter(metric).map(|f| f.residual_m * f.residual_m).sum()
+}
+
+fn body([wheelbase_m, width_m, overhang_m]: [f64; 3]) -> BodyShape {
+    BodyShape { wheelbase_m, width_m, front_overhang_m: overhang_m, rear_overhang_m: overhang_m }
+}
+
+/// Pattern search (Source: Hooke & Jeeves, 1961) from three starts.
+fn infer(case: &PublishedCase, hypothesis: &Hypothesis) -> Outcome<BodyShape> {
+    // a coarser step moves the answers by less than a millimetre with the fourth-order method
+    let settings = Settings { step_s: 0.01, method: Method::Euler, ..Settings::default() };
+    let value = |at: [f64; 3]| -> Outcome<f64> {
+        let possible = (0.8..4.0).contains(&at[0]) && (0.4..3.0).contains(&at[1]) && (0.0..2.0).contains(&at[2]);
+        Ok(if possible { cost(&case.findings(body(at), hypothesis, &settings)?) } else { f64::INFINITY })
+    };
+    let mut best = (f64::INFINITY, [2.1, 1.6, 0.6]);
+    for start in [[2.1, 1.6, 0.6]] {
+        let (mut at, mut step) = (start, 0.2);
+        let mut here = value(at)?;
+        while step > 2e-3 {
+            let mut moved = false;
+            for axis in 0..3 {
+                for sign in [1.0, -1.0] {
+                    let mut to = at;
+                    to[axis] += sign * step;
+                    let there = value(to)?;
+                    if there < here {
+                        (at, here, moved) = (to, there, true);
+                        break;
+                    }
+                }
+            }
+            if !moved {
+                step *= 0.5;
+            }
+        }
+        if here < best.0 {
+            best = (here, at);
+        }
+    }
+    Ok(body(best.1))
+}
+
+fn row(hypothesis: &Hypothesis, body: BodyShape, findings: &[Finding], rms: f64) {
+    let of = |answer: Answer| findings.iter().find(|f| f.answer == answer);
+    let residual = |answer| of(answer).map_or(f64::NAN, |f| f.residual_m);
+    let lane = |answer| of(answer).and_then(|f| f.lane).map_or("none".to_owned(), |l| format!("{l:?}"));
+    println!(
+        "| {} | {} | {} m/s {}°/s | {:.3} | {:.3} | {:.3} | {:+.3} | {:+.3} | {:+.3} | {:+.3} | {rms:.4} | {} | {} |",
+        hypothesis.clears_m,
+        hypothesis.touches_m,
+        hypothesis.run_up_turn.0,
+        hypothesis.run_up_turn.1,
+        body.wheelbase_m,
+        body.width_m,
+        body.front_overhang_m,
+        residual(Answer::ClearsBorder),
+        residual(Answer::TouchesInnerLine),
+        residual(Answer::ShortestRunUp),
+        residual(Answer::LongestRunUp),
+        lane(Answer::MiddleLane),
+        lane(Answer::OuterLane),
+    );
+}

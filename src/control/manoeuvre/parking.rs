@@ -1,0 +1,68 @@
+//! Perpendicular and slanted parking, in reverse: start and adjust on a line beside the row, enter on a circle, shuffle until straight.
+//!
+//! Frame: x along the row in the direction of travel, y away from it; the row's edge is y = 0, and the middle of the slot's mouth is the origin.
+//! The vehicle comes along the row with the slot to its right, drives past it and backs in. In: a [`Scene`] and a start; out: a [`Plan`].
+//! Stages and equations: `docs/manoeuvres.md`.
+
+mod check;
+mod entry;
+mod plan;
+mod scene;
+
+pub use check::{Judgement, Tolerance, judge};
+pub use entry::{Entry, entry_circle};
+pub use plan::{Plan, Stage, StageSpan, plan};
+pub use scene::{Scene, Slot};
+
+use serde::Serialize;
+
+/// Where parking starts: the middle of the rear axle.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Start {
+    /// Along the row [m].
+    pub x_m: f64,
+    /// Away from the row's edge [m].
+    pub y_m: f64,
+    /// Heading [rad]; 0 along the row, the slot to the right.
+    pub heading_rad: f64,
+    /// Wheel angle [rad].
+    pub wheel_angle_rad: f64,
+}
+
+/// From a grid of starts: how many are usable, and how many of these end parked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Success {
+    /// Starts that do not touch anything.
+    pub tried: usize,
+    /// Starts from which a path was found that passes every check.
+    pub parked: usize,
+    /// Those of them that went straight in.
+    pub direct: usize,
+    /// Those of them that had to shuffle.
+    pub shuffled: usize,
+}
+
+impl Success {
+    /// Share of the usable starts [0 to 1]; 0 without any.
+    pub fn share(&self) -> f64 {
+        if self.tried == 0 { 0.0 } else { self.parked as f64 / self.tried as f64 }
+    }
+}
+
+/// Plans from every start and counts. Starts that already touch something are left out.
+pub fn success(scene: &Scene, starts: &[Start]) -> Success {
+    let mut count = Success::default();
+    for start in starts {
+        let body = scene.body.at(start.x_m, start.y_m, start.heading_rad);
+        if scene.obstacles().iter().any(|o| o.separation_m(&body) <= 0.0) {
+            continue;
+        }
+        count.tried += 1;
+        if let Ok(plan) = plan(scene, *start) {
+            count.parked += 1;
+            count.direct += usize::from(plan.stages.iter().all(|s| s.stage == Stage::Enter));
+            count.shuffled += usize::from(plan.stages.iter().any(|s| s.stage == Stage::Shuffle));
+        }
+    }
+    count
+}
