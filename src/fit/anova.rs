@@ -12,6 +12,8 @@ use std::ops::Range;
 
 /// Speed over which the extra friction near standstill fades [m/s].
 const STRIBECK_MPS: f64 = 0.08;
+/// How much slower and faster it may fade: without these two columns f(V) would have to bend for it, and would be rough at all speeds.
+const OTHER_STRIBECK_MPS: [f64; 2] = [0.04, 0.16];
 
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +64,8 @@ impl Design {
         let v: Vec<f64> = lattice.along_speed(|s| s / fastest);
         let w: Vec<f64> = speeds.iter().map(|s| lattice.warp(*s)).collect();
         let square = lattice.along_speed(|s| (s / fastest).powi(2));
-        let stribeck = lattice.along_speed(|s| (-(s / STRIBECK_MPS).powi(2)).exp());
+        let fading = |speed_mps: f64| lattice.along_speed(|s| (-(s / speed_mps).powi(2)).exp());
+        let stribeck = fading(STRIBECK_MPS);
         let one_v = vec![1.0; speeds.len()];
         let one_u = vec![1.0; torques.len()];
         let bends_w = bends(&w, None);
@@ -101,6 +104,7 @@ impl Design {
 
         let mut builder = Builder { rows, columns: Vec::new(), blocks: Vec::new() };
         builder.block("plain form", false, false, plain());
+        builder.block("near standstill", true, false, OTHER_STRIBECK_MPS.map(|s| tensor(&fading(s), &one_u)).to_vec());
         builder.block("f(V)", true, false, f());
         builder.block("g(U)", true, false, g());
         builder.block("w(V)·U", true, false, w_by_u());
