@@ -96,8 +96,8 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             return found;
         }
     };
-    let mut taken = Taken::default();
-    let mut tallies = vec![Tally::default(); known.places.len()];
+    let mut met: Vec<(Tally, Taken<'_>)> = Vec::new();
+    met.resize_with(known.places.len(), Default::default);
     let mut records = Records::new(data);
     for (opcode, body) in &mut records {
         if opcode != op::MESSAGE {
@@ -117,12 +117,13 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             }
             continue;
         };
-        tallies[place] = tallies[place].with(message.log_time_ns);
+        let (tally, taken) = &mut met[place];
+        *tally = tally.with(message.log_time_ns);
         if let Some(plan) = plan {
-            found.decode(plan, &message, &mut taken);
+            found.decode(plan, &message, taken);
         }
     }
-    for ((channel, _), tally) in known.places.iter().zip(tallies) {
+    for ((channel, _), (tally, _)) in known.places.iter().zip(met) {
         if tally.messages > 0 {
             found.count(*channel, tally);
         }

@@ -193,6 +193,44 @@ proptest! {
     }
 
     #[test]
+    fn messages_that_follow_each_other_are_read_as_each_alone(
+        first in content(), changes in prop::collection::vec((0..8_u8, -1e6..1e6_f64), 1..12), filters: bool,
+    ) {
+        let few = ros_paths().into_iter().filter(|path| filters || !path.contains("{id")).collect::<Vec<_>>();
+        let (plan, paths) = plan("cdr", Some(&ros_schema("ros2msg", ROS_SCHEMA)), &[&few[..], &[".frame", ".items[0].text"]].concat());
+        let mut content = first;
+        let mut payloads = Vec::new();
+        for (change, value) in changes {
+            match change {
+                0 => content.joints.reverse(),
+                1 => content.frame.push('x'),
+                2 => content.frame = content.frame.chars().map(|_| 'y').collect(),
+                3 => content.items[0].1.push('z'),
+                _ => {
+                    content.sec = value as i32;
+                    content.joints.iter_mut().for_each(|(_, velocity)| *velocity += value);
+                    content.items.iter_mut().for_each(|(_, _, number)| *number -= value);
+                    content.fixed[2] = value as u16;
+                    content.last = value;
+                }
+            }
+            payloads.push(match change {
+                7 => [&[0, 0, 0, 0], &content.cdr::<BigEndian>()[..]].concat(),
+                6 => vec![0, 1, 0, 0, 9],
+                _ => [&[0, 1, 0, 0], &content.cdr::<LittleEndian>()[..]].concat(),
+            });
+        }
+        let mut together = Taken::default();
+        for payload in &payloads {
+            let mut alone = Taken::default();
+            prop_assert_eq!(plan.decode(payload, &mut together), plan.decode(payload, &mut alone));
+            for slot in 0..paths {
+                prop_assert!(payload.len() < 9 || together.get(slot) == alone.get(slot), "{:?} {:?}", together.get(slot), alone.get(slot));
+            }
+        }
+    }
+
+    #[test]
     fn a_cut_payload_is_broken_and_never_a_panic(content in content(), cut in 0.0..1.0_f64) {
         let (plan, _) = plan("cdr", Some(&ros_schema("ros2msg", ROS_SCHEMA)), &ros_paths());
         let whole = [&[0, 1, 0, 0], &content.cdr::<LittleEndian>()[..]].concat();
