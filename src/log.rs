@@ -14,6 +14,8 @@
 mod block;
 mod bytes;
 mod candidates;
+mod channel_set;
+mod column;
 mod container;
 mod convert;
 mod detect;
@@ -24,6 +26,7 @@ mod infer;
 mod input;
 mod inputs;
 mod loss;
+mod lz4;
 mod path;
 mod plan;
 mod presets;

@@ -1,10 +1,11 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
 use super::container::{BlockKind, Container};
-use super::gather::{self, Gathered, Sample};
+use super::column::Column;
+use super::gather::{self, Gathered};
 use super::input::Input;
 use super::loss::{Damage, Loss, Why};
-use super::recording::{Origin, Recording, Signal, Signals};
+use super::recording::{Origin, Recording, Signals};
 use super::resolve::{self, Choices};
 use super::signal_map::{SignalName, VehicleOverrides};
 use super::{Error, Result, Source, infer};
@@ -62,13 +63,12 @@ fn read_input(
     let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
     let mut signals = Signals::default();
     let mut origins = Vec::new();
-    let columns = gathered.columns.into_iter().zip(gathered.not_finite).zip(choices.found);
-    for ((samples, not_finite), choice) in columns {
-        let signal = choice.signal;
+    for (column, choice) in gathered.columns.into_iter().zip(choices.found) {
+        let (signal, not_finite) = (choice.signal, column.not_finite);
         if not_finite > 0 {
             loss.not_finite.insert(signal.key().to_owned(), not_finite);
         }
-        if samples.is_empty() {
+        if column.is_empty() {
             let of_topic = |id: &&u16| container.inventory.channels.get(id).is_some_and(|channel| channel.topic == choice.spec.path.topic);
             let messages = gathered.tallies.iter().filter(|(id, _)| of_topic(id)).map(|(_, tally)| tally.messages).sum();
             let broken: u64 = gathered.broken.iter().filter(|(id, _)| of_topic(id)).map(|(_, count)| *count).sum();
@@ -84,15 +84,15 @@ fn read_input(
             notes.push(format!("{signal} is left out: {path} gives no value: of {messages} message(s), {reason}"));
             continue;
         }
-        notes.extend(clock_note(signal, &samples));
+        notes.extend(clock_note(signal, &column));
         origins.push(Origin {
             signal,
             path: choice.spec.path.to_string(),
             unit: choice.spec.unit.name().to_owned(),
             reason: choice.reason,
-            values: samples.len(),
+            values: column.len(),
         });
-        signals.set(signal, series(samples, choice.spec.relative_to_gear, choice.spec.unsigned));
+        signals.set(signal, column.into_signal(choice.spec.relative_to_gear, choice.spec.unsigned));
     }
     if choices.guessed {
         notes.extend(infer::correct(&mut signals, &vehicle, &unnamed));
@@ -204,22 +204,8 @@ fn data_damage(container: &Container) -> Option<Damage> {
     (calculated != saved).then(|| Damage::new(0, 0, Why::DataCrc { saved, calculated }))
 }
 
-/// Sorts samples by time, equal times in the order of the log.
-pub(super) fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
-    samples.sort_by_key(|sample| sample.time_ns);
-    Signal {
-        time_ns: samples.iter().map(|sample| sample.time_ns).collect(),
-        value: samples.iter().map(|sample| sample.value).collect(),
-        relative_to_gear,
-        unsigned,
-    }
-}
-
 /// A remark when the stamps of a signal are of another clock than the log.
-fn clock_note(signal: SignalName, samples: &[Sample]) -> Option<String> {
-    let mut apart: Vec<i64> = samples.iter().map(|sample| sample.time_ns.saturating_sub(sample.log_time_ns)).collect();
-    let middle = apart.len() / 2;
-    let (_, median, _) = apart.select_nth_unstable(middle);
-    let seconds = *median as f64 / crate::units::NS_PER_S;
-    (seconds.abs() > 60.0).then(|| format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))
+fn clock_note(signal: SignalName, column: &Column) -> Option<String> {
+    let seconds = column.clock_offset_s()?;
+    Some(format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))
 }

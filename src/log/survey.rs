@@ -5,7 +5,7 @@ use super::gather;
 use super::input::Input;
 use super::loss::Loss;
 use super::rate::{Rate, rate};
-use super::read::{loss, series};
+use super::read::loss;
 use super::record::{CHUNK_HEADER, ChunkHeader};
 use super::resolve;
 use super::signal_map::SignalName;
@@ -155,10 +155,9 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         gathered = Some(gather::all(&container, &plans, choices.found.len(), progress));
     }
     let mut found = Vec::new();
-    let columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns));
+    let mut columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns));
     for (column, choice) in choices.found.iter().enumerate() {
-        let samples = columns.as_ref().map(|columns| columns[column].clone());
-        let signal = samples.map(|samples| series(samples, false, false));
+        let signal = columns.as_mut().map(|columns| std::mem::take(&mut columns[column]).into_signal(false, false));
         found.push(Found {
             signal: choice.signal,
             path: choice.spec.path.to_string(),
