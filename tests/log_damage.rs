@@ -234,6 +234,20 @@ fn a_chunk_that_declares_too_little_is_refused() {
 }
 
 #[test]
+fn a_message_index_of_wild_length_behind_a_lost_chunk_ends_the_count() {
+    for length in [u64::MAX, u64::MAX - 8, u64::MAX - 20_000, 1 << 40] {
+        let sound = log(&SOUND);
+        let mut bytes = sound.clone();
+        let (at, body) = chunks(&sound)[3];
+        bytes[at + 9 + body - 40] ^= 0x10;
+        let index = at + 9 + body;
+        assert_eq!(bytes[index], 7);
+        bytes[index + 1..index + 9].copy_from_slice(&length.to_le_bytes());
+        expect_lost_chunk(bytes, &sound, 3);
+    }
+}
+
+#[test]
 fn an_unknown_compression_loses_that_chunk_only() {
     let sound = log(&SOUND);
     let mut bytes = sound.clone();

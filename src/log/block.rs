@@ -121,6 +121,9 @@ fn salvage<'s>(header: &ChunkHeader, data: &[u8], into: &'s mut Vec<u8>) -> &'s 
         while let Ok(count @ 1..) = decoder.read(&mut part) {
             let room = header.uncompressed as usize - into.len();
             into.extend_from_slice(&part[..count.min(room)]);
+            if count >= room {
+                break; // a chunk gives no more than it declares
+            }
         }
     };
     match &header.compression {
@@ -154,11 +157,11 @@ pub(super) fn lost(container: &Container, block: &Block, why: Why) -> Damage {
 fn indexed_messages(input: &Input, mut at: u64) -> BTreeMap<u16, u64> {
     let mut channels = BTreeMap::new();
     let mut head = [0; PREFIX as usize + 2];
-    while at + head.len() as u64 <= input.length() && input.read_at(at, &mut head).is_ok() {
+    while at.checked_add(head.len() as u64).is_some_and(|end| end <= input.length()) && input.read_at(at, &mut head).is_ok() {
         let Some((op::MESSAGE_INDEX, length @ 6..)) = prefix(&head) else { break };
         let id = u16::from_le_bytes([head[PREFIX as usize], head[PREFIX as usize + 1]]);
         *channels.entry(id).or_default() += (length - 6) / 16;
-        let Some(next) = at.checked_add(PREFIX + length) else { break };
+        let Some(next) = length.checked_add(PREFIX).and_then(|step| at.checked_add(step)) else { break };
         at = next;
     }
     channels

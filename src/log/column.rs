@@ -54,13 +54,9 @@ impl Column {
 
     /// The signal: sorted by time, equal times in the order of the log.
     pub(super) fn into_signal(self, relative_to_gear: bool, unsigned: bool) -> Signal {
-        let Self { mut time_ns, mut value, .. } = self;
-        if !time_ns.is_sorted() {
-            let mut pairs: Vec<(i64, f64)> = time_ns.into_iter().zip(value).collect();
-            pairs.sort_by_key(|(time_ns, _)| *time_ns);
-            (time_ns, value) = pairs.into_iter().unzip();
-        }
-        Signal { time_ns, value, relative_to_gear, unsigned }
+        let mut signal = Signal { time_ns: self.time_ns, value: self.value, relative_to_gear, unsigned };
+        signal.sort();
+        signal
     }
 }
 

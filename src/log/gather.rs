@@ -54,6 +54,8 @@ pub(super) struct Gathered {
     pub tallies: BTreeMap<u16, Tally>,
     /// Messages of wanted channels that do not fit their schema.
     pub broken: BTreeMap<u16, u64>,
+    /// Why messages of a channel cannot be read at all.
+    pub refused: BTreeMap<u16, &'static str>,
     pub damage: Vec<Damage>,
     /// Channels and schemas that were not known before the pass.
     pub learned: Inventory,
@@ -191,6 +193,7 @@ impl Gathered {
     fn decode<'a>(&mut self, plan: &ChannelPlan, message: &Message<'a>, taken: &mut Taken<'a>) {
         if plan.plan.decode(message.payload, taken).is_none() {
             *self.broken.entry(message.channel).or_default() += 1;
+            self.refused.extend(plan.plan.refusal(message.payload).map(|reason| (message.channel, reason)));
             return;
         }
         let log_time_ns = nanoseconds(message.log_time_ns);
@@ -217,6 +220,7 @@ impl Gathered {
         for (channel, count) in part.broken {
             *self.broken.entry(channel).or_default() += count;
         }
+        self.refused.extend(part.refused);
         self.damage.extend(part.damage);
         for (id, payload) in part.samples {
             self.samples.entry(id).or_insert(payload);

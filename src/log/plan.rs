@@ -163,6 +163,11 @@ impl Plan {
         Some(())
     }
 
+    /// Why payloads like this one cannot be read at all, when it is not that they are broken.
+    pub(super) fn refusal(&self, payload: &[u8]) -> Option<&'static str> {
+        matches!(self.decoder, Decoder::Cdr(_)).then(|| cdr::Program::refusal(payload)).flatten()
+    }
+
     fn walk<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
         match &self.decoder {
             Decoder::Cdr(program) => program.run_cdr(payload, taken),

@@ -8,7 +8,7 @@ use super::loss::{Damage, Loss, Why};
 use super::recording::{Origin, Recording, Signals};
 use super::resolve::{self, Choices};
 use super::signal_map::{SignalName, VehicleOverrides};
-use super::{Error, Result, Source, infer};
+use super::{Error, Result, Source};
 use crate::map::LogRef;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,7 @@ const MAX_PASSES: usize = 3;
 /// A file that is no log or holds no message, a required signal that is missing or without values, a vehicle that is not known.
 /// Damage is no error as long as something is left: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), true), source, overrides, progress)
+    Ok(part(path, true, source, overrides, progress)?.finish())
 }
 
 /// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
@@ -32,8 +31,7 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 /// # Errors
 /// As [`read`].
 pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), false), source, overrides, progress)
+    Ok(part(path, false, source, overrides, progress)?.finish())
 }
 
 /// Reads a log from memory, under the name `name`; otherwise as [`read`].
@@ -41,7 +39,30 @@ pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, 
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), source, overrides, &|_| {})
+    Ok(read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), source, overrides, &|_| {})?.finish())
+}
+
+/// One file of a recording; what only the values tell, of all files together, is not yet corrected.
+pub(super) struct Part {
+    pub recording: Recording,
+    /// Whether any signal was found by name.
+    pub guessed: bool,
+    /// Signals whose unit no name told.
+    pub unnamed: Vec<SignalName>,
+    /// Number of files.
+    pub files: usize,
+}
+
+/// Reads one file, with its hash if `hashed`.
+pub(super) fn part(
+    path: &Path,
+    hashed: bool,
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Part> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    read_input(Input::open(path)?, (name, path.to_owned(), hashed), source, overrides, progress)
 }
 
 fn read_input(
@@ -50,7 +71,7 @@ fn read_input(
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Recording> {
+) -> Result<Part> {
     let mut container = Container::open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding
@@ -72,10 +93,11 @@ fn read_input(
             let of_topic = |id: &&u16| container.inventory.channels.get(id).is_some_and(|channel| channel.topic == choice.spec.path.topic);
             let messages = gathered.tallies.iter().filter(|(id, _)| of_topic(id)).map(|(_, tally)| tally.messages).sum();
             let broken: u64 = gathered.broken.iter().filter(|(id, _)| of_topic(id)).map(|(_, count)| *count).sum();
+            let refused = gathered.refused.iter().find(|(id, _)| of_topic(id)).map(|(_, reason)| format!(": {reason}")).unwrap_or_default();
             let reason = match (not_finite, broken) {
                 (0, 0) => "none holds this field".to_owned(),
                 (nan, 0) => format!("{nan} hold NaN or infinity"),
-                (nan, broken) => format!("{broken} do not fit their schema, {nan} hold NaN or infinity"),
+                (nan, broken) => format!("{broken} do not fit their schema{refused}, {nan} hold NaN or infinity"),
             };
             let path = choice.spec.path.to_string();
             if signal.is_required() {
@@ -94,11 +116,9 @@ fn read_input(
         });
         signals.set(signal, column.into_signal(choice.spec.relative_to_gear, choice.spec.unsigned));
     }
-    if choices.guessed {
-        notes.extend(infer::correct(&mut signals, &vehicle, &unnamed));
-    }
     let source = LogRef { sha256: sha256?, file, bytes: input.length() };
-    Ok(Recording { source, path, vehicle, signals, origins, loss, notes })
+    let recording = Recording { source, path, vehicle, signals, origins, loss, notes };
+    Ok(Part { recording, guessed: choices.guessed, unnamed, files: 1 })
 }
 
 /// What a pass over the messages gave.
