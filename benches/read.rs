@@ -384,7 +384,10 @@ fn reading(folder: &Path) {
             );
             if name == "zstd" {
                 let ratio = ours / unindexed;
-                println!("without summary {threads:>5} thread(s): {ratio:.2} of the same log with one; goal 0.80: {}", verdict(ratio >= 0.8));
+                println!(
+                    "without summary {threads:>5} thread(s): {ratio:.2} of the same log with one; goal 0.80: {}",
+                    verdict(ratio >= 0.8)
+                );
             }
         }
         std::fs::remove_file(&path).unwrap();
@@ -408,7 +411,11 @@ fn memory(folder: &Path) {
     }
     let (one, four) = (peaks[0], peaks[1]);
     println!("peak memory: {one:.1} MB on 1 GB, {four:.1} MB on 4 GB; goal below 300 MB: {}", verdict(one.max(four) < 300.0));
-    println!("growth from 1 GB to 4 GB: {:.0} %; goal within 20 %: {}", (four / one - 1.0) * 100.0, verdict((four / one - 1.0).abs() <= 0.2));
+    println!(
+        "growth from 1 GB to 4 GB: {:.0} %; goal within 20 %: {}",
+        (four / one - 1.0) * 100.0,
+        verdict((four / one - 1.0).abs() <= 0.2)
+    );
 }
 
 /// What a process is asked that measures itself: `memory PATH` or `summary PATH`.

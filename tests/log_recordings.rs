@@ -149,8 +149,12 @@ fn several_channels_of_one_topic_are_read_as_one() {
     let channels = ["/a", "/b"].map(|name| writer.add_channel(0, "/drive", "json", &publisher(name)).unwrap());
     assert_ne!(channels[0], channels[1]);
     for number in 0..100_u64 {
-        let header =
-            MessageHeader { channel_id: channels[number as usize % 2], sequence: 0, log_time: START + number, publish_time: START + number };
+        let header = MessageHeader {
+            channel_id: channels[number as usize % 2],
+            sequence: 0,
+            log_time: START + number,
+            publish_time: START + number,
+        };
         let text = format!(r#"{{"speed_mps":{number},"torque_cmd_nm":2,"steer_angle_deg":3}}"#);
         writer.write_to_known_channel(&header, text.as_bytes()).unwrap();
     }

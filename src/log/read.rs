@@ -1,7 +1,7 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
-use super::container::{BlockKind, Container};
 use super::column::Column;
+use super::container::{BlockKind, Container};
 use super::gather::{self, Gathered};
 use super::input::Input;
 use super::loss::{Damage, Loss, Why};

@@ -182,7 +182,9 @@ mod tests {
 
     #[test]
     fn parameter_lists_and_delimited_types_are_refused_by_name() {
-        for (id, name) in [(2, "PL_CDR"), (3, "PL_CDR"), (0x0b, "PL_CDR"), (0x13, "PL_CDR"), (9, "D_CDR2"), (0x15, "D_CDR2"), (0x77, "no CDR")] {
+        for (id, name) in
+            [(2, "PL_CDR"), (3, "PL_CDR"), (0x0b, "PL_CDR"), (0x13, "PL_CDR"), (9, "D_CDR2"), (0x15, "D_CDR2"), (0x77, "no CDR")]
+        {
             let payload = payload([0, id], None);
             assert!(plan().decode(&payload, &mut Taken::default()).is_none());
             assert!(plan().refusal(&payload).unwrap().contains(name));

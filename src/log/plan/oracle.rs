@@ -353,37 +353,6 @@ fn a_wide_text_before_the_field_is_skipped() {
 }
 
 #[test]
-fn protobuf_members_of_a_oneof_and_groups_do_not_become_values() {
-    use prost_reflect::prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, OneofDescriptorProto};
-    let field = |name: &str, number, oneof: Option<i32>| FieldDescriptorProto {
-        name: Some(name.into()),
-        number: Some(number),
-        label: Some(1),
-        r#type: Some(1),
-        oneof_index: oneof,
-        ..FieldDescriptorProto::default()
-    };
-    let message = DescriptorProto {
-        name: Some("M".into()),
-        field: vec![field("torque_nm", 2, Some(0)), field("speed_mps", 3, Some(0)), field("plain", 4, None)],
-        oneof_decl: vec![OneofDescriptorProto { name: Some("setpoint".into()), ..OneofDescriptorProto::default() }],
-        ..DescriptorProto::default()
-    };
-    let file = FileDescriptorProto {
-        name: Some("m".into()),
-        message_type: vec![message],
-        syntax: Some("proto3".into()),
-        ..FileDescriptorProto::default()
-    };
-    let data = prost_reflect::prost::Message::encode_to_vec(&FileDescriptorSet { file: vec![file] });
-    let schema = Schema { name: "M".into(), encoding: "protobuf".into(), data };
-    // group 5 holds a field 2, which is not the message's
-    let payload = [&[0x2b, 0x11][..], &1.0_f64.to_le_bytes(), &[0x2c, 0x19], &2.0_f64.to_le_bytes()].concat();
-    let taken = take(&plan("protobuf", Some(&schema), &[".torque_nm", ".speed_mps", ".plain"]), &payload);
-    assert_eq!(taken, [None, Some(2.0), Some(0.0)]);
-}
-
-#[test]
 fn a_path_that_leads_nowhere_says_what_there_is() {
     let layout = Layout::parse("cdr", Some(&ros_schema("ros2msg", ROS_SCHEMA))).unwrap();
     let wrong = |path: &str| {
