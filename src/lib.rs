@@ -23,5 +23,6 @@ pub mod map;
 pub mod record;
 pub mod signal;
 pub mod sim;
+mod spelling;
 pub mod units;
 pub mod verify;
