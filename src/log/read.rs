@@ -74,9 +74,10 @@ fn read_input(
 ) -> Result<Part> {
     let mut container = Container::open(input)?;
     let input = container.input.clone();
-    // the hash needs every byte once more: it runs beside the decoding
+    // the hash needs every byte once more: it runs beside the decoding, and each is half of the progress
+    let half = |bytes: u64| progress(if hashed { bytes.div_ceil(2) } else { bytes });
     let (sha256, read) =
-        rayon::join(|| if hashed { input.sha256() } else { Ok(String::new()) }, || pass(&mut container, source, overrides, progress));
+        rayon::join(|| if hashed { input.sha256(&half) } else { Ok(String::new()) }, || pass(&mut container, source, overrides, &half));
     let Pass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
     let mut loss = loss(&container, &gathered);
