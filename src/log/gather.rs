@@ -80,7 +80,9 @@ pub(super) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
                 part
             })
             .collect();
-        parts.into_iter().for_each(|part| whole.append(part));
+        for part in parts {
+            whole.append(part);
+        }
     }
     whole
 }

@@ -111,7 +111,9 @@ impl Program {
 
     fn run<'a, const BE: bool>(&self, payload: &'a [u8], form: Form, taken: &mut Taken<'a>) -> Option<()> {
         let trace = taken.shortcut.learn();
-        if let Some(mut trace) = Walk::<BE>::new(payload, form, trace).finish(&self.operations, taken)? {
+        let mut walk = Walk::<BE>::new(payload, form, trace);
+        walk.all(&self.operations, taken)?;
+        if let Some(mut trace) = walk.into_trace() {
             if taken.again {
                 trace.give_up();
             }

@@ -165,7 +165,7 @@ impl<'d> Declared<'d> {
             Some(Err(_)) => return Err(unknown()),
             _ => match self.find(within, field.type_name.as_deref().ok_or_else(unknown)?)? {
                 Named::Message(index) => {
-                    is_map = self.messages[*index].1.options.as_ref().is_some_and(|options| options.map_entry());
+                    is_map = self.messages[*index].1.options.as_ref().is_some_and(prost_types::MessageOptions::map_entry);
                     Kind::Message(*index)
                 }
                 Named::Enum(kind) => {

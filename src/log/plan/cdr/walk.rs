@@ -67,16 +67,21 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         Self { payload, at: form.start, form, trace }
     }
 
-    /// Runs the whole program; gives back the trace, if one was kept.
-    pub(super) fn finish(mut self, operations: &[Operation], taken: &mut Taken<'a>) -> Option<Option<Trace>> {
+    /// Runs the whole program.
+    pub(super) fn all(&mut self, operations: &[Operation], taken: &mut Taken<'a>) -> Option<()> {
         if let Some(trace) = &mut self.trace {
             trace.depends_on(0, self.form.start.min(2)); // byte order and alignment
         }
         self.run(operations, taken)?;
-        Some(self.trace.map(|mut trace| {
+        if let Some(trace) = &mut self.trace {
             trace.close(self.at, BE);
-            trace
-        }))
+        }
+        Some(())
+    }
+
+    /// What the walk noted.
+    pub(super) fn into_trace(self) -> Option<Trace> {
+        self.trace
     }
 
     fn run(&mut self, operations: &[Operation], taken: &mut Taken<'a>) -> Option<()> {
