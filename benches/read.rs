@@ -141,7 +141,7 @@ fn write(path: &Path, compression: Option<Compression>, megabytes: u64, indexed:
             points.extend((coordinate as f32).to_le_bytes());
         }
         points.extend([0; 4]);
-        points.extend((random.random_range(0..100_u8) as f32).to_le_bytes());
+        points.extend(f32::from(random.random_range(0..100_u8)).to_le_bytes());
         points.extend(((index % 32) as u16).to_le_bytes());
         points.extend([0; 10]);
     }
