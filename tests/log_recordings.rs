@@ -6,6 +6,7 @@ use mcap::Writer;
 use mcap::records::MessageHeader;
 use pivot_cal::log::{Error, Recording, SignalMap, Source, VehicleOverrides, find_logs, read, read_split};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::io::Cursor;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -46,7 +47,7 @@ fn bag(folder: &Path, parts: &[Range<u64>]) {
     let mut listed = String::from("rosbag2_bagfile_information:\n  version: 9\n  storage_identifier: mcap\n  relative_file_paths:\n");
     for (number, part) in parts.iter().enumerate() {
         std::fs::write(folder.join(format!("drive_{number}.mcap")), log(part.clone())).unwrap();
-        listed += &format!("    - drive_{number}.mcap\n");
+        writeln!(listed, "    - drive_{number}.mcap").unwrap();
     }
     std::fs::write(folder.join("metadata.yaml"), listed + "  duration:\n    nanoseconds: 1\n").unwrap();
 }
