@@ -1,14 +1,16 @@
 //! Reading speed, against the limit and against the alternatives.
 //!
 //! `cargo bench --bench read` makes logs of about 500 MB (signals among images, point clouds and many small topics) in a temporary
-//! folder and prints, for each compression and for one and two threads: pure decompression of the same chunks (the limit), six signals
-//! read by this library, and `mcap::MessageStream`. Then messages per second of each decoder against its dynamic oracle.
-//! `PIVOT_CAL_BENCH_MB` changes the size; with `PIVOT_CAL_BENCH_MEMORY` set, the peak memory of reading one such log is printed instead.
+//! folder and prints each figure against its goal: six signals read by this library against pure decompression of the same chunks (the
+//! limit) and against `mcap::MessageStream`, for each compression and for one and two threads; a log without summary against the same
+//! log with one; messages per second of each decoder against its dynamic oracle; the summary's answer; the peak memory of reading a
+//! log of 1 GB and one of 4 GB, each in a process of its own. What is compared is measured in turns, and the best of each counts, so that
+//! a busy machine disturbs both alike. `PIVOT_CAL_BENCH_MB` changes the size of the logs, `PIVOT_CAL_BENCH_ROUNDS` the number of turns.
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs)]
 
 use mcap::records::{MessageHeader, Record, op};
 use mcap::{Compression, WriteOptions, Writer};
-use pivot_cal::log::{FieldReader, Preset, Source, VehicleOverrides, read_signals};
+use pivot_cal::log::{Depth, FieldReader, Preset, Source, VehicleOverrides, read_signals, survey};
 use rand::{Rng, RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -130,6 +132,19 @@ fn write(path: &Path, compression: Option<Compression>, megabytes: u64, indexed:
     for (index, byte) in noise.iter_mut().enumerate() {
         *byte = (*byte & 0x1f).wrapping_add((index / 2000) as u8);
     }
+    // 32 bytes a point, as drivers lay them out: three coordinates, padding, intensity, ring, padding
+    let mut points = Vec::with_capacity(200_000);
+    for index in 0..6_250_u32 {
+        let angle = f64::from(index) * 1e-3;
+        let range = 8.0 + random.random::<f64>();
+        for coordinate in [range * angle.cos(), range * angle.sin(), -0.7 + 0.01 * random.random::<f64>()] {
+            points.extend((coordinate as f32).to_le_bytes());
+        }
+        points.extend([0; 4]);
+        points.extend(f32::from(random.random_range(0..100_u8)).to_le_bytes());
+        points.extend(((index % 32) as u16).to_le_bytes());
+        points.extend([0; 10]);
+    }
     let mut written = 0;
     let mut number = 0_u64;
     while written < megabytes << 20 {
@@ -153,7 +168,8 @@ fn write(path: &Path, compression: Option<Compression>, megabytes: u64, indexed:
             put(image, &[&[0, 1, 0, 0][..], &noise].concat());
         }
         if number % 10 == 5 {
-            put(cloud, &[&[0, 1, 0, 0][..], &noise[..200_000]].concat());
+            points.rotate_left(32 * 97);
+            put(cloud, &[&[0, 1, 0, 0][..], &points].concat());
         }
         for channel in &small {
             put(*channel, &Cdr::new().f64(value).0);
@@ -228,15 +244,22 @@ fn message_stream(path: &Path) -> u64 {
     stream.map(Result::unwrap).filter(|message| wanted.contains(&message.channel.topic.as_str())).count() as u64
 }
 
-/// Best of three, in seconds.
-fn best(mut work: impl FnMut() -> u64) -> f64 {
-    (0..3)
-        .map(|_| {
+/// Each of `works` in turn, `rounds` times over; the best time of each in seconds.
+fn in_turns<const N: usize>(rounds: usize, mut works: [&mut dyn FnMut() -> u64; N]) -> [f64; N] {
+    let mut best = [f64::INFINITY; N];
+    for _ in 0..rounds {
+        for (work, best) in works.iter_mut().zip(&mut best) {
             let start = Instant::now();
             std::hint::black_box(work());
-            start.elapsed().as_secs_f64()
-        })
-        .fold(f64::INFINITY, f64::min)
+            *best = best.min(start.elapsed().as_secs_f64());
+        }
+    }
+    best
+}
+
+/// Says whether a figure reaches its goal.
+fn verdict(reached: bool) -> &'static str {
+    if reached { "reached" } else { "MISSED" }
 }
 
 fn peak_memory_mb() -> Option<f64> {
@@ -246,25 +269,28 @@ fn peak_memory_mb() -> Option<f64> {
 }
 
 /// Messages per second of our plan and of the dynamic decoder over the same payloads; one thread.
-fn decoder(name: &str, reader: &FieldReader, payloads: &[Vec<u8>], mut dynamic: impl FnMut(&[u8])) {
+fn decoder(name: &str, goal: Option<f64>, reader: &FieldReader, payloads: &[Vec<u8>], mut dynamic: impl FnMut(&[u8])) {
     const ROUNDS: u64 = 100;
     let count = payloads.len() as u64 * ROUNDS;
-    let ours = best(|| {
+    let mut ours = || {
         let mut read = 0;
         reader.read_all((0..ROUNDS).flat_map(|_| payloads).map(Vec::as_slice), |values| {
             read += u64::from(std::hint::black_box(values).is_some_and(|values| values.iter().all(Option::is_some)));
         });
         assert_eq!(read, count);
         count
-    });
-    let theirs = best(|| {
-        for payload in (0..ROUNDS).flat_map(|_| payloads) {
+    };
+    // fewer of the slow ones, so that both take about as long
+    let mut theirs = || {
+        for payload in (0..ROUNDS / 10).flat_map(|_| payloads) {
             dynamic(payload);
         }
-        count
-    });
-    let rate = |seconds: f64| count as f64 / seconds / 1e6;
-    println!("{name:12} {:>8.2} {:>8.2} {:>8.1}", rate(ours), rate(theirs), theirs / ours);
+        count / 10
+    };
+    let [ours, theirs] = in_turns(rounds(), [&mut ours, &mut theirs]);
+    let (ours, theirs) = (count as f64 / ours / 1e6, count as f64 / 10.0 / theirs / 1e6);
+    let goal = goal.map_or_else(String::new, |goal| format!("   goal {goal:.0}: {}", verdict(ours / theirs >= goal)));
+    println!("{name:12} {ours:>8.2} {theirs:>8.2} {:>8.1}{goal}", ours / theirs);
 }
 
 fn decoders() {
@@ -283,7 +309,7 @@ fn decoders() {
         Some(("sensor_msgs/msg/JointState", "ros2msg", JOINT_STATE.as_bytes())),
         &[r#"/t.velocity{name=="front_drive_joint"}"#, "/t.header.stamp.sec", "/t.header.stamp.nanosec"],
     );
-    decoder("JointState", &joints, &payloads, |payload| {
+    decoder("JointState", Some(20.0), &joints, &payloads, |payload| {
         let mut reader = re_cdr::CdrReader::<re_cdr::LittleEndian>::new(&payload[4..]);
         std::hint::black_box(re_ros_msg::deserialize::decode_message(&mut reader, &schema.spec, &resolver).unwrap());
     });
@@ -293,7 +319,7 @@ fn decoders() {
         .collect();
     let message = prost_reflect::DescriptorPool::decode(descriptors).unwrap().get_message_by_name("f.M").unwrap();
     let fields = reader("protobuf", Some(("f.M", "protobuf", descriptors)), &["/t.value", "/t.zigzag", "/t.id"]);
-    decoder("protobuf", &fields, &payloads, |payload| {
+    decoder("protobuf", None, &fields, &payloads, |payload| {
         std::hint::black_box(prost_reflect::DynamicMessage::decode(message.clone(), payload).unwrap());
     });
     let text = |n| {
@@ -303,48 +329,117 @@ fn decoders() {
     };
     let payloads: Vec<_> = (0..COUNT).map(|n| text(n).into_bytes()).collect();
     let fields = reader("json", None, &["/t.wheel.speed_kmh", "/t.stamp.sec", "/t.stamp.nsec"]);
-    decoder("JSON", &fields, &payloads, |payload| {
+    decoder("JSON", None, &fields, &payloads, |payload| {
         std::hint::black_box(serde_json::from_slice::<serde_json::Value>(payload).unwrap());
     });
 }
 
-fn main() {
-    let megabytes = std::env::var("PIVOT_CAL_BENCH_MB").ok().and_then(|text| text.parse().ok()).unwrap_or(500);
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| -> PathBuf { folder.path().join(name) };
-    if std::env::var_os("PIVOT_CAL_BENCH_MEMORY").is_some() {
-        let file = path("memory.mcap");
-        write(&file, Some(Compression::Zstd), megabytes, true);
-        let read = signals(&file);
-        println!("{megabytes} MB, {read} messages: peak memory {:.0} MB", peak_memory_mb().unwrap_or(f64::NAN));
-        return;
-    }
-    decoders();
-    println!("log of {megabytes} MB uncompressed; best of 3; MB/s of uncompressed data");
-    println!("{:22} {:>8} {:>13} {:>13} {:>7} {:>14}", "file", "threads", "decompression", "six signals", "ratio", "MessageStream");
-    let mut indexed_s = BTreeMap::new();
-    for (name, compression, indexed) in [
-        ("zstd", Some(Compression::Zstd), true),
-        ("lz4", Some(Compression::Lz4), true),
-        ("none", None, true),
-        ("zstd, no summary", Some(Compression::Zstd), false),
-    ] {
-        let file = path(&format!("{}.mcap", name.replace([',', ' '], "_")));
-        write(&file, compression, megabytes, indexed);
-        let chunks = chunks(&file);
+fn setting(name: &str, usual: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
+fn rounds() -> usize {
+    setting("PIVOT_CAL_BENCH_ROUNDS", 7) as usize
+}
+
+fn reading(folder: &Path) {
+    let megabytes = setting("PIVOT_CAL_BENCH_MB", 500);
+    let file = |name: &str, compression, indexed| -> PathBuf {
+        let path = folder.join(name);
+        write(&path, compression, megabytes, indexed);
+        path
+    };
+    let bare = file("zstd_without_summary.mcap", Some(Compression::Zstd), false);
+    println!("logs of {megabytes} MB uncompressed; best of {} turns; MB/s of uncompressed data", rounds());
+    println!(
+        "{:6} {:>7} {:>13} {:>11} {:>6} {:>13} {:>6}  goal",
+        "file", "threads", "decompression", "six signals", "ratio", "MessageStream", "ratio"
+    );
+    for (name, compression) in [("zstd", Some(Compression::Zstd)), ("lz4", Some(Compression::Lz4)), ("none", None)] {
+        let path = file(&format!("{name}.mcap"), compression, true);
+        let chunks = chunks(&path);
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let size = pool.install(|| decompress(&file, &chunks)) as f64 / 1e6;
-            let limit = best(|| pool.install(|| decompress(&file, &chunks)));
-            let ours = best(|| pool.install(|| signals(&file)));
-            indexed_s.entry((name, threads)).or_insert(ours);
-            let stream = if threads == 1 && indexed { format!("{:.0}", size / best(|| message_stream(&file))) } else { String::new() };
-            println!("{name:22} {threads:>8} {:>13.0} {:>13.0} {:>7.2} {stream:>14}", size / limit, size / ours, limit / ours);
+            let size = pool.install(|| decompress(&path, &chunks)) as f64 / 1e6;
+            let [limit, ours, stream, unindexed] = in_turns(
+                rounds(),
+                [
+                    &mut || pool.install(|| decompress(&path, &chunks)),
+                    &mut || pool.install(|| signals(&path)),
+                    &mut || message_stream(&path),
+                    &mut || if name == "zstd" { pool.install(|| signals(&bare)) } else { 0 },
+                ],
+            );
+            let goal = match compression {
+                Some(_) => format!("0.85 of decompression: {}", verdict(limit / ours >= 0.85)),
+                None => format!("2 × MessageStream: {}", verdict(stream / ours >= 2.0)),
+            };
+            println!(
+                "{name:6} {threads:>7} {:>13.0} {:>11.0} {:>6.2} {:>13.0} {:>6.2}  {goal}",
+                size / limit,
+                size / ours,
+                limit / ours,
+                size / stream,
+                stream / ours
+            );
+            if name == "zstd" {
+                let ratio = ours / unindexed;
+                println!(
+                    "without summary {threads:>5} thread(s): {ratio:.2} of the same log with one; goal 0.80: {}",
+                    verdict(ratio >= 0.8)
+                );
+            }
         }
-        std::fs::remove_file(&file).unwrap();
+        std::fs::remove_file(&path).unwrap();
     }
-    for threads in [1, 2] {
-        let ratio = indexed_s[&("zstd", threads)] / indexed_s[&("zstd, no summary", threads)];
-        println!("unindexed, of the indexed file, {threads} thread(s): {ratio:.2}");
+}
+
+/// Peak memory of reading a log, and how long its summary takes to answer; each in a process that does nothing else.
+fn memory(folder: &Path) {
+    let this = std::env::current_exe().unwrap();
+    let ask = |path: &Path, what: &str| -> f64 {
+        let output = std::process::Command::new(&this).env(CHILD, format!("{what} {}", path.display())).output().unwrap();
+        String::from_utf8(output.stdout).unwrap().trim().parse().unwrap()
+    };
+    let path = folder.join("large.mcap");
+    let mut peaks = Vec::new();
+    for gigabytes in [1, 4] {
+        write(&path, Some(Compression::Zstd), gigabytes * 1000, true);
+        peaks.push(ask(&path, "memory"));
+        let answered_s = ask(&path, "summary");
+        println!("{gigabytes} GB: summary answered in {:.0} ms; goal 500: {}", answered_s * 1e3, verdict(answered_s < 0.5));
     }
+    let (one, four) = (peaks[0], peaks[1]);
+    println!("peak memory: {one:.1} MB on 1 GB, {four:.1} MB on 4 GB; goal below 300 MB: {}", verdict(one.max(four) < 300.0));
+    println!(
+        "growth from 1 GB to 4 GB: {:.0} %; goal within 20 %: {}",
+        (four / one - 1.0) * 100.0,
+        verdict((four / one - 1.0).abs() <= 0.2)
+    );
+}
+
+/// What a process is asked that measures itself: `memory PATH` or `summary PATH`.
+const CHILD: &str = "PIVOT_CAL_BENCH_CHILD";
+
+fn child(asked: &str) {
+    let (what, path) = asked.split_once(' ').unwrap();
+    let path = Path::new(path);
+    if what == "memory" {
+        signals(path);
+        println!("{}", peak_memory_mb().unwrap_or(f64::NAN));
+    } else {
+        let start = Instant::now();
+        survey(path, &Source::Preset(Preset::PivotCal), Depth::Summary, &|_| {}).unwrap();
+        println!("{}", start.elapsed().as_secs_f64());
+    }
+}
+
+fn main() {
+    if let Ok(asked) = std::env::var(CHILD) {
+        return child(&asked);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    decoders();
+    reading(folder.path());
+    memory(folder.path());
 }

@@ -27,5 +27,6 @@ pub mod record;
 pub mod report;
 pub mod signal;
 pub mod sim;
+mod spelling;
 pub mod units;
 pub mod verify;

@@ -234,6 +234,20 @@ fn a_chunk_that_declares_too_little_is_refused() {
 }
 
 #[test]
+fn a_message_index_of_wild_length_behind_a_lost_chunk_ends_the_count() {
+    for length in [u64::MAX, u64::MAX - 8, u64::MAX - 20_000, 1 << 40] {
+        let sound = log(&SOUND);
+        let mut bytes = sound.clone();
+        let (at, body) = chunks(&sound)[3];
+        bytes[at + 9 + body - 40] ^= 0x10;
+        let index = at + 9 + body;
+        assert_eq!(bytes[index], 7);
+        bytes[index + 1..index + 9].copy_from_slice(&length.to_le_bytes());
+        expect_lost_chunk(bytes, &sound, 3);
+    }
+}
+
+#[test]
 fn an_unknown_compression_loses_that_chunk_only() {
     let sound = log(&SOUND);
     let mut bytes = sound.clone();
@@ -300,6 +314,59 @@ fn broken_payloads_are_skipped_and_counted() {
     let recording = read(bytes).unwrap();
     assert_eq!(recording.loss.broken_messages[DRIVE], MESSAGES / 9);
     assert_eq!(numbers(&recording).len() as u64, MESSAGES - MESSAGES / 9);
+}
+
+#[test]
+fn values_that_are_no_numbers_are_dropped_and_counted() {
+    let mut writer = Writer::new(Cursor::new(Vec::new())).unwrap();
+    let schema = writer.add_schema("pkg/Drive", "ros2msg", b"float64 speed_mps\nfloat64 torque_cmd_nm\nfloat64 steer_angle_deg\n").unwrap();
+    let channel = writer.add_channel(schema, DRIVE, "cdr", &BTreeMap::new()).unwrap();
+    for (number, speed) in [1.0, f64::NAN, 2.0, f64::INFINITY, f64::NEG_INFINITY, 3.0].into_iter().enumerate() {
+        let header = MessageHeader { channel_id: channel, sequence: 0, log_time: number as u64, publish_time: 0 };
+        let payload = [&[0, 1, 0, 0], &[speed, 7.0, 9.0].map(f64::to_le_bytes).concat()[..]].concat();
+        writer.write_to_known_channel(&header, &payload).unwrap();
+    }
+    writer.finish().unwrap();
+    let bytes = writer.into_inner().into_inner();
+    let recording = read(bytes.clone()).unwrap();
+    assert_eq!(recording.signals.speed.value, [1.0, 2.0, 3.0]);
+    assert_eq!(recording.signals.torque.len(), 6);
+    for loss in [recording.loss, look(bytes).loss.unwrap()] {
+        assert_eq!(loss.not_finite, BTreeMap::from([("speed".to_owned(), 3)]));
+        assert!(!loss.is_damaged());
+    }
+}
+
+#[test]
+fn a_jump_of_the_clock_and_a_log_time_beyond_reason_are_kept_in_their_place() {
+    let mut writer = Writer::new(Cursor::new(Vec::new())).unwrap();
+    let channel = writer.add_channel(0, DRIVE, "json", &BTreeMap::new()).unwrap();
+    for (time, speed) in [(1, 1), (2, 2), (9_000_000_000_000_000_000, 3), (u64::MAX, 4)] {
+        let header = MessageHeader { channel_id: channel, sequence: 0, log_time: time, publish_time: time };
+        let text = format!(r#"{{"speed_mps":{speed},"torque_cmd_nm":2,"steer_angle_deg":3}}"#);
+        writer.write_to_known_channel(&header, text.as_bytes()).unwrap();
+    }
+    writer.finish().unwrap();
+    let recording = read(writer.into_inner().into_inner()).unwrap();
+    assert_eq!(recording.signals.speed.time_ns, [1, 2, 9_000_000_000_000_000_000, i64::MAX]);
+}
+
+#[test]
+fn a_repeated_chunk_bomb_that_the_end_cuts_off_gives_no_more_than_it_declares() {
+    // zeros compress a thousandfold: the chunk declares little, holds much, and is cut
+    let packed = zstd::encode_all(&vec![0_u8; 64 << 20][..], 1).unwrap();
+    let sound = log(&SOUND);
+    let (at, _) = chunks(&sound)[5];
+    let mut bytes = sound[..at].to_vec();
+    let mut body = sound[at + 9..at + 9 + 32 + 4].to_vec();
+    body[16..24].copy_from_slice(&1000_u64.to_le_bytes());
+    body.extend((packed.len() as u64 + 50).to_le_bytes());
+    body.extend(&packed);
+    bytes.push(6);
+    bytes.extend((body.len() as u64 + 50).to_le_bytes());
+    bytes.extend(body);
+    let recording = read(bytes).unwrap();
+    assert_eq!(recording.loss.messages_read, messages_per_chunk(&sound)[..5].iter().sum::<u64>());
 }
 
 #[test]

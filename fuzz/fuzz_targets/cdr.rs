@@ -5,6 +5,8 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../one_message.rs"]
 mod one_message;
+#[path = "../one_thread.rs"]
+mod one_thread;
 
 const SCHEMA: &str = "\
 std_msgs/Header header
@@ -36,7 +38,7 @@ int32 sec
 uint32 nanosec
 ";
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(init: one_thread::init(), |data: &[u8]| {
     let Some((choice, payload)) = data.split_first() else { return };
     let fields = match choice % 4 {
         0 => [r#".position{name=="a"}"#, ".last[-1]", ".large"],

@@ -4,6 +4,9 @@
 use libfuzzer_sys::fuzz_target;
 use pivot_cal::log::{Depth, Source, survey_bytes};
 
-fuzz_target!(|data: &[u8]| {
+#[path = "../one_thread.rs"]
+mod one_thread;
+
+fuzz_target!(init: one_thread::init(), |data: &[u8]| {
     let _ = survey_bytes(data.to_vec(), "fuzz", &Source::Detect, Depth::Everything);
 });

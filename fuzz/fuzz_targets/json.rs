@@ -5,8 +5,10 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../one_message.rs"]
 mod one_message;
+#[path = "../one_thread.rs"]
+mod one_thread;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(init: one_thread::init(), |data: &[u8]| {
     let Some((choice, payload)) = data.split_first() else { return };
     let fields = match choice % 3 {
         0 => [r#".v{name=="a"}"#, ".list[-1]", ".x"],

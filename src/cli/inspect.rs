@@ -1,7 +1,7 @@
 //! `inspect LOG…`: what is in the logs, and which signals are found.
 
 use super::{Outcome, Ui};
-use crate::log::{self, Depth, Preset, SignalMap, Source, Survey, VehicleOverrides};
+use crate::log::{self, Depth, Preset, Source, Survey, VehicleOverrides};
 use anyhow::Context as _;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, autoware or joint-state
     #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
+    preset: Option<Preset>,
     /// Read every message: true rates, losses, and the runs
     #[arg(long)]
     runs: bool,
@@ -48,7 +48,7 @@ struct Document {
     logs: Vec<Inspected>,
 }
 
-/// One log of the JSON document: what is in it, and with `--runs` its runs.
+/// One log of the JSON document: what is in it, and with `--runs` its runs; those of a recording in several files stand at the last.
 #[derive(serde::Serialize)]
 struct Inspected {
     #[serde(flatten)]
@@ -58,42 +58,33 @@ struct Inspected {
 }
 
 pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let source = source(arguments.signals.as_deref(), arguments.preset.as_deref())?;
+    let source = super::logs::source(arguments.signals.as_deref(), arguments.preset)?;
     let overrides = VehicleOverrides {
         wheelbase_m: arguments.wheelbase_m,
         wheel_radius_m: arguments.wheel_radius_m,
         test_angle_deg: arguments.test_angle_deg,
         torque_limit_nm: None,
     };
-    let mut logs = Vec::new();
+    let mut recordings = Vec::new();
     for named in &arguments.logs {
-        logs.extend(log::find_logs(named).with_context(|| named.display().to_string())?);
+        recordings.extend(log::find_logs(named).with_context(|| named.display().to_string())?);
     }
     let mut surveys = Vec::new();
-    for path in &logs {
-        let survey = survey(path, &source, arguments.runs, ui).with_context(|| path.display().to_string())?;
-        if let Some(loss) = survey.loss.as_ref().and_then(log::Loss::summary) {
-            ui.warn(format!("{}: {loss}", path.display()));
+    for files in &recordings {
+        for (number, path) in files.iter().enumerate() {
+            let survey = survey(path, &source, arguments.runs, ui).with_context(|| path.display().to_string())?;
+            if let Some(loss) = survey.loss.as_ref().and_then(log::Loss::summary) {
+                ui.warn(format!("{}: {loss}", path.display()));
+            }
+            ui.say(text(&survey));
+            let is_whole = arguments.runs && number + 1 == files.len();
+            let runs = is_whole.then(|| super::inspect_runs::runs(files, &source, &overrides, ui)).flatten();
+            surveys.push(Inspected { survey, runs });
         }
-        ui.say(text(&survey));
-        let runs = arguments.runs.then(|| super::inspect_runs::runs(path, &source, &overrides, ui)).flatten();
-        surveys.push(Inspected { survey, runs });
     }
     let damaged = surveys.iter().any(|inspected| inspected.survey.loss.as_ref().is_some_and(log::Loss::is_damaged));
     ui.document(&Document { logs: surveys })?;
     Ok(if damaged && arguments.strict { Outcome::Rejected } else { Outcome::Done })
-}
-
-/// Where the signals are, as the options `--signals` and `--preset` say.
-fn source(signals: Option<&Path>, preset: Option<&str>) -> anyhow::Result<Source> {
-    Ok(match (signals, preset) {
-        (Some(path), _) => {
-            let text = fs_err::read_to_string(path)?;
-            Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?)
-        }
-        (None, Some(name)) => Source::Preset(name.parse::<Preset>()?),
-        (None, None) => Source::Detect,
-    })
 }
 
 fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<Survey> {

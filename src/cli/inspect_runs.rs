@@ -2,11 +2,11 @@
 
 use super::Ui;
 use crate::campaign::{self, Survey, ledger, runs as run_rows};
-use crate::log::{Source, VehicleOverrides, read};
+use crate::log::{Source, VehicleOverrides, read_split};
 use crate::map::{LedgerRow, RunRow};
 use crate::signal::Track;
 use comfy_table::{Table, presets};
-use std::path::Path;
+use std::path::PathBuf;
 
 /// The runs and the ledger of one log.
 #[derive(serde::Serialize)]
@@ -15,16 +15,17 @@ pub(super) struct Runs {
     runs: Vec<RunRow>,
 }
 
-/// Surveys one log and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
-pub(super) fn runs(path: &Path, source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
+/// Surveys one recording, given as its files, and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
+pub(super) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
     let survey = || -> anyhow::Result<Survey> {
-        let recording = read(path, source, overrides, &|_| {})?;
+        let recording = read_split(files, source, overrides, &|_| {})?;
         Ok(Survey::new(Track::new(&recording)?, &campaign::Settings::default())?)
     };
     let survey = match survey() {
         Ok(survey) => survey,
         Err(error) => {
-            ui.warn(format!("{}: no runs: {error:#}", path.display()));
+            let named: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+            ui.warn(format!("{}: no runs: {error:#}", named.join(", ")));
             return None;
         }
     };

@@ -125,7 +125,7 @@ fn read(arguments: &LogArguments, ui: Ui) -> anyhow::Result<Vec<Recording>> {
     let (source, overrides) = (arguments.source()?, arguments.overrides());
     let mut recordings: Vec<Recording> = Vec::new();
     for named in &arguments.logs {
-        for path in find_logs(named).with_context(|| named.display().to_string())? {
+        for path in find_logs(named).with_context(|| named.display().to_string())?.into_iter().flatten() {
             let recording = read_lateral(&path, &source, &overrides, &|_| {}).with_context(|| path.display().to_string())?;
             if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
                 ui.warn(format!("{}: the same log as {}; read once", path.display(), same.path.display()));

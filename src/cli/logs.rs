@@ -2,10 +2,11 @@
 
 use super::Ui;
 use crate::campaign::{self, Survey};
-use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read};
+use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read_split};
 use crate::map::Vehicle;
 use crate::signal::Track;
 use anyhow::{Context, bail};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Arguments of every command that reads logs.
@@ -56,14 +57,7 @@ impl LogArguments {
 
     /// Where the signals are, as the arguments say.
     pub(super) fn source(&self) -> anyhow::Result<Source> {
-        match (&self.signals, self.preset) {
-            (Some(path), _) => {
-                let text = fs_err::read_to_string(path)?;
-                Ok(Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?))
-            }
-            (None, Some(preset)) => Ok(Source::Preset(preset)),
-            (None, None) => Ok(Source::Detect),
-        }
+        source(self.signals.as_deref(), self.preset)
     }
 
     /// What the arguments say of the vehicle.
@@ -81,15 +75,19 @@ impl LogArguments {
         let source = self.source()?;
         let mut overrides = self.overrides();
         overrides.test_angle_deg = angle_deg.or(overrides.test_angle_deg);
-        let mut paths = Vec::new();
+        let mut found = Vec::new();
         for named in &self.logs {
-            paths.extend(find_logs(named).with_context(|| named.display().to_string())?);
+            found.extend(find_logs(named).with_context(|| named.display().to_string())?);
         }
-        let total = paths.iter().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
+        let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
         let bar = ui.progress(total, "reading");
+        // side by side: the hash of a log takes longer than its messages, and only one thread
+        let read: Vec<_> = found.par_iter().map(|files| read_split(files, &source, &overrides, &|bytes| bar.inc(bytes))).collect();
+        bar.finish_and_clear();
         let mut recordings: Vec<Recording> = Vec::new();
-        for path in &paths {
-            let recording = read(path, &source, &overrides, &|bytes| bar.inc(bytes)).with_context(|| path.display().to_string())?;
+        for (files, recording) in found.iter().zip(read) {
+            let path = place(files);
+            let recording = recording.with_context(|| path.display().to_string())?;
             if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
                 ui.warn(format!("{}: the same log as {}; read once", path.display(), same.path.display()));
                 continue;
@@ -97,7 +95,6 @@ impl LogArguments {
             told(&recording, matches!(source, Source::Map(_)), path, ui);
             recordings.push(recording);
         }
-        bar.finish_and_clear();
         Ok(recordings)
     }
 
@@ -124,6 +121,26 @@ impl LogArguments {
             bail!("no log holds anything to use: {}", reasons.join("; "));
         }
         Ok(Surveyed { surveys, damaged })
+    }
+}
+
+/// Where the signals are, as the options `--signals` and `--preset` say.
+pub(super) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::Result<Source> {
+    Ok(match (signals, preset) {
+        (Some(path), _) => {
+            let text = fs_err::read_to_string(path)?;
+            Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?)
+        }
+        (None, Some(preset)) => Source::Preset(preset),
+        (None, None) => Source::Detect,
+    })
+}
+
+/// Where a recording lies: its file, or the folder of its files.
+fn place(files: &[PathBuf]) -> &Path {
+    match files {
+        [file] => file,
+        files => files.first().and_then(|file| file.parent()).unwrap_or(Path::new("")),
     }
 }
 

@@ -71,7 +71,7 @@ mod tests {
         }
         let mut cuts = Cuts::default();
         find(&segment(200), &white, 5.0, &mut cuts);
-        assert_eq!(cuts.readings, [(1, 50)]);
+        assert_eq!(cuts.readings, [(1, 50)].into());
         assert_eq!(cuts.intervals.len(), 1);
         let (from, to, verdict) = cuts.intervals[0];
         assert!(from < 1.0 && to > 1.19 && from > 0.6 && to < 1.6, "{from} {to}");

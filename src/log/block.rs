@@ -3,6 +3,7 @@
 use super::container::{Block, BlockKind, Container};
 use super::input::Input;
 use super::loss::{Damage, Why};
+use super::lz4;
 use super::record::{ChunkHeader, Compression, MAX_CHUNK, PREFIX, prefix};
 use mcap::records::op;
 use std::collections::BTreeMap;
@@ -68,6 +69,9 @@ pub(super) fn load<'s>(input: &Input, block: &Block, scratch: &'s mut Scratch) -
         }
         Compression::Lz4 => {
             scratch.records.resize(size, 0);
+            if header.crc != 0 && lz4::decompress(data, &mut scratch.records).is_some() {
+                return checked(&header, &scratch.records);
+            }
             let mut decoder = lz4_flex::frame::FrameDecoder::new(data);
             let found = fill(&mut decoder, &mut scratch.records).map_err(|error| Why::Decompression(error.to_string()))?;
             scratch.records.truncate(found);
@@ -82,13 +86,18 @@ pub(super) fn load<'s>(input: &Input, block: &Block, scratch: &'s mut Scratch) -
     if records.len() != size {
         return Err(Why::ChunkSize { declared: header.uncompressed, found: records.len() as u64 });
     }
-    if header.crc != 0 {
-        let calculated = crc32fast::hash(records);
-        if calculated != header.crc {
-            return Err(Why::ChunkCrc { saved: header.crc, calculated });
-        }
+    checked(&header, records)
+}
+
+/// The records, if their checksum is right or the writer computed none.
+fn checked<'r>(header: &ChunkHeader, records: &'r [u8]) -> Result<&'r [u8], Why> {
+    match header.crc {
+        0 => Ok(records),
+        saved => match crc32fast::hash(records) {
+            calculated if calculated == saved => Ok(records),
+            calculated => Err(Why::ChunkCrc { saved, calculated }),
+        },
     }
-    Ok(records)
 }
 
 /// Fills `into` as far as the decoder gives bytes.
@@ -112,6 +121,9 @@ fn salvage<'s>(header: &ChunkHeader, data: &[u8], into: &'s mut Vec<u8>) -> &'s 
         while let Ok(count @ 1..) = decoder.read(&mut part) {
             let room = header.uncompressed as usize - into.len();
             into.extend_from_slice(&part[..count.min(room)]);
+            if count >= room {
+                break; // a chunk gives no more than it declares
+            }
         }
     };
     match &header.compression {
@@ -135,7 +147,8 @@ pub(super) fn lost(container: &Container, block: &Block, why: Why) -> Damage {
     };
     let mut damage = Damage::new(offset, bytes, why);
     let counted = indexed_messages(&container.input, block.offset + block.length);
-    damage.channels = if counted.is_empty() { block.channels.clone().unwrap_or_default() } else { counted };
+    let listed = || block.channels.iter().flat_map(|channels| channels.iter().map(|id| (*id, 0))).collect();
+    damage.channels = if counted.is_empty() { listed() } else { counted };
     damage.messages = Some(damage.channels.values().sum()).filter(|sum| *sum > 0);
     damage
 }
@@ -144,11 +157,11 @@ pub(super) fn lost(container: &Container, block: &Block, why: Why) -> Damage {
 fn indexed_messages(input: &Input, mut at: u64) -> BTreeMap<u16, u64> {
     let mut channels = BTreeMap::new();
     let mut head = [0; PREFIX as usize + 2];
-    while at + head.len() as u64 <= input.length() && input.read_at(at, &mut head).is_ok() {
+    while at.checked_add(head.len() as u64).is_some_and(|end| end <= input.length()) && input.read_at(at, &mut head).is_ok() {
         let Some((op::MESSAGE_INDEX, length @ 6..)) = prefix(&head) else { break };
         let id = u16::from_le_bytes([head[PREFIX as usize], head[PREFIX as usize + 1]]);
         *channels.entry(id).or_default() += (length - 6) / 16;
-        let Some(next) = at.checked_add(PREFIX + length) else { break };
+        let Some(next) = length.checked_add(PREFIX).and_then(|step| at.checked_add(step)) else { break };
         at = next;
     }
     channels

@@ -3,6 +3,7 @@
 //! With a sound summary the chunks are known at once and only the gaps between them are scanned; otherwise the whole file is scanned at
 //! its top level. Either way the result is a list of [`Block`]s, read later in parallel.
 
+use super::channel_set::{ChannelSet, ChannelSets};
 use super::input::Input;
 use super::loss::{Damage, Why};
 use super::record::{MAGIC, MAX_SMALL, PREFIX};
@@ -19,8 +20,8 @@ pub(super) struct Block {
     /// Length of the chunk's body, or of the run.
     pub length: u64,
     pub kind: BlockKind,
-    /// Messages per channel as the message indexes tell; `None` when there are none.
-    pub channels: Option<BTreeMap<u16, u64>>,
+    /// Its channels as the message indexes tell; `None` when there are none.
+    pub channels: Option<ChannelSet>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +86,8 @@ pub(super) struct Container {
     pub profile: String,
     pub inventory: Inventory,
     pub blocks: Vec<Block>,
+    /// The sets of channels that the blocks share.
+    pub sets: ChannelSets,
     pub statistics: Option<Statistics>,
     /// Metadata records by name; of two with one name the later counts.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
@@ -119,6 +122,7 @@ impl Container {
             profile: String::new(),
             inventory: Inventory::default(),
             blocks: Vec::new(),
+            sets: ChannelSets::default(),
             statistics: None,
             metadata: BTreeMap::new(),
             attachments: 0,
@@ -168,7 +172,7 @@ impl Container {
 
     /// Whether message indexes list the channels of every block, and all of them are described.
     pub(super) fn is_listed(&self) -> bool {
-        let described = |channels: &BTreeMap<u16, u64>| channels.keys().all(|id| self.inventory.channels.contains_key(id));
+        let described = |channels: &ChannelSet| channels.iter().all(|id| self.inventory.channels.contains_key(id));
         !self.blocks.is_empty() && self.blocks.iter().all(|block| block.channels.as_ref().is_some_and(described))
     }
 

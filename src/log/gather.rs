@@ -3,6 +3,7 @@
 //! Blocks are read in parallel and joined in file order, so the result does not depend on the number of threads.
 
 use super::block::{Scratch, load, lost};
+use super::column::Column;
 use super::container::{Block, BlockKind, Container, Inventory};
 use super::convert::Convert;
 use super::loss::{Damage, Why};
@@ -12,11 +13,14 @@ use super::stamp::Stamp;
 use mcap::records::op;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Samples of messages above this size are not kept [bytes].
 const MAX_SAMPLE: usize = 1 << 20;
 /// Blocks without a message index that are opened to learn what is in the log.
 const BLIND_BLOCKS: usize = 4;
+/// Blocks per thread that are read before what they gave is joined.
+const BATCH: usize = 64;
 
 /// What is wanted of the messages of one channel.
 #[derive(Debug)]
@@ -35,15 +39,6 @@ pub(super) struct Wanted {
     pub convert: Convert,
 }
 
-/// One value of a log.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sample {
-    pub time_ns: i64,
-    /// When it was logged [ns].
-    pub log_time_ns: i64,
-    pub value: f64,
-}
-
 /// Messages of one channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Tally {
@@ -55,12 +50,12 @@ pub(super) struct Tally {
 /// What a pass found.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
-    pub columns: Vec<Vec<Sample>>,
-    /// Values that were NaN or infinite, per column.
-    pub not_finite: Vec<u64>,
+    pub columns: Vec<Column>,
     pub tallies: BTreeMap<u16, Tally>,
     /// Messages of wanted channels that do not fit their schema.
     pub broken: BTreeMap<u16, u64>,
+    /// Why messages of a channel cannot be read at all.
+    pub refused: BTreeMap<u16, &'static str>,
     pub damage: Vec<Damage>,
     /// Channels and schemas that were not known before the pass.
     pub learned: Inventory,
@@ -71,24 +66,34 @@ pub(super) struct Gathered {
 /// Reads every block; `columns` is the number of columns that `plans` fill. `progress` is told the bytes read.
 pub(super) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, progress: &(dyn Fn(u64) + Sync)) -> Gathered {
     let known = Known::new(container, plans);
-    let parts: Vec<Gathered> = container
-        .blocks
-        .par_iter()
-        .map_init(Scratch::default, |scratch, block| {
-            let part = one(container, block, &known, columns, scratch);
-            progress(block.length);
-            part
-        })
-        .collect();
-    let mut whole = Gathered { columns: vec![Vec::new(); columns], not_finite: vec![0; columns], ..Gathered::default() };
-    for part in parts {
-        whole.append(part);
+    let kept = Mutex::new(Vec::new());
+    let mut whole = Gathered::new(columns);
+    // batch by batch, so that what the blocks gave does not pile up before it is joined
+    for blocks in container.blocks.chunks(BATCH * rayon::current_num_threads()) {
+        let parts: Vec<Gathered> = blocks
+            .par_iter()
+            .map(|block| {
+                let mut scratch: Scratch = lock(&kept).pop().unwrap_or_default();
+                let part = one(container, block, &known, columns, &mut scratch);
+                lock(&kept).push(scratch);
+                progress(block.length);
+                part
+            })
+            .collect();
+        for part in parts {
+            whole.append(part);
+        }
     }
     whole
 }
 
+/// A lock that a panic elsewhere does not close: buffers have no state that could be broken.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, scratch: &mut Scratch) -> Gathered {
-    let mut found = Gathered { columns: vec![Vec::new(); columns], not_finite: vec![0; columns], ..Gathered::default() };
+    let mut found = Gathered::new(columns);
     let data = match load(&container.input, block, scratch) {
         Ok(data) => data,
         Err(why) => {
@@ -96,8 +101,8 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             return found;
         }
     };
-    let mut taken = Taken::default();
-    let mut tallies = vec![Tally::default(); known.places.len()];
+    let mut met: Vec<(Tally, Taken<'_>)> = Vec::new();
+    met.resize_with(known.places.len(), Default::default);
     let mut records = Records::new(data);
     for (opcode, body) in &mut records {
         if opcode != op::MESSAGE {
@@ -117,12 +122,13 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             }
             continue;
         };
-        tallies[place] = tallies[place].with(message.log_time_ns);
+        let (tally, taken) = &mut met[place];
+        *tally = tally.with(message.log_time_ns);
         if let Some(plan) = plan {
-            found.decode(plan, &message, &mut taken);
+            found.decode(plan, &message, taken);
         }
     }
-    for ((channel, _), tally) in known.places.iter().zip(tallies) {
+    for ((channel, _), (tally, _)) in known.places.iter().zip(met) {
         if tally.messages > 0 {
             found.count(*channel, tally);
         }
@@ -178,6 +184,10 @@ impl Tally {
 }
 
 impl Gathered {
+    fn new(columns: usize) -> Self {
+        Self { columns: vec![Column::default(); columns], ..Self::default() }
+    }
+
     fn count(&mut self, channel: u16, tally: Tally) {
         self.tallies.entry(channel).and_modify(|sum| sum.add(tally)).or_insert(tally);
     }
@@ -185,28 +195,26 @@ impl Gathered {
     fn decode<'a>(&mut self, plan: &ChannelPlan, message: &Message<'a>, taken: &mut Taken<'a>) {
         if plan.plan.decode(message.payload, taken).is_none() {
             *self.broken.entry(message.channel).or_default() += 1;
+            self.refused.extend(plan.plan.refusal(message.payload).map(|reason| (message.channel, reason)));
             return;
         }
         let log_time_ns = nanoseconds(message.log_time_ns);
         for wanted in &plan.values {
             let Some(value) = wanted.convert.apply(taken.get(wanted.slot)) else { continue };
             if !value.is_finite() {
-                self.not_finite[wanted.column] += 1;
+                self.columns[wanted.column].not_finite += 1;
                 continue;
             }
             let stamped = wanted.stamp.and_then(|stamp| stamp.time_ns(taken));
             let published = (message.publish_time_ns != 0).then(|| nanoseconds(message.publish_time_ns));
             let time_ns = stamped.or(published).unwrap_or(log_time_ns);
-            self.columns[wanted.column].push(Sample { time_ns, log_time_ns, value });
+            self.columns[wanted.column].push(time_ns, log_time_ns, value);
         }
     }
 
     fn append(&mut self, part: Self) {
         for (whole, part) in self.columns.iter_mut().zip(part.columns) {
-            whole.extend(part);
-        }
-        for (whole, part) in self.not_finite.iter_mut().zip(part.not_finite) {
-            *whole += part;
+            whole.append(part);
         }
         for (channel, tally) in part.tallies {
             self.count(channel, tally);
@@ -214,6 +222,7 @@ impl Gathered {
         for (channel, count) in part.broken {
             *self.broken.entry(channel).or_default() += count;
         }
+        self.refused.extend(part.refused);
         self.damage.extend(part.damage);
         for (id, payload) in part.samples {
             self.samples.entry(id).or_insert(payload);
@@ -242,13 +251,13 @@ pub(super) fn explore(container: &mut Container) -> BTreeMap<u16, Vec<u8>> {
     let mut learned = Inventory::default();
     for block in &container.blocks {
         match &block.channels {
-            Some(channels) if channels.keys().all(|id| tried.contains(id)) => continue,
+            Some(channels) if channels.iter().all(|id| tried.contains(id)) => continue,
             Some(_) => {}
             None if blind == 0 => continue,
             None => blind -= 1,
         }
         let Ok(data) = load(&container.input, block, &mut scratch) else { continue };
-        tried.extend(block.channels.iter().flat_map(BTreeMap::keys));
+        tried.extend(block.channels.iter().flat_map(|channels| channels.iter()));
         for (opcode, body) in Records::new(data) {
             if opcode == op::MESSAGE {
                 if let Some(message) = Message::parse(body).filter(|message| message.payload.len() <= MAX_SAMPLE) {

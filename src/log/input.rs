@@ -69,10 +69,14 @@ impl Input {
         Ok(crc.finalize())
     }
 
-    /// SHA-256 of the whole log in lower-case hexadecimal.
-    pub(super) fn sha256(&self) -> Result<String> {
+    /// SHA-256 of the whole log in lower-case hexadecimal; `progress` is told the bytes.
+    pub(super) fn sha256(&self, progress: &(dyn Fn(u64) + Sync)) -> Result<String> {
         let mut hash = Sha256::new();
-        self.each_part(self.length(), |part| hash.update(part)).map_err(Error::Io)?;
+        self.each_part(self.length(), |part| {
+            hash.update(part);
+            progress(part.len() as u64);
+        })
+        .map_err(Error::Io)?;
         Ok(hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
             let _ = write!(text, "{byte:02x}");
             text

@@ -3,21 +3,22 @@
 use super::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// The log files that `named` means, each once, in the order named; inside a folder or a pattern by name.
+/// The recordings that `named` means, each as its files in order; inside a folder or a pattern by name.
 ///
-/// A folder with a `metadata.yaml` is a rosbag2 recording, whose files are taken in the order that it lists; any other folder means the
-/// `.mcap` files in it. What is no file and no folder is a pattern such as `logs/*.mcap`.
+/// A folder with a `metadata.yaml` is one rosbag2 recording, whose files are taken in the order that it lists; any other folder means
+/// the `.mcap` files in it, each a recording of its own. What is no file and no folder is a pattern such as `logs/*.mcap`, which may
+/// also mean folders.
 ///
 /// # Errors
 /// The first of `named` that means nothing, with its text in front of the reason left to the caller.
-pub fn find_logs(named: &Path) -> Result<Vec<PathBuf>> {
+pub fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
     if named.is_dir() {
         let metadata = named.join("metadata.yaml");
-        return if metadata.is_file() { bag(named, &metadata) } else { folder(named) };
+        return if metadata.is_file() { Ok(vec![bag(named, &metadata)?]) } else { Ok(each(folder(named)?)) };
     }
     let text = named.to_string_lossy();
     if named.exists() || !text.contains(['*', '?', '[']) {
-        return Ok(vec![named.to_owned()]); // reading it tells if it is missing
+        return Ok(vec![vec![named.to_owned()]]); // reading it tells if it is missing
     }
     let bad = |reason: String| Error::BadPattern { pattern: text.to_string(), reason };
     let mut found = Vec::new();
@@ -28,7 +29,16 @@ pub fn find_logs(named: &Path) -> Result<Vec<PathBuf>> {
         return Err(Error::NoMatch { pattern: text.into_owned() });
     }
     found.sort();
-    Ok(found)
+    let mut recordings = Vec::new();
+    for path in found {
+        // what is found exists: the name of a folder may look like a pattern itself, and is then taken as it is
+        recordings.extend(if path.is_dir() { find_logs(&path)? } else { vec![vec![path]] });
+    }
+    Ok(recordings)
+}
+
+fn each(files: Vec<PathBuf>) -> Vec<Vec<PathBuf>> {
+    files.into_iter().map(|file| vec![file]).collect()
 }
 
 fn folder(folder: &Path) -> Result<Vec<PathBuf>> {
@@ -72,8 +82,10 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn names(found: &[PathBuf]) -> Vec<String> {
-        found.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect()
+    /// Each recording's files, joined by `+`.
+    fn names(found: &[Vec<PathBuf>]) -> Vec<String> {
+        let name = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
+        found.iter().map(|files| files.iter().map(name).collect::<Vec<_>>().join("+")).collect()
     }
 
     #[test]
@@ -87,7 +99,10 @@ mod tests {
         assert!(matches!(find_logs(&folder.path().join("x*.mcap")), Err(Error::NoMatch { .. })));
         let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_1.mcap\n    - bag_10.mcap\n  files:\n    - path: x\n";
         std::fs::write(folder.path().join("metadata.yaml"), listed).unwrap();
-        assert_eq!(names(&find_logs(folder.path()).unwrap()), ["bag_1.mcap", "bag_10.mcap"]);
+        assert_eq!(names(&find_logs(folder.path()).unwrap()), ["bag_1.mcap+bag_10.mcap"]);
+        let bag = folder.path().file_name().unwrap().to_str().unwrap();
+        let pattern = folder.path().parent().unwrap().join(format!("{}[{}]", &bag[..bag.len() - 1], &bag[bag.len() - 1..]));
+        assert_eq!(names(&find_logs(&pattern).unwrap()), ["bag_1.mcap+bag_10.mcap"]);
         std::fs::remove_file(folder.path().join("bag_1.mcap")).unwrap();
         assert!(matches!(find_logs(folder.path()), Err(Error::MissingBagFile { .. })));
     }

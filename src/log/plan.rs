@@ -41,10 +41,12 @@ impl Raw<'_> {
     }
 }
 
-/// The slots that a plan fills, kept from message to message.
+/// The slots that a plan fills, kept from message to message of one channel.
 #[derive(Debug, Default)]
 pub(super) struct Taken<'a> {
     slots: Vec<Raw<'a>>,
+    /// Where the last message of a plan for CDR or ROS 1 had its values.
+    shortcut: cdr::Shortcut<'a>,
     /// A value was passed over because its sibling array had not been seen yet.
     again: bool,
 }
@@ -146,8 +148,11 @@ impl Plan {
         })
     }
 
-    /// Fills `taken` from a payload; `None` when the payload does not fit the schema.
+    /// Fills `taken`, which must have been filled by no other plan, from a payload; `None` when the payload does not fit the schema.
     pub(super) fn decode<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
+        if taken.shortcut.run(payload, &mut taken.slots) {
+            return Some(());
+        }
         taken.slots.resize(self.slots, Raw::Missing);
         taken.slots.fill(Raw::Missing);
         taken.again = false;
@@ -156,6 +161,11 @@ impl Plan {
             self.walk(payload, taken)?;
         }
         Some(())
+    }
+
+    /// Why payloads like this one cannot be read at all, when it is not that they are broken.
+    pub(super) fn refusal(&self, payload: &[u8]) -> Option<&'static str> {
+        matches!(self.decoder, Decoder::Cdr(_)).then(|| cdr::Program::refusal(payload)).flatten()
     }
 
     fn walk<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {

@@ -1,13 +1,14 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
+use super::column::Column;
 use super::container::{BlockKind, Container};
-use super::gather::{self, Gathered, Sample};
+use super::gather::{self, Gathered};
 use super::input::Input;
 use super::loss::{Damage, Loss, Why};
-use super::recording::{Origin, Recording, Signal, Signals};
+use super::recording::{Origin, Recording, Signals};
 use super::resolve::{self, Choices};
 use super::signal_map::{SignalName, VehicleOverrides};
-use super::{Error, Result, Source, infer};
+use super::{Error, Result, Source};
 use crate::map::LogRef;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,8 +23,7 @@ const MAX_PASSES: usize = 3;
 /// A file that is no log or holds no message, a required signal that is missing or without values, a vehicle that is not known.
 /// Damage is no error as long as something is left: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), true), &SignalName::ALL, source, overrides, progress)
+    Ok(part(path, true, source, overrides, progress)?.finish())
 }
 
 /// As [`read`], but the signals of the lateral calibration ([`SignalName::LATERAL`]): they are in [`Signals::lateral`], the others are empty.
@@ -32,7 +32,7 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 /// As [`read`].
 pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)
+    Ok(read_input(Input::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)?.finish())
 }
 
 /// As [`read_lateral`], from memory, under the name `name`.
@@ -40,7 +40,8 @@ pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, 
 /// # Errors
 /// As [`read`].
 pub fn read_lateral_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::LATERAL, source, overrides, &|_| {})
+    let named = (name.to_owned(), PathBuf::from(name), true);
+    Ok(read_input(Input::Memory(bytes), named, &SignalName::LATERAL, source, overrides, &|_| {})?.finish())
 }
 
 /// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
@@ -48,8 +49,7 @@ pub fn read_lateral_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides
 /// # Errors
 /// As [`read`].
 pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), false), &SignalName::ALL, source, overrides, progress)
+    Ok(part(path, false, source, overrides, progress)?.finish())
 }
 
 /// Reads a log from memory, under the name `name`; otherwise as [`read`].
@@ -57,7 +57,31 @@ pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, 
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::ALL, source, overrides, &|_| {})
+    Ok(read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::ALL, source, overrides, &|_| {})?
+        .finish())
+}
+
+/// One file of a recording; what only the values tell, of all files together, is not yet corrected.
+pub(super) struct Part {
+    pub recording: Recording,
+    /// Whether any signal was found by name.
+    pub guessed: bool,
+    /// Signals whose unit no name told.
+    pub unnamed: Vec<SignalName>,
+    /// Number of files.
+    pub files: usize,
+}
+
+/// Reads one file, with its hash if `hashed`.
+pub(super) fn part(
+    path: &Path,
+    hashed: bool,
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Part> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    read_input(Input::open(path)?, (name, path.to_owned(), hashed), &SignalName::ALL, source, overrides, progress)
 }
 
 fn read_input(
@@ -67,13 +91,14 @@ fn read_input(
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Recording> {
+) -> Result<Part> {
     let mut container = Container::open(input)?;
     let input = container.input.clone();
-    // the hash needs every byte once more: it runs beside the decoding
+    // the hash needs every byte once more: it runs beside the decoding, and each is half of the progress
+    let half = |bytes: u64| progress(if hashed { bytes.div_ceil(2) } else { bytes });
     let (sha256, read) = rayon::join(
-        || if hashed { input.sha256() } else { Ok(String::new()) },
-        || pass(&mut container, wanted, source, overrides, progress),
+        || if hashed { input.sha256(&half) } else { Ok(String::new()) },
+        || pass(&mut container, wanted, source, overrides, &half),
     );
     let Pass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
@@ -82,20 +107,20 @@ fn read_input(
     let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
     let mut signals = Signals::default();
     let mut origins = Vec::new();
-    let columns = gathered.columns.into_iter().zip(gathered.not_finite).zip(choices.found);
-    for ((samples, not_finite), choice) in columns {
-        let signal = choice.signal;
+    for (column, choice) in gathered.columns.into_iter().zip(choices.found) {
+        let (signal, not_finite) = (choice.signal, column.not_finite);
         if not_finite > 0 {
             loss.not_finite.insert(signal.key().to_owned(), not_finite);
         }
-        if samples.is_empty() {
+        if column.is_empty() {
             let of_topic = |id: &&u16| container.inventory.channels.get(id).is_some_and(|channel| channel.topic == choice.spec.path.topic);
             let messages = gathered.tallies.iter().filter(|(id, _)| of_topic(id)).map(|(_, tally)| tally.messages).sum();
             let broken: u64 = gathered.broken.iter().filter(|(id, _)| of_topic(id)).map(|(_, count)| *count).sum();
+            let refused = gathered.refused.iter().find(|(id, _)| of_topic(id)).map(|(_, reason)| format!(": {reason}")).unwrap_or_default();
             let reason = match (not_finite, broken) {
                 (0, 0) => "none holds this field".to_owned(),
                 (nan, 0) => format!("{nan} hold NaN or infinity"),
-                (nan, broken) => format!("{broken} do not fit their schema, {nan} hold NaN or infinity"),
+                (nan, broken) => format!("{broken} do not fit their schema{refused}, {nan} hold NaN or infinity"),
             };
             let path = choice.spec.path.to_string();
             if signal.is_required() {
@@ -104,21 +129,19 @@ fn read_input(
             notes.push(format!("{signal} is left out: {path} gives no value: of {messages} message(s), {reason}"));
             continue;
         }
-        notes.extend(clock_note(signal, &samples));
+        notes.extend(clock_note(signal, &column));
         origins.push(Origin {
             signal,
             path: choice.spec.path.to_string(),
             unit: choice.spec.unit.name().to_owned(),
             reason: choice.reason,
-            values: samples.len(),
+            values: column.len(),
         });
-        signals.set(signal, series(samples, choice.spec.relative_to_gear, choice.spec.unsigned));
-    }
-    if choices.guessed {
-        notes.extend(infer::correct(&mut signals, &vehicle, &unnamed));
+        signals.set(signal, column.into_signal(choice.spec.relative_to_gear, choice.spec.unsigned));
     }
     let source = LogRef { sha256: sha256?, file, bytes: input.length() };
-    Ok(Recording { source, path, vehicle, signals, origins, loss, notes })
+    let recording = Recording { source, path, vehicle, signals, origins, loss, notes };
+    Ok(Part { recording, guessed: choices.guessed, unnamed, files: 1 })
 }
 
 /// What a pass over the messages gave.
@@ -230,22 +253,8 @@ fn data_damage(container: &Container) -> Option<Damage> {
     (calculated != saved).then(|| Damage::new(0, 0, Why::DataCrc { saved, calculated }))
 }
 
-/// Sorts samples by time, equal times in the order of the log.
-pub(super) fn series(mut samples: Vec<Sample>, relative_to_gear: bool, unsigned: bool) -> Signal {
-    samples.sort_by_key(|sample| sample.time_ns);
-    Signal {
-        time_ns: samples.iter().map(|sample| sample.time_ns).collect(),
-        value: samples.iter().map(|sample| sample.value).collect(),
-        relative_to_gear,
-        unsigned,
-    }
-}
-
 /// A remark when the stamps of a signal are of another clock than the log.
-fn clock_note(signal: SignalName, samples: &[Sample]) -> Option<String> {
-    let mut apart: Vec<i64> = samples.iter().map(|sample| sample.time_ns.saturating_sub(sample.log_time_ns)).collect();
-    let middle = apart.len() / 2;
-    let (_, median, _) = apart.select_nth_unstable(middle);
-    let seconds = *median as f64 / crate::units::NS_PER_S;
-    (seconds.abs() > 60.0).then(|| format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))
+fn clock_note(signal: SignalName, column: &Column) -> Option<String> {
+    let seconds = column.clock_offset_s()?;
+    Some(format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))
 }

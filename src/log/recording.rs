@@ -81,6 +81,15 @@ impl Signal {
         self.time_ns.len()
     }
 
+    /// Sorts by time; equal times keep their order.
+    pub(super) fn sort(&mut self) {
+        if !self.time_ns.is_sorted() {
+            let mut pairs: Vec<(i64, f64)> = self.time_ns.iter().copied().zip(self.value.iter().copied()).collect();
+            pairs.sort_by_key(|(time_ns, _)| *time_ns);
+            (self.time_ns, self.value) = pairs.into_iter().unzip();
+        }
+    }
+
     /// Whether there is no value.
     pub fn is_empty(&self) -> bool {
         self.time_ns.is_empty()

@@ -9,10 +9,11 @@ use super::path::{MessagePath, Step};
 use super::plan::Plan;
 use super::presets::Preset;
 use super::schema::Layout;
-use super::signal_map::{SignalMap, SignalName, SignalSpec, distance};
+use super::signal_map::{SignalMap, SignalName, SignalSpec};
 use super::stamp::{self, Stamp};
 use super::vehicle::VEHICLE_METADATA;
 use super::{Error, Result, Source};
+use crate::spelling::edits;
 use mcap::records::Channel;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -96,7 +97,7 @@ fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
             .map(|candidate| {
                 let path = candidate.path.to_string();
                 let words = path.split(|c: char| !c.is_alphanumeric()).filter(|word| word.len() > 2);
-                let closest = words.map(|word| distance(word, signal.key())).min().unwrap_or(usize::MAX);
+                let closest = words.map(|word| edits(word, signal.key())).min().unwrap_or(usize::MAX);
                 (closest, path)
             })
             .filter(|(closest, _)| *closest <= signal.key().len() / 2)
@@ -108,7 +109,7 @@ fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
 }
 
 fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
-    let nearest = topics.iter().min_by_key(|known| distance(topic, known)).filter(|known| distance(topic, known) <= topic.len() / 2);
+    let nearest = topics.iter().min_by_key(|known| edits(topic, known)).filter(|known| edits(topic, known) <= topic.len() / 2);
     Error::NoTopic {
         signal: signal.key(),
         topic: topic.to_owned(),

@@ -5,7 +5,7 @@ use super::input::Input;
 use super::loss::Why;
 use super::record::{CHUNK_HEADER, ChunkHeader, Compression, PREFIX, parse, prefix};
 use mcap::records::op;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// Runs of records outside of chunks are cut into blocks of about this size [bytes].
 const LOOSE_BLOCK: u64 = 2 << 20;
@@ -116,16 +116,23 @@ pub(super) fn run(container: &mut Container, from: u64, to: u64) {
 fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
     let mut window = Window::new(input, to);
     let mut at = from;
-    let mut loose: Option<(u64, BTreeMap<u16, u64>)> = None; // start of the current run, messages per channel
-    let mut chunk: Option<usize> = None; // the block whose message indexes are being read
-    let close = |container: &mut Container, loose: &mut Option<(u64, BTreeMap<u16, u64>)>, end: u64| {
+    let mut loose: Option<(u64, BTreeSet<u16>)> = None; // start of the current run, its channels
+    let mut chunk: Option<(usize, BTreeSet<u16>)> = None; // the block whose message indexes are being read, its channels
+    let close = |container: &mut Container, loose: &mut Option<(u64, BTreeSet<u16>)>, end: u64| {
         if let Some((start, channels)) = loose.take() {
-            container.blocks.push(Block { offset: start, length: end - start, kind: BlockKind::Loose, channels: Some(channels) });
+            let channels = Some(container.sets.shared(channels));
+            container.blocks.push(Block { offset: start, length: end - start, kind: BlockKind::Loose, channels });
+        }
+    };
+    let list = |container: &mut Container, chunk: &mut Option<(usize, BTreeSet<u16>)>| {
+        if let Some((index, channels)) = chunk.take().filter(|(_, channels)| !channels.is_empty()) {
+            container.blocks[index].channels = Some(container.sets.shared(channels));
         }
     };
     while at < to {
         let Some((opcode, length)) = window.record(at) else {
             close(container, &mut loose, at);
+            list(container, &mut chunk);
             let next = window.resynchronise(at + 1, container);
             let end = next.unwrap_or(to);
             cut_off(container, &mut window, at, end, next.is_none());
@@ -137,7 +144,7 @@ fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
             close(container, &mut loose, at);
         }
         if opcode != op::MESSAGE_INDEX {
-            chunk = None;
+            list(container, &mut chunk);
         }
         match opcode {
             op::MESSAGE => {
@@ -147,8 +154,8 @@ fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
                     container.damaged(at, PREFIX + length, Why::NotARecord);
                 } else {
                     let id = u16::from_le_bytes([head[0], head[1]]);
-                    let run = loose.get_or_insert_with(|| (at, BTreeMap::new()));
-                    *run.1.entry(id).or_default() += 1;
+                    let run = loose.get_or_insert_with(|| (at, BTreeSet::new()));
+                    run.1.insert(id);
                     if body + length - run.0 >= LOOSE_BLOCK {
                         close(container, &mut loose, body + length);
                     }
@@ -162,14 +169,12 @@ fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
             }
             op::CHUNK => {
                 container.blocks.push(Block { offset: body, length, kind: BlockKind::Chunk, channels: None });
-                chunk = Some(container.blocks.len() - 1);
+                chunk = Some((container.blocks.len() - 1, BTreeSet::new()));
             }
             op::MESSAGE_INDEX => {
                 let head = window.peek(body, 6);
-                if let (Some(index), 6..) = (chunk, length) {
-                    let id = u16::from_le_bytes([head[0], head[1]]);
-                    let count = (length - 6) / 16;
-                    *container.blocks[index].channels.get_or_insert_default().entry(id).or_default() += count;
+                if let (Some((_, channels)), 6.., [low, high, ..]) = (&mut chunk, length, head) {
+                    channels.insert(u16::from_le_bytes([*low, *high]));
                 }
             }
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA | op::STATISTICS if is_small(length) => {
@@ -199,6 +204,7 @@ fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
         at = body + length;
     }
     close(container, &mut loose, at.min(to));
+    list(container, &mut chunk);
 }
 
 /// Whether the chunk's header agrees with the length of its record.

@@ -1,13 +1,14 @@
 //! What the messages of a channel look like: schemas of every encoding, parsed into a [`Layout`].
 
+mod descriptor;
 mod idl;
 mod msg;
 mod shape;
 
+pub(super) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
 pub(super) use shape::{Kind, Leaf, LeafKind, Shape, Size, Structure};
 
 use super::container::Schema;
-use prost_reflect::{DescriptorPool, MessageDescriptor};
 use std::sync::Arc;
 
 /// How the payload of a channel is laid out.
@@ -17,7 +18,7 @@ pub(super) enum Layout {
     Cdr(Arc<Structure>),
     /// ROS 1: the same without alignment.
     Ros1(Arc<Structure>),
-    Protobuf(MessageDescriptor),
+    Protobuf(Message),
     /// JSON describes itself.
     Json,
 }
@@ -64,9 +65,7 @@ impl Layout {
                 msg::parse(&schema.name, &text(schema)?, msg::Dialect::Ros1).map(Self::Ros1).map_err(|reason| broken(schema, reason))
             }
             ("protobuf", "protobuf") => {
-                let pool = DescriptorPool::decode(schema.data.as_slice()).map_err(|error| broken(schema, error.to_string()))?;
-                let message = pool.get_message_by_name(&schema.name);
-                message.map(Self::Protobuf).ok_or_else(|| broken(schema, "its descriptors do not hold that message".into()))
+                Message::parse(&schema.name, &schema.data).map(Self::Protobuf).map_err(|reason| broken(schema, reason))
             }
             (message, encoding) => Err(SchemaError::Unsupported { message: message.to_owned(), schema: encoding.to_owned() }),
         }

@@ -2,6 +2,7 @@
 
 use super::path::{MessagePath, Step};
 use super::{Error, Result};
+use crate::spelling::edits;
 use crate::units::{Dimension, Unit};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -286,24 +287,8 @@ fn known_keys(value: &toml::Value, place: &str, known: &[&'static str]) -> Resul
 }
 
 fn unknown_key(found: &str, place: &str, known: &[&'static str]) -> Error {
-    let nearest = known.iter().min_by_key(|key| distance(found, key)).copied().unwrap_or_default();
+    let nearest = known.iter().min_by_key(|key| edits(found, key)).copied().unwrap_or_default();
     Error::UnknownKey { found: found.to_owned(), place: place.to_owned(), nearest, known: known.join(", ") }
-}
-
-/// Edits (insert, delete, replace) that turn one text into the other, without regard to case.
-pub(super) fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.to_lowercase().chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let replace = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! The summary at the end of a log, believed only as far as the file confirms it.
 
+use super::channel_set::ChannelSets;
 use super::container::{Block, BlockKind, Inventory};
 use super::input::Input;
 use super::loss::{Damage, Why};
 use super::record::{FOOTER, MAGIC, PREFIX, Records, parse, prefix};
 use mcap::records::{Record, Statistics, op};
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// Largest summary that is read [bytes].
 const MAX_SUMMARY: u64 = 256 << 20;
@@ -69,12 +70,13 @@ pub(super) fn read(input: &Input) -> Result<Option<Summary>, Damage> {
         }
     }
     let mut summary = Summary { start: found.summary_start, inventory: Inventory::default(), statistics: None, chunks: Vec::new() };
+    let mut sets = ChannelSets::default();
     let mut records = Records::new(&section);
     for (opcode, body) in &mut records {
         match parse(opcode, body) {
             Some(Record::Statistics(statistics)) => summary.statistics = Some(statistics),
             Some(Record::ChunkIndex(index)) => {
-                let block = confirmed(input, &index, found.summary_start)
+                let block = confirmed(input, &index, found.summary_start, &mut sets)
                     .ok_or_else(|| bad(found.summary_start, 0, "its chunk index does not match the file"))?;
                 summary.chunks.push((block, index.message_index_length));
             }
@@ -95,7 +97,7 @@ pub(super) fn read(input: &Input) -> Result<Option<Summary>, Damage> {
 }
 
 /// The chunk that an index entry describes, if the file has one there.
-fn confirmed(input: &Input, index: &mcap::records::ChunkIndex, end: u64) -> Option<Block> {
+fn confirmed(input: &Input, index: &mcap::records::ChunkIndex, end: u64, sets: &mut ChannelSets) -> Option<Block> {
     let offset = index.chunk_start_offset.checked_add(PREFIX)?;
     let length = index.chunk_length.checked_sub(PREFIX)?;
     if index.chunk_start_offset < MAGIC.len() as u64 || offset.checked_add(length)? > end {
@@ -107,6 +109,7 @@ fn confirmed(input: &Input, index: &mcap::records::ChunkIndex, end: u64) -> Opti
         return None;
     }
     // the index lists the channels; how many messages each has stands in the message indexes, read only if the chunk is lost
-    let channels: BTreeMap<u16, u64> = index.message_index_offsets.keys().map(|id| (*id, 0)).collect();
-    Some(Block { offset, length, kind: BlockKind::Chunk, channels: (!channels.is_empty()).then_some(channels) })
+    let channels: BTreeSet<u16> = index.message_index_offsets.keys().copied().collect();
+    let channels = (!channels.is_empty()).then(|| sets.shared(channels));
+    Some(Block { offset, length, kind: BlockKind::Chunk, channels })
 }

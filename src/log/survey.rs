@@ -5,7 +5,7 @@ use super::gather;
 use super::input::Input;
 use super::loss::Loss;
 use super::rate::{Rate, rate};
-use super::read::{loss, series};
+use super::read::loss;
 use super::record::{CHUNK_HEADER, ChunkHeader};
 use super::resolve;
 use super::signal_map::SignalName;
@@ -155,10 +155,12 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         gathered = Some(gather::all(&container, &plans, choices.found.len(), progress));
     }
     let mut found = Vec::new();
-    let columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns));
+    let mut not_finite = BTreeMap::new();
+    let mut columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns));
     for (column, choice) in choices.found.iter().enumerate() {
-        let samples = columns.as_ref().map(|columns| columns[column].clone());
-        let signal = samples.map(|samples| series(samples, false, false));
+        let column = columns.as_mut().map(|columns| std::mem::take(&mut columns[column]));
+        not_finite.extend(column.as_ref().filter(|column| column.not_finite > 0).map(|c| (choice.signal.key().to_owned(), c.not_finite)));
+        let signal = column.map(|column| column.into_signal(false, false));
         found.push(Found {
             signal: choice.signal,
             path: choice.spec.path.to_string(),
@@ -170,7 +172,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
     }
     let missing = |(signal, candidates): (SignalName, Vec<String>)| Missing { signal, required: signal.is_required(), candidates };
     notes.append(&mut choices.notes);
-    let loss = gathered.as_ref().map(|gathered| loss(&container, gathered));
+    let loss = gathered.as_ref().map(|gathered| Loss { not_finite, ..loss(&container, gathered) });
     if gathered.as_ref().is_some_and(|gathered| gathered.tallies.is_empty()) {
         return Err(Error::NoMessages { damage: loss.as_ref().and_then(Loss::summary) });
     }

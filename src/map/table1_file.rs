@@ -55,9 +55,9 @@ impl Default for Units {
 /// A log that was read.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct LogRef {
-    /// SHA-256 of the file.
+    /// SHA-256 of the file; of a recording in several files, of their hashes in hexadecimal, one after the other.
     pub sha256: String,
-    /// File name without its folder.
+    /// File name without its folder; of several files `first … last`.
     pub file: String,
     /// Size [bytes].
     pub bytes: u64,

@@ -10,6 +10,7 @@ use super::steering::SteeringSettings;
 use super::truth::Truth;
 use super::world::World;
 use crate::map::Vehicle;
+use crate::spelling::nearest;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// A physical vehicle as its file describes it. Sections left out have their defaults, except `[vehicle]`.
@@ -85,30 +86,6 @@ pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T> {
             if message.starts_with("unknown ") { names.next().and_then(|found| nearest(found, names)).map(str::to_owned) } else { None };
         Error::Toml { line, message, nearest }
     })
-}
-
-/// The candidate fewest edits away from `found`, if at most half of its letters differ.
-fn nearest<'a>(found: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    candidates
-        .map(|candidate| (edits(found, candidate), candidate))
-        .filter(|&(distance, candidate)| 2 * distance <= candidate.len().max(found.len()))
-        .min_by_key(|&(distance, _)| distance)
-        .map(|(_, candidate)| candidate)
-}
-
-/// Levenshtein distance: insertions, deletions and substitutions from one word to the other.
-fn edits(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (i, a) in from.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, &b) in to.iter().enumerate() {
-            let substituted = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[to.len()]
 }
 
 #[cfg(test)]

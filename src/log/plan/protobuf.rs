@@ -4,11 +4,16 @@
 //! without presence that is absent has its default value; an absent member of a `oneof`, `optional` field or message is missing.
 //! Source: <https://protobuf.dev/programming-guides/encoding>.
 
+#[cfg(test)]
+mod tests;
+mod wire;
+
+use super::super::schema::{Message, ProtobufField, ProtobufKind as Kind};
 use super::cdr::position;
 use super::wish::{Check, Pick, Wish};
 use super::{PlanError, Raw, Taken};
-use prost_reflect::{FieldDescriptor, Kind, MessageDescriptor, Value};
-use std::borrow::Cow;
+use prost_types::field_descriptor_proto::Type;
+use wire::{Wire, array, next, varint};
 
 /// Groups and messages within each other at most.
 const MAX_DEPTH: usize = 64;
@@ -50,25 +55,16 @@ enum Scalar {
     Text,
 }
 
-/// A field as it stands on the wire.
-#[derive(Debug, Clone, Copy)]
-enum Wire<'a> {
-    Varint(u64),
-    Fixed64([u8; 8]),
-    Bytes(&'a [u8]),
-    Fixed32([u8; 4]),
-}
-
 impl Program {
-    pub(super) fn compile(message: &MessageDescriptor, wish: &Wish) -> Result<Self, PlanError> {
+    pub(super) fn compile(message: &Message, wish: &Wish) -> Result<Self, PlanError> {
         Self::message(message, wish, "the message", 0)
     }
 
-    fn message(message: &MessageDescriptor, wish: &Wish, within: &str, depth: usize) -> Result<Self, PlanError> {
+    fn message(message: &Message, wish: &Wish, within: &str, depth: usize) -> Result<Self, PlanError> {
         if depth > MAX_DEPTH {
             return Err(PlanError::TooLarge);
         }
-        let known = || message.fields().map(|field| field.name().to_owned()).collect::<Vec<_>>();
+        let known = || message.fields().iter().map(|field| field.name.clone()).collect::<Vec<_>>();
         if !wish.take.is_empty() {
             return Err(PlanError::WholeMessage { field: within.to_owned(), known: known() });
         }
@@ -77,23 +73,31 @@ impl Program {
         }
         let (merged, checks) = wish.on_message();
         let mut program = Self { fields: Vec::new(), defaults: Vec::new(), checks };
-        for (name, wish) in &merged.fields {
-            let field = message
-                .get_field_by_name(name)
-                .or_else(|| message.get_field_by_json_name(name))
-                .ok_or_else(|| PlanError::NoField { field: name.clone(), within: message.full_name().to_owned(), known: known() })?;
-            program.add(&field, wish, depth)?;
+        let mut wanted: Vec<(&ProtobufField, Wish)> = Vec::new();
+        for (name, wish) in merged.fields {
+            let field = message.field(&name).ok_or_else(|| PlanError::NoField {
+                field: name,
+                within: message.full_name().to_owned(),
+                known: known(),
+            })?;
+            // one field may be named in two ways
+            match wanted.iter_mut().find(|(known, _)| known.number == field.number) {
+                Some((_, all)) => all.merge(wish),
+                None => wanted.push((field, wish)),
+            }
+        }
+        for (field, wish) in &wanted {
+            program.add(message, field, wish, depth)?;
         }
         Ok(program)
     }
 
-    fn add(&mut self, field: &FieldDescriptor, wish: &Wish, depth: usize) -> Result<(), PlanError> {
-        let name = field.name();
-        let mut found =
-            Field { number: field.number(), scalar: scalar(&field.kind()), slots: Vec::new(), message: None, picks: Vec::new() };
+    fn add(&mut self, within: &Message, field: &ProtobufField, wish: &Wish, depth: usize) -> Result<(), PlanError> {
+        let name = field.name.as_str();
+        let mut found = Field { number: field.number, scalar: scalar(&field.kind), slots: Vec::new(), message: None, picks: Vec::new() };
         let one = |wish: &Wish| -> Result<Self, PlanError> {
-            match field.kind() {
-                Kind::Message(inner) => Self::message(&inner, wish, name, depth + 1),
+            match field.kind {
+                Kind::Message(inner) => Self::message(&within.other(inner), wish, name, depth + 1),
                 _ if !wish.fields.is_empty() || !wish.elements.is_empty() => Err(match wish.fields.first() {
                     Some((field, _)) => PlanError::NoField { field: field.clone(), within: name.to_owned(), known: Vec::new() },
                     None => PlanError::NotAnArray { field: name.to_owned() },
@@ -101,12 +105,12 @@ impl Program {
                 _ => Ok(Self { fields: Vec::new(), defaults: Vec::new(), checks: Vec::new() }),
             }
         };
-        if field.is_list() || field.is_map() {
+        if field.repeated {
             if !wish.take.is_empty() || !wish.fields.is_empty() {
                 return Err(PlanError::WholeArray { field: name.to_owned() });
             }
             for element in &wish.elements {
-                let is_message = matches!(field.kind(), Kind::Message(_));
+                let is_message = matches!(field.kind, Kind::Message(_));
                 let fits = match element.pick {
                     Pick::Index(_) => true,
                     Pick::First { .. } => is_message,
@@ -128,13 +132,12 @@ impl Program {
                 }
                 found.picks.push((element.pick.clone(), program));
             }
-        } else if let Kind::Message(_) = field.kind() {
+        } else if let Kind::Message(_) = field.kind {
             found.message = Some(one(wish)?);
         } else {
             one(wish)?;
             found.slots.clone_from(&wish.take);
-            let absent = (!field.supports_presence() || has_own_default(field)).then(|| default(&field.default_value()));
-            if let Some(Some(value)) = absent {
+            if let Some(value) = &field.absent {
                 self.defaults.extend(wish.take.iter().map(|slot| (*slot, value.clone())));
             }
         }
@@ -271,39 +274,24 @@ impl Field {
 }
 
 fn scalar(kind: &Kind) -> Option<Scalar> {
-    Some(match kind {
-        Kind::Double => Scalar::Double,
-        Kind::Float => Scalar::Float,
-        Kind::Int32 | Kind::Int64 => Scalar::Signed,
-        Kind::Uint32 | Kind::Uint64 => Scalar::Unsigned,
-        Kind::Sint32 | Kind::Sint64 => Scalar::ZigZag,
-        Kind::Fixed32 => Scalar::Fixed32,
-        Kind::Fixed64 => Scalar::Fixed64,
-        Kind::Sfixed32 => Scalar::SignedFixed32,
-        Kind::Sfixed64 => Scalar::SignedFixed64,
-        Kind::Bool => Scalar::Bool,
-        Kind::Enum(_) => Scalar::Enum,
-        Kind::String | Kind::Bytes => Scalar::Text,
+    let kind = match kind {
         Kind::Message(_) => return None,
-    })
-}
-
-/// Whether a field with presence (proto2) declares a default.
-fn has_own_default(field: &FieldDescriptor) -> bool {
-    field.containing_oneof().is_none() && field.field_descriptor_proto().default_value.is_some()
-}
-
-fn default(value: &Value) -> Option<Raw<'static>> {
-    Some(match value {
-        Value::Bool(value) => Raw::Integer(i64::from(*value)),
-        Value::I32(value) | Value::EnumNumber(value) => Raw::Integer(i64::from(*value)),
-        Value::I64(value) => Raw::Integer(*value),
-        Value::U32(value) => Raw::Integer(i64::from(*value)),
-        Value::U64(value) => Raw::unsigned(*value),
-        Value::F32(value) => Raw::Number(f64::from(*value)),
-        Value::F64(value) => Raw::Number(*value),
-        Value::String(text) => Raw::Text(Cow::Owned(text.clone())),
-        _ => return None,
+        Kind::Enum(_) => return Some(Scalar::Enum),
+        Kind::Scalar(kind) => kind,
+    };
+    Some(match kind {
+        Type::Double => Scalar::Double,
+        Type::Float => Scalar::Float,
+        Type::Int32 | Type::Int64 => Scalar::Signed,
+        Type::Uint32 | Type::Uint64 => Scalar::Unsigned,
+        Type::Sint32 | Type::Sint64 => Scalar::ZigZag,
+        Type::Fixed32 => Scalar::Fixed32,
+        Type::Fixed64 => Scalar::Fixed64,
+        Type::Sfixed32 => Scalar::SignedFixed32,
+        Type::Sfixed64 => Scalar::SignedFixed64,
+        Type::Bool => Scalar::Bool,
+        Type::String | Type::Bytes => Scalar::Text,
+        Type::Enum | Type::Message | Type::Group => return None,
     })
 }
 
@@ -346,81 +334,4 @@ fn value(scalar: Scalar, wire: Wire<'_>) -> Option<Raw<'_>> {
         (Scalar::Text, Wire::Bytes(bytes)) => Raw::Text(String::from_utf8_lossy(bytes)),
         _ => return None,
     })
-}
-
-/// The next field: its number and value, no value for a group.
-fn next<'a>(rest: &mut &'a [u8]) -> Option<(u32, Option<Wire<'a>>)> {
-    let (number, wire) = tag(rest)?;
-    let value = match wire {
-        0 => Wire::Varint(varint(rest)?),
-        1 => Wire::Fixed64(array(rest)?),
-        2 => Wire::Bytes(block(rest)?),
-        3 => {
-            skip_group(rest, number)?;
-            return Some((number, None));
-        }
-        5 => Wire::Fixed32(array(rest)?),
-        _ => return None,
-    };
-    Some((number, Some(value)))
-}
-
-fn tag(rest: &mut &[u8]) -> Option<(u32, u8)> {
-    let tag = varint(rest)?;
-    let number = u32::try_from(tag >> 3).ok().filter(|number| *number != 0)?;
-    Some((number, (tag & 7) as u8))
-}
-
-/// Skips to behind the end of group `number`.
-fn skip_group(rest: &mut &[u8], number: u32) -> Option<()> {
-    let mut open = vec![number];
-    while let Some(innermost) = open.last() {
-        let (number, wire) = tag(rest)?;
-        match wire {
-            0 => {
-                varint(rest)?;
-            }
-            1 => {
-                array::<8>(rest)?;
-            }
-            2 => {
-                block(rest)?;
-            }
-            3 if open.len() < MAX_DEPTH => open.push(number),
-            4 if number == *innermost => {
-                open.pop();
-            }
-            5 => {
-                array::<4>(rest)?;
-            }
-            _ => return None,
-        }
-    }
-    Some(())
-}
-
-fn varint(rest: &mut &[u8]) -> Option<u64> {
-    let mut value = 0;
-    for place in 0..10 {
-        let (byte, tail) = rest.split_first()?;
-        *rest = tail;
-        value |= u64::from(byte & 0x7f) << (7 * place);
-        if byte & 0x80 == 0 {
-            return Some(value);
-        }
-    }
-    None
-}
-
-fn array<const N: usize>(rest: &mut &[u8]) -> Option<[u8; N]> {
-    let (head, tail) = rest.split_first_chunk::<N>()?;
-    *rest = tail;
-    Some(*head)
-}
-
-fn block<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
-    let length = usize::try_from(varint(rest)?).ok()?;
-    let (head, tail) = rest.split_at_checked(length)?;
-    *rest = tail;
-    Some(head)
 }

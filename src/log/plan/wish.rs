@@ -120,7 +120,8 @@ impl Wish {
         &mut self.fields[index].1
     }
 
-    fn merge(&mut self, other: Wish) {
+    /// Adds what another wish for the same place wants.
+    pub(super) fn merge(&mut self, other: Wish) {
         self.take.extend(other.take);
         self.elements.extend(other.elements);
         for (name, wish) in other.fields {

@@ -1,6 +1,7 @@
 //! The shape of a message, common to the schema languages.
 
-use prost_reflect::{Kind as ProtobufKind, MessageDescriptor};
+use super::descriptor::{Kind as ProtobufKind, Message};
+use prost_types::field_descriptor_proto::Type;
 use std::sync::Arc;
 
 /// Places listed of one message at most; a schema with more is no robot's.
@@ -136,13 +137,13 @@ fn leaf_kind(kind: Kind) -> LeafKind {
 }
 
 /// Every place of a protobuf message that holds a single value.
-pub(super) fn protobuf_leaves(message: &MessageDescriptor) -> Vec<Leaf> {
+pub(super) fn protobuf_leaves(message: &Message) -> Vec<Leaf> {
     let mut found = Vec::new();
     descend_protobuf(message, "", 0, &mut found);
     found
 }
 
-fn descend_protobuf(message: &MessageDescriptor, at: &str, depth: usize, found: &mut Vec<Leaf>) {
+fn descend_protobuf(message: &Message, at: &str, depth: usize, found: &mut Vec<Leaf>) {
     if depth > 8 {
         return; // protobuf messages may contain themselves
     }
@@ -150,28 +151,28 @@ fn descend_protobuf(message: &MessageDescriptor, at: &str, depth: usize, found: 
         if found.len() >= MAX_LEAVES {
             return;
         }
-        let path = format!("{at}.{}", field.name());
-        if field.is_map() {
+        let path = format!("{at}.{}", field.name);
+        if field.is_map {
             continue;
         }
-        let list = field.is_list().then_some(ListLeaf { names: None, length: None });
+        let list = field.repeated.then_some(ListLeaf { names: None, length: None });
         let mut names = Vec::new();
-        let kind = match field.kind() {
+        let kind = match &field.kind {
             ProtobufKind::Message(inner) => {
                 if list.is_none() {
-                    descend_protobuf(&inner, &path, depth + 1, found);
+                    descend_protobuf(&message.other(*inner), &path, depth + 1, found);
                 }
                 continue;
             }
-            ProtobufKind::Bool => LeafKind::Bool,
-            ProtobufKind::Double | ProtobufKind::Float => LeafKind::Float,
-            ProtobufKind::String => LeafKind::Text,
-            ProtobufKind::Bytes => continue,
-            ProtobufKind::Enum(kind) => {
-                names = kind.values().map(|value| (value.name().to_owned(), i64::from(value.number()))).collect();
+            ProtobufKind::Scalar(Type::Bool) => LeafKind::Bool,
+            ProtobufKind::Scalar(Type::Double | Type::Float) => LeafKind::Float,
+            ProtobufKind::Scalar(Type::String) => LeafKind::Text,
+            ProtobufKind::Scalar(Type::Bytes) => continue,
+            ProtobufKind::Enum(values) => {
+                names.clone_from(values);
                 LeafKind::Integer
             }
-            _ => LeafKind::Integer,
+            ProtobufKind::Scalar(_) => LeafKind::Integer,
         };
         found.push(Leaf { path, kind, names, list });
     }
