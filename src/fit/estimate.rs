@@ -128,7 +128,9 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
     let schedule = [(0, settings.iterations[0]), (0, usize::from(sampled)), (1, settings.iterations[1])];
     for (phase, (stage, rounds)) in schedule.into_iter().enumerate() {
         if phase == 1 {
-            logs.iter_mut().for_each(|log| log.chosen.fill(true));
+            for log in &mut logs {
+                log.chosen.fill(true);
+            }
         }
         for round in 0..rounds {
             iterations += 1;

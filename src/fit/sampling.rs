@@ -39,7 +39,9 @@ fn of_log(survey: &Survey, enough_s: f64) -> Vec<bool> {
         levels.sort_unstable();
         levels.dedup();
         if levels.iter().any(|l| seen.get(l).is_none_or(|n| *n < OF_EACH)) {
-            levels.into_iter().for_each(|l| *seen.entry(l).or_insert(0) += 1);
+            for level in levels {
+                *seen.entry(level).or_insert(0) += 1;
+            }
             chosen[k] = true;
             taken_s += stretch.to_s - stretch.from_s;
         }

@@ -135,7 +135,7 @@ mod tests {
         // a square on its corner: the tip at (√2, 0) seen from an edge at 2
         let tip = Polygon::new(
             (0..4)
-                .map(|k| f64::from(k) * 1.570_796_326_794_896_6)
+                .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2)
                 .map(|t| Point::new(t.cos() * 2.0_f64.sqrt(), t.sin() * 2.0_f64.sqrt()))
                 .collect(),
         )

@@ -238,7 +238,6 @@ mod tests {
             let mut legs = 0;
             let values = replay_manoeuvre(&maps, &settings, &manoeuvre, |moment| legs = legs.max(moment.leg)).unwrap();
             let told: Vec<_> = Metric::ALL.into_iter().filter_map(|m| values.get(m).map(|v| format!("{}: {v:.4}", m.title()))).collect();
-            eprintln!("{}: {}", manoeuvre.name, told.join(", "));
             let (parking, get) = (manoeuvre.name.starts_with("parking"), |m| values.get(m).unwrap());
             assert_eq!(get(Metric::AsExpected), 1.0, "{}", manoeuvre.name);
             assert!(get(Metric::FinalPositionM) < 0.05 && get(Metric::HeadingErrorDeg) < 1.0, "{}: {told:?}", manoeuvre.name);

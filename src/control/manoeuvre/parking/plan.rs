@@ -275,7 +275,6 @@ mod tests {
         tight.slot.aisle_m = 2.3;
         let found = success(&tight, &grid(60.0));
         let wide = success(&scene(90.0), &grid(60.0));
-        eprintln!("tight: {found:?}, wide: {wide:?}");
         assert!(found.share() < wide.share() && wide.share() > 0.6, "tight {found:?}, wide {wide:?}");
     }
 

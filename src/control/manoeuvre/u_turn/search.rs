@@ -177,7 +177,7 @@ mod tests {
         let found = search(&car, &scene, &ranges, &settings).unwrap();
         let margin_m = found.margins.smallest_m();
         // 0.8 m of aisle on either side, 0.36 m of it the vehicle's half: no turn can have more than 0.44 m
-        assert!(margin_m <= 0.44 + 1e-9 && margin_m >= 0.3, "{:?} {:?}", found.turn, found.margins);
+        assert!((0.3..=0.44 + 1e-9).contains(&margin_m), "{:?} {:?}", found.turn, found.margins);
         // and an even grid of the whole space holds nothing better
         for speed in 0..5 {
             for rate in 0..6 {
@@ -210,7 +210,6 @@ mod tests {
         };
         let settings = Settings { step_s: 0.02, ..Settings::default() };
         let found = search(&car, &case.scene, &ranges, &settings).unwrap();
-        eprintln!("{:?} {:?}", found.turn, found.margins);
         assert!(found.margins.smallest_m() > 0.5 && found.margins.line_m > 0.0, "{:?} {:?}", found.turn, found.margins);
     }
 
