@@ -62,6 +62,7 @@ pub mod control {
     mod error;
     mod heading_law;
     mod lateral;
+    pub mod lateral_compensation;
     mod longitudinal;
     mod messages;
     mod numeric;

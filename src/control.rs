@@ -5,7 +5,7 @@
 //! [`HeadingLaw`] is the conventional one, behind the same [`DriveLaw`].
 //!
 //! Everything here is a pure step: state and inputs to state and outputs, with `core` arithmetic, without allocation, clock, input or output,
-//! and without a panic.
+//! and without a panic; but for [`route`] and [`manoeuvre`], which plan paths in memory that they allocate.
 
 mod drive_law;
 mod error;
@@ -16,12 +16,13 @@ mod longitudinal;
 pub mod manoeuvre;
 mod messages;
 mod numeric;
-pub mod path;
+mod path;
 mod phase;
 mod pivot;
 mod planning;
 mod preview;
 mod profile;
+pub mod route;
 mod speed_loop;
 mod stopping;
 mod torque_map;

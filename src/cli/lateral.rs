@@ -2,8 +2,8 @@
 
 use super::logs::LogArguments;
 use super::{Outcome, Ui};
-use crate::control::path::follower::Stage;
-use crate::control::path::tracking::LawName;
+use crate::control::route::follower::Stage;
+use crate::control::route::tracking::LawName;
 use crate::lateral::{Settings, Weighting, fit};
 use crate::log::{Recording, SignalName, find_logs, read_lateral};
 use crate::map::{LateralTableFile, write_whole};

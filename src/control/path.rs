@@ -3,20 +3,6 @@
 //! The wheel is only ever sought forward of where it was last seen, and only as far as it gets nearer: a full turn ends where it began, and the
 //! end must not be taken for the start.
 
-pub mod course;
-pub mod follower;
-pub mod front_axle;
-pub mod lqr;
-pub mod mpc;
-pub mod place;
-pub mod polyline;
-pub mod polyline_driver;
-pub mod pure_pursuit;
-pub mod rear_axle;
-pub mod segment_speed;
-pub mod tracking;
-pub mod turn_law;
-
 use serde::Serialize;
 
 /// Most waypoints that a path may hold: 10 m of arc every 0.02 m, a full turn with a wheelbase of 1.6 m.

@@ -36,7 +36,7 @@ pub enum Error {
     #[error("the controller cannot be set up: {0}")]
     Control(#[from] crate::control::Error),
     #[error("the polyline cannot be planned: {0}")]
-    Polyline(crate::control::path::polyline::PolylineError),
+    Polyline(crate::control::route::polyline::PolylineError),
     #[error("the manoeuvre cannot be planned: {0}")]
     Planning(#[from] crate::control::manoeuvre::Error),
     #[error("the log of a run cannot be written: {0}")]

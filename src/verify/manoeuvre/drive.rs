@@ -1,7 +1,7 @@
 //! The closed loop of a manoeuvre: read, command, let the world go on, once a control period.
 
 use super::super::Result;
-use crate::control::path::follower::{DriveCommand, Stage};
+use crate::control::route::follower::{DriveCommand, Stage};
 use crate::control::{Inputs, Pose};
 use crate::sim::{self, Measurement, TrueState, World};
 

@@ -7,10 +7,10 @@ use super::torque::ExactTorque;
 use crate::control::Inputs;
 use crate::control::manoeuvre::path::PosePath;
 use crate::control::manoeuvre::torque_source::TorqueSource;
-use crate::control::path::course::{course, lateral_task};
-use crate::control::path::follower::{DriveCommand, Follower, FollowerSettings, Stage};
-use crate::control::path::place::Leg;
-use crate::control::path::tracking::{LawName, TrackingSettings};
+use crate::control::route::course::{course, lateral_task};
+use crate::control::route::follower::{DriveCommand, Follower, FollowerSettings, Stage};
+use crate::control::route::place::Leg;
+use crate::control::route::tracking::{LawName, TrackingSettings};
 use crate::sim;
 
 /// One run.

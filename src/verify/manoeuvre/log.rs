@@ -5,7 +5,7 @@ use super::drive::Moment;
 use super::judge::replay;
 use super::scenario::Manoeuvre;
 use crate::control::manoeuvre::path::PosePath;
-use crate::control::path::follower::Stage;
+use crate::control::route::follower::Stage;
 use crate::map::{Gear, Vehicle};
 use crate::record::{JointState, LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
 use crate::units::NS_PER_S;

@@ -5,12 +5,12 @@ use super::super::{Error, Result};
 use super::drive::{Moment, Mounting, Start, drive};
 use super::scenario::Bench;
 use crate::control::Pose;
-use crate::control::path::follower::{FollowerSettings, Stage};
-use crate::control::path::place::{Leg, Offset};
-use crate::control::path::polyline::{PolylinePlan, PolylineSettings};
-use crate::control::path::polyline_driver::PolylineDriver;
-use crate::control::path::tracking::{LawName, TrackingSettings};
-use crate::control::path::turn_law::TurnSettings;
+use crate::control::route::follower::{FollowerSettings, Stage};
+use crate::control::route::place::{Leg, Offset};
+use crate::control::route::polyline::{PolylinePlan, PolylineSettings};
+use crate::control::route::polyline_driver::PolylineDriver;
+use crate::control::route::tracking::{LawName, TrackingSettings};
+use crate::control::route::turn_law::TurnSettings;
 use crate::sim::{self, TrueState};
 
 /// The corners [m]: a left turn of 90°, a right one, a bend of 3° without a stop, a short segment in reverse (half/half), and corners sharper
