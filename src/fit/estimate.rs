@@ -18,6 +18,7 @@ use super::{Error, Result, Settings};
 use crate::campaign::Survey;
 use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
+use std::collections::BTreeSet;
 
 /// Movement of the surface below which it stands still [m/s², root mean square].
 const STILL_MPS2: f64 = 2e-4;
@@ -145,10 +146,24 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
                 }
                 // judged without the moments after steps, which no static map explains
                 let steps = transients(&lagged, &calibration, surveys, settings);
-                let segments = build(&logs, &calibration, &lagged, known, &steps);
                 let judged = Way { lagged: &lagged, calibration: &calibration, surfaces: &surfaces, noise: &calm(&noise, &surfaces[0]) };
-                for (segment, white) in segments.iter().zip(&judged.along(&segments, None).white) {
-                    robust::find(segment, white, threshold, &mut logs[segment.log].cuts);
+                let mut suspects: Option<BTreeSet<(usize, usize)>> = None;
+                for pass in 0..robust::PASSES {
+                    let mut segments = build(&logs, &calibration, &lagged, known, &steps);
+                    segments.retain(|s| suspects.as_ref().is_none_or(|runs| runs.contains(&(s.log, s.run))));
+                    let whole = pass + 1 == robust::PASSES;
+                    let white = judged.along(&segments, None).white;
+                    let cut = |(s, white): (&Segment, &Vec<f64>)| {
+                        robust::find(s, white, threshold, whole, &mut logs[s.log].cuts).then_some((s.log, s.run))
+                    };
+                    let found: BTreeSet<(usize, usize)> = segments.iter().zip(&white).filter_map(cut).collect();
+                    if found.is_empty() {
+                        break;
+                    }
+                    suspects = Some(found);
+                }
+                for log in &mut logs {
+                    robust::join(&mut log.cuts);
                 }
             }
             let segments = build(&logs, &calibration, &lagged, known, &cut);

@@ -8,47 +8,64 @@ const SPIKE: f64 = 5.5;
 /// Lengths of the windows over which innovations are summed.
 const WINDOWS: [usize; 3] = [8, 15, 30];
 
-/// Finds in the whitened residuals of a segment what to cut. `threshold` bounds the standardised windowed sums (5; 6 in a first pass).
-pub(crate) fn find(segment: &Segment, white: &[f64], threshold: f64, cuts: &mut Cuts) {
+/// Passes over a run at most: each cuts one window, and what follows starts anew.
+pub(crate) const PASSES: usize = 16;
+/// Shorter stretches than this between two cuts are too short to be judged by themselves [s].
+const JOINED_S: f64 = 0.3;
+/// What is cut before and after a window [s].
+const MARGIN_S: f64 = 0.02;
+
+/// Finds in the whitened residuals of a segment what to cut; whether a stretch was. `threshold` bounds the standardised windowed sums (5; 6 in
+/// a first pass). Only the first window beyond it is cut, since a push leaves the filter astray and all that follows looks wrong: what comes
+/// after is judged in the next pass, from an unknown speed. With `whole` every window beyond the threshold is cut.
+pub(crate) fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mut Cuts) -> bool {
     let n = white.len();
-    for k in 0..n {
-        let calm = |j: usize| white.get(j).is_none_or(|e| e.abs() < 3.0);
-        if white[k].abs() > SPIKE && calm(k + 1) {
-            let reading = segment.readings[k];
-            cuts.readings.insert((reading.witness, reading.sample));
-        }
-    }
     // clip single spikes so that they do not condemn a window
-    let clipped: Vec<f64> = white.iter().map(|e| e.clamp(-4.0, 4.0)).collect();
     let mut sums = vec![0.0; n + 1];
     for k in 0..n {
-        sums[k + 1] = sums[k] + clipped[k];
+        sums[k + 1] = sums[k] + white[k].clamp(-4.0, 4.0);
     }
-    let mut bad = vec![false; n];
-    for window in WINDOWS {
-        if n < window {
-            continue;
-        }
-        for end in window..=n {
-            let z = (sums[end] - sums[end - window]) / (window as f64).sqrt();
-            if z.abs() > threshold {
-                bad[end - window..end].fill(true);
+    let beyond = |end: usize| {
+        WINDOWS.into_iter().filter(|window| end >= *window).find(|window| {
+            let z = (sums[end] - sums[end - window]) / (*window as f64).sqrt();
+            z.abs() > threshold
+        })
+    };
+    let mut cut = false;
+    for end in 1..=n {
+        if let Some(window) = beyond(end) {
+            let (from, to) = (segment.readings[end - window].t_s - MARGIN_S, segment.readings[end - 1].t_s + MARGIN_S);
+            cuts.intervals.push((from, to, Verdict::Push));
+            cut = true;
+            if !whole {
+                break;
             }
         }
     }
-    let mut k = 0;
-    while k < n {
-        if !bad[k] {
-            k += 1;
-            continue;
+    // spikes are told where the filter is on its way
+    if !cut {
+        for k in 0..n {
+            let calm = |j: usize| white.get(j).is_none_or(|e| e.abs() < 3.0);
+            if white[k].abs() > SPIKE && calm(k + 1) {
+                let reading = segment.readings[k];
+                cuts.readings.insert((reading.witness, reading.sample));
+            }
         }
-        let first = k;
-        while k < n && bad[k] {
-            k += 1;
-        }
-        let margin_s = 0.02;
-        cuts.intervals.push((segment.readings[first].t_s - margin_s, segment.readings[k - 1].t_s + margin_s, Verdict::Push));
     }
+    cut
+}
+
+/// Joins cuts that overlap or leave less between them than can be judged.
+pub(crate) fn join(cuts: &mut Cuts) {
+    cuts.intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut joined: Vec<(f64, f64, Verdict)> = Vec::new();
+    for cut in cuts.intervals.drain(..) {
+        match joined.last_mut() {
+            Some(last) if cut.0 - last.1 < JOINED_S => last.1 = last.1.max(cut.1),
+            _ => joined.push(cut),
+        }
+    }
+    cuts.intervals = joined;
 }
 
 #[cfg(test)]
@@ -66,12 +83,17 @@ mod tests {
     fn a_spike_is_one_reading_and_a_push_a_stretch() {
         let mut white: Vec<f64> = (0..200).map(|k| if k % 2 == 0 { 0.8 } else { -0.8 }).collect();
         white[50] = 9.0;
+        let mut cuts = Cuts::default();
+        assert!(!find(&segment(200), &white, 5.0, false, &mut cuts));
+        assert_eq!(cuts.readings, [(1, 50)].into());
         for e in &mut white[100..120] {
             *e += 2.5;
         }
-        let mut cuts = Cuts::default();
-        find(&segment(200), &white, 5.0, &mut cuts);
-        assert_eq!(cuts.readings, [(1, 50)].into());
+        // one window a pass, the first one; all of it when there are no passes left
+        assert!(find(&segment(200), &white, 5.0, false, &mut cuts));
+        assert!(cuts.intervals.len() == 1 && cuts.intervals[0].1 < 1.2);
+        find(&segment(200), &white, 5.0, true, &mut cuts);
+        join(&mut cuts);
         assert_eq!(cuts.intervals.len(), 1);
         let (from, to, verdict) = cuts.intervals[0];
         assert!(from < 1.0 && to > 1.19 && from > 0.6 && to < 1.6, "{from} {to}");
