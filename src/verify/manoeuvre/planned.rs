@@ -119,7 +119,8 @@ pub fn u_turn_scene(wheelbase_m: f64) -> Result<(u_turn::Car, u_turn::Scene, u_t
     };
     let ranges = u_turn::Ranges {
         run_up_m: [1.0 * k, 5.5 * k],
-        speed_mps: [0.3, 0.8],
+        // a longer vehicle needs more way for the same change of angle: slower
+        speed_mps: [0.3 / k, 0.8],
         steering_rate_rad_s: [12.0 * RAD_PER_DEG, 40.0 * RAD_PER_DEG],
         yaw_rate_rad_s: None,
     };
