@@ -58,7 +58,7 @@ fn main() -> Fallible<()> {
 fn shuffled(campaign: &Campaign, seed: u64) -> Fallible<Campaign> {
     let mut runs = Vec::new();
     for round in 0..3 {
-        let mut single: Vec<RunGroup> = campaign
+        let single: Vec<RunGroup> = campaign
             .plan(seed + 1000 * round)?
             .into_iter()
             .map(|run| RunGroup { torque_nm: Torques::One(run.torque_nm), repeats: 1, shuffle: false, ..run.settings })
@@ -68,9 +68,7 @@ fn shuffled(campaign: &Campaign, seed: u64) -> Fallible<Campaign> {
             |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed + 1000 * round).wrapping_mul(0xD134_2543_DE82_EF95)) >> 20;
         let mut order: Vec<usize> = (0..single.len()).collect();
         order.sort_by_key(|k| (key(*k), *k));
-        let taken: Vec<RunGroup> = order.iter().map(|k| single[*k].clone()).collect();
-        single.clear();
-        runs.extend(taken);
+        runs.extend(order.into_iter().map(|k| single[k].clone()));
     }
     Ok(Campaign { runs, ..campaign.clone() })
 }

@@ -13,9 +13,9 @@ use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
 
 /// Rows of a run's information are added until so little of its trace is left.
-const LEFT_OUT: f64 = 1e-4;
+const LEFT_OUT: f64 = 1e-3;
 /// Most rows of one stretch.
-const MOST_ROWS: usize = 24;
+const MOST_ROWS: usize = 12;
 /// Standard deviation that a block of coefficients may at least add to the surface [m/s², root mean square over the lattice]: what the data
 /// so far did not ask for is not thereby known to be nothing.
 const UNSEEN_MPS2: f64 = 0.01;
@@ -73,9 +73,9 @@ impl Model {
             offset_mps2: file.noise.run_offset_mps2.max(1e-4),
             reading_mps: [(1.0 / (precision * READING_S)).sqrt(); 2],
         };
-        // rounded down to what the vehicle reached
-        let limit_mps = (fastest * 20.0 - 0.2 + 1e-9).floor().max(1.0) / 20.0;
         let reached = used.iter().fold(0.0f64, |m, r| m.max(r.start_speed_mps).max(r.end_speed_mps));
+        // a level that ends at a speed overshoots it by some 0.04 m/s
+        let fastest_mps = ((reached.min(fastest) - 0.04) * 20.0).floor().max(1.0) / 20.0;
         let mut vehicles = Vec::new();
         for map in &file.maps {
             vehicles.push(Vehicle {
@@ -85,7 +85,7 @@ impl Model {
                 lag_s: file.actuator.lag.value_s.clamp(0.0, 0.3),
                 transient_s: settings.transient_s,
                 breakaway_nm: map.breakaway.torque_nm,
-                fastest_mps: limit_mps.min((reached * 20.0 + 0.5).floor() / 20.0).max(0.05),
+                fastest_mps,
             });
         }
         // even levels, about as many as a campaign has; from the table's lowest to its highest torque
@@ -94,8 +94,8 @@ impl Model {
         let last = (high / step + 1e-9).floor() as i64;
         let levels_nm = (first..=last).map(|k| k as f64 * step).collect();
         let torques = torques.into_iter().filter(|u| *u <= high + 1e-9).collect();
-        let every = speeds.len().div_ceil(MOST_SPEEDS).max(1);
-        let speeds = speeds.into_iter().step_by(every).collect();
+        let every = speeds.iter().filter(|v| **v <= fastest_mps + 1e-9).count().div_ceil(MOST_SPEEDS).max(1);
+        let speeds = speeds.into_iter().filter(|v| *v <= fastest_mps + 1e-9).step_by(every).collect();
         let theta = vec![0.0; lattice.columns()];
         Ok(Self { surface: LatticeSurface { lattice, theta }, design, noise, vehicles, levels_nm, breaks: (speeds, torques) })
     }
