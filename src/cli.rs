@@ -14,6 +14,7 @@ mod inspect_runs;
 mod invert;
 mod lateral;
 mod logs;
+mod plan;
 mod record;
 mod report;
 mod ui;
@@ -92,6 +93,8 @@ enum Command {
     Export(export::Arguments),
     /// Say what changed between two maps, and whether it is more than chance
     Diff(diff::Arguments),
+    /// Say what to drive next: the runs that take most off the standard errors, as a campaign file
+    Plan(plan::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -119,6 +122,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check(arguments) => check::run(&arguments, ui),
         Command::Export(arguments) => export::run(&arguments, ui),
         Command::Diff(arguments) => diff::run(&arguments, ui),
+        Command::Plan(arguments) => plan::run(&arguments, ui),
         Command::Completions(arguments) => completions::run(&arguments, ui),
     };
     match outcome {

@@ -19,6 +19,7 @@ mod lattice;
 mod monotone;
 mod passes;
 mod penalised;
+mod plan;
 mod product;
 mod regressors;
 mod robust;
@@ -34,5 +35,6 @@ mod uncertainty;
 mod validation;
 
 pub use error::{Error, Result};
+pub use plan::{Plan, PlanEntry, PlanSettings, plan};
 pub use product::{Fit, fit, fit_traced};
 pub use settings::Settings;

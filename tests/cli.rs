@@ -65,7 +65,7 @@ fn a_stage_under_its_own_name_is_the_subcommand() {
 fn every_command_has_help_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
     for command in
-        ["record", "inspect", "fit", "invert", "verify", "report", "calibrate", "lateral", "check", "export", "diff", "completions"]
+        ["record", "inspect", "fit", "invert", "verify", "report", "calibrate", "lateral", "check", "export", "diff", "plan", "completions"]
     {
         let (status, help, _) = run(folder.path(), &[command, "--help"]);
         assert_eq!(status, 0);

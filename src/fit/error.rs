@@ -28,6 +28,10 @@ pub enum Error {
     SlowSpeed { file: String, rate_hz: f64, needed_hz: f64 },
     #[error("the normal equations cannot be solved: the logs hold no information on the surface")]
     Singular,
+    #[error("Table 1 holds no driven run with motion and a torque range: nothing to plan from. Drive a first campaign and fit it")]
+    NothingToPlan,
+    #[error("no run fits a plan of {budget_s:.0} s: give it more time")]
+    NoPlan { budget_s: f64 },
     #[error(transparent)]
     Map(#[from] crate::map::Error),
 }

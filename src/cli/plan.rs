@@ -1,0 +1,87 @@
+//! `plan`: the campaign still to drive after Table 1.
+
+use super::{Outcome, Ui};
+use crate::fit::{Plan, PlanSettings, plan};
+use crate::map::{Table1File, write_whole};
+use anyhow::{Context, bail};
+use comfy_table::{CellAlignment, Table, presets};
+use std::path::PathBuf;
+
+/// Entries that are listed without `-v`.
+const SHOWN: usize = 12;
+
+/// Arguments of `plan`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  pivot-cal plan                           what to drive next, as a table
+  pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
+
+Reads table1.json. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
+table, by the estimator's own information matrix.")]
+pub(super) struct Arguments {
+    /// Folder with table1.json
+    #[arg(long, value_name = "DIR", default_value = "maps")]
+    maps: PathBuf,
+    /// Time to drive, with spin-ups, stops and pauses [min]
+    #[arg(long, value_name = "MIN", default_value_t = 5.0)]
+    minutes: f64,
+    /// Campaign file to write (TOML)
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    if !(arguments.minutes > 0.0 && arguments.minutes <= 60.0) {
+        bail!("--minutes is {}; allowed: above 0, at most 60", arguments.minutes);
+    }
+    let path = arguments.maps.join("table1.json");
+    let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
+    let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
+    let plan = plan(&file, &PlanSettings { budget_s: 60.0 * arguments.minutes }).with_context(|| path.display().to_string())?;
+    if let Some(output) = &arguments.output {
+        write_whole(output, plan.to_toml().as_bytes())?;
+    }
+    ui.document(&plan)?;
+    show(&plan, ui);
+    match &arguments.output {
+        Some(output) => ui.say(format!("written: {}", output.display())),
+        None => ui.say("give -o FILE to write it as a campaign file"),
+    }
+    Ok(Outcome::Done)
+}
+
+fn show(plan: &Plan, ui: Ui) {
+    ui.say(format!(
+        "{} runs, {:.0} s: standard error of the torque {:.3} → {:.3} N·m (root mean square over the cells)",
+        plan.runs, plan.seconds, plan.std_err_nm, plan.std_err_after_nm
+    ));
+    let shown = if ui.is_verbose() { usize::MAX } else { SHOWN };
+    let mut table = Table::new();
+    let header = ["run", "gear", "torque [N·m]", "start", "times", "each [s]", "gain [N·m]", "gain [%]"];
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header);
+    for (k, entry) in plan.entries.iter().take(shown).enumerate() {
+        table.add_row([
+            (k + 1).to_string(),
+            entry.gear.to_string(),
+            format!("{:.1}", entry.torque_nm),
+            entry.start(),
+            entry.repeats.to_string(),
+            format!("{:.1}", entry.seconds),
+            format!("{:.4}", entry.gain_nm),
+            format!("{:.2}", entry.gain_percent),
+        ]);
+    }
+    for (k, column) in table.column_iter_mut().enumerate() {
+        if k != 1 && k != 3 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    ui.say(table.to_string());
+    if plan.entries.len() > shown {
+        ui.say(format!("and {} more (-v shows all)", plan.entries.len() - shown));
+    }
+    for (k, entry) in plan.entries.iter().take(if ui.is_verbose() { usize::MAX } else { 3 }).enumerate() {
+        ui.say(format!("{}: {}", k + 1, entry.reason));
+    }
+}

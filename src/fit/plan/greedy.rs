@@ -1,0 +1,130 @@
+//! One run after the other, each the one that takes most off the cells' mean variance per second.
+//!
+//! With C the posterior covariance, R the rows of a run and K the cells' contrasts, a run takes tr[(I + R·C·Rᵀ)⁻¹·(R·C·K)(R·C·K)ᵀ] off the
+//! sum of the variances (Woodbury). R·C and R·C·K of all runs are kept, and follow each choice by an update of low rank.
+
+use super::drive::Candidate;
+use super::information::{Cell, Information, Model};
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Mat, Par};
+use std::ops::Range;
+
+/// A candidate's rows in the stack.
+struct Run {
+    rows: Range<usize>,
+    seconds: f64,
+}
+
+/// The state of the choice.
+pub(super) struct Greedy {
+    runs: Vec<Run>,
+    /// R of all candidates, stacked.
+    rows: Mat<f64>,
+    /// R·C.
+    spread: Mat<f64>,
+    /// R·C·K.
+    reach: Mat<f64>,
+    /// Variance of each cell's torque [(N·m)²].
+    variance: Vec<f64>,
+}
+
+fn product(a: faer::MatRef<f64>, b: faer::MatRef<f64>) -> Mat<f64> {
+    let mut c = Mat::zeros(a.nrows(), b.ncols());
+    matmul(c.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    c
+}
+
+impl Greedy {
+    pub(super) fn new(model: &Model, covariance: &Mat<f64>, candidates: &[(Candidate, f64, Information)], cells: &[Cell]) -> Self {
+        let q = model.design.coefficients();
+        let mut rows = Mat::zeros(candidates.iter().map(|c| c.2.nrows()).sum(), q);
+        let mut runs = Vec::new();
+        let mut at = 0;
+        for (_, seconds, information) in candidates {
+            let n = information.nrows();
+            rows.submatrix_mut(at, 0, n, q).copy_from(information);
+            runs.push(Run { rows: at..at + n, seconds: *seconds });
+            at += n;
+        }
+        let contrasts = Mat::from_fn(q, cells.len(), |r, c| cells[c].contrast[r]);
+        let spread = product(rows.as_ref(), covariance.as_ref());
+        let reach = product(spread.as_ref(), contrasts.as_ref());
+        let by_cell = product(covariance.as_ref(), contrasts.as_ref());
+        let variance = (0..cells.len()).map(|c| (0..q).map(|r| contrasts[(r, c)] * by_cell[(r, c)]).sum::<f64>().max(0.0)).collect();
+        Self { runs, rows, spread, reach, variance }
+    }
+
+    /// Root mean square standard error of the cells' torques [N·m].
+    pub(super) fn std_err_nm(&self) -> f64 {
+        (self.variance.iter().sum::<f64>() / self.variance.len().max(1) as f64).sqrt()
+    }
+
+    /// I + R·C·Rᵀ of a run, solved for the rows of `right`.
+    fn solved(&self, run: &Run, right: &Mat<f64>) -> Option<Mat<f64>> {
+        let n = run.rows.len();
+        let mut inner = product(self.spread.subrows(run.rows.start, n), self.rows.subrows(run.rows.start, n).transpose());
+        for k in 0..n {
+            inner[(k, k)] += 1.0;
+        }
+        // symmetric but for rounding
+        let inner = Mat::from_fn(n, n, |a, b| 0.5 * (inner[(a, b)] + inner[(b, a)]));
+        Some(inner.llt(faer::Side::Lower).ok()?.solve(right))
+    }
+
+    /// What a run takes off the sum of the variances [(N·m)²].
+    fn decrease(&self, run: &Run) -> f64 {
+        let n = run.rows.len();
+        let reach = self.reach.subrows(run.rows.start, n);
+        let square = product(reach, reach.transpose());
+        self.solved(run, &square).map_or(0.0, |m| (0..n).map(|k| m[(k, k)]).sum())
+    }
+
+    /// The most useful run per second of those that take at most `left_s`; the first of equals.
+    pub(super) fn best(&self, left_s: f64) -> Option<usize> {
+        let mut best: Option<(usize, f64)> = None;
+        for (k, run) in self.runs.iter().enumerate().filter(|(_, r)| !r.rows.is_empty() && r.seconds <= left_s) {
+            let worth = self.decrease(run) / run.seconds;
+            if worth > 0.0 && best.is_none_or(|(_, most)| worth > most) {
+                best = Some((k, worth));
+            }
+        }
+        best.map(|(k, _)| k)
+    }
+
+    /// What a run takes off each cell's variance [(N·m)²].
+    fn decreases(&self, run: &Run) -> Vec<f64> {
+        let n = run.rows.len();
+        let reach = self.reach.subrows(run.rows.start, n).to_owned();
+        let Some(solved) = self.solved(run, &reach) else { return vec![0.0; self.variance.len()] };
+        (0..self.variance.len()).map(|c| (0..n).map(|r| reach[(r, c)] * solved[(r, c)]).sum()).collect()
+    }
+
+    /// Counts a run as driven.
+    pub(super) fn take(&mut self, index: usize) {
+        let run = &self.runs[index];
+        let (from, n) = (run.rows.start, run.rows.len());
+        let decreases = self.decreases(run);
+        self.variance.iter_mut().zip(&decreases).for_each(|(v, d)| *v = (*v - d).max(0.0));
+        let cross = product(self.spread.as_ref(), self.rows.subrows(from, n).transpose());
+        let (spread, reach) = (self.spread.subrows(from, n).to_owned(), self.reach.subrows(from, n).to_owned());
+        let (Some(by_spread), Some(by_reach)) = (self.solved(run, &spread), self.solved(run, &reach)) else { return };
+        matmul(self.spread.as_mut(), Accum::Add, cross.as_ref(), by_spread.as_ref(), -1.0, Par::Seq);
+        matmul(self.reach.as_mut(), Accum::Add, cross.as_ref(), by_reach.as_ref(), -1.0, Par::Seq);
+    }
+
+    /// The cells that gain most from a run, and how well they are known now.
+    pub(super) fn reason(&self, index: usize, cells: &[Cell]) -> String {
+        let decreases = self.decreases(&self.runs[index]);
+        let most = decreases.iter().fold(0.0f64, |m, d| m.max(*d));
+        let best = decreases.iter().position(|d| *d >= most).unwrap_or(0);
+        let gear = cells[best].gear;
+        let own: Vec<usize> = (0..cells.len()).filter(|k| cells[*k].gear == gear && decreases[*k] >= 0.5 * most).collect();
+        let range = |f: &dyn Fn(&Cell) -> f64| {
+            own.iter().map(|k| f(&cells[*k])).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
+        };
+        let (v, u) = (range(&|c| c.speed_mps), range(&|c| c.torque_nm));
+        let known = (own.iter().map(|k| self.variance[*k]).sum::<f64>() / own.len().max(1) as f64).sqrt();
+        format!("{gear} cells {:.2} to {:.2} m/s, {:.0} to {:.0} N·m are known to ±{known:.2} N·m only", v.0, v.1, u.0, u.1)
+    }
+}
