@@ -6,6 +6,8 @@
 //! against the simulator's own map. The uniform campaign is `data/campaigns/torque_steps.toml` with its runs shuffled and repeated, cut
 //! where the time is over; the plan is cut at the same time.
 
+#![allow(clippy::print_stdout)] // a study prints
+
 use pivot_cal::campaign::{self, Survey};
 use pivot_cal::fit::{self, PlanSettings, fit, plan};
 use pivot_cal::invert::{self, invert};

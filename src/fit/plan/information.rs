@@ -215,7 +215,7 @@ fn pivoted_root(gram: &Mat<f64>, size: usize) -> Mat<f64> {
     while rows.len() < MOST_ROWS.min(size) && left.iter().sum::<f64>() > LEFT_OUT * total {
         let pivot = (0..size).fold(0, |best, k| if left[k] > left[best] { k } else { best });
         let scale = left[pivot].sqrt();
-        if !(scale > 0.0) {
+        if scale.is_nan() || scale <= 0.0 {
             break;
         }
         let row: Vec<f64> = (0..size).map(|k| (gram[(pivot, k)] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
