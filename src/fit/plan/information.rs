@@ -2,9 +2,10 @@
 
 use super::super::anova::Design;
 use super::super::gram::LocalGram;
-use super::super::kalman::{Noise, whiten};
+use super::super::course::Course;
+use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
-use super::super::regressors::matrix;
+use super::super::regressors::{Free, whitened};
 use super::super::{Error, Result, Settings};
 use super::drive::{Part, READING_S, Vehicle};
 use crate::map::{Gear, Table1File};
@@ -110,9 +111,9 @@ impl Model {
                 let s = &part.segment;
                 // the command holds its dead time already only where it was taken off here
                 let dead_time_s = self.vehicles[0].dead_time_s;
-                let mut local = matrix(s, &part.speed_mps, &part.command, dead_time_s, &self.surface, false);
+                let course = Course::new(s, &part.command, dead_time_s);
+                let local = whitened(&course, &part.speed_mps, &self.surface, &self.noise, Free::Surface);
                 let width = local.columns.len();
-                whiten(&mut local.data, width, &s.readings, s.start_s, &self.noise, s.start_std_mps);
                 let gram = LocalGram::new(local.columns, &local.data);
                 let root = pivoted_root(&gram.values, width - 1);
                 let touched = Mat::from_fn(width - 1, q, |r, c| t[(gram.columns[r] as usize, c)]);
@@ -218,7 +219,7 @@ fn pivoted_root(gram: &Mat<f64>, size: usize) -> Mat<f64> {
         if scale.is_nan() || scale <= 0.0 {
             break;
         }
-        let row: Vec<f64> = (0..size).map(|k| (gram[(pivot, k)] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
+        let row: Vec<f64> = (0..size).map(|k| (gram[(pivot.max(k), pivot.min(k))] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
         left.iter_mut().zip(&row).for_each(|(l, r)| *l = (*l - r * r).max(0.0));
         left[pivot] = 0.0;
         rows.push(row);
