@@ -1,7 +1,7 @@
 //! The rounds of the estimator.
 //!
-//! First with delays free, on a sample of a long campaign. Then on everything, with the delays held and without the moments after steps: the
-//! surface alone. Each round smooths the speeds along the segments with the surface of the last one, adds up the whitened sums, solves
+//! First with delays free: on a sample of a long campaign, then once on everything. Then with the delays held and without the moments after
+//! steps: the surface alone. Each round smooths the speeds along the segments with the surface of the last one, adds up the whitened sums, solves
 //! them with penalties chosen by the data, and moves on to the new surface, calibration and noise.
 
 use super::actuator::LaggedCommand;
@@ -17,7 +17,7 @@ use super::penalised::{Solution, System, nuisance_prior_std};
 use super::regressors::{Free, nuisance};
 use super::robust::Judge;
 use super::sampling;
-use super::segment::{Calibration, LogData, Segment, all_segments};
+use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
 use super::start::Start;
 use super::validation::{self, Validation};
 use super::{Error, Result, Settings};
@@ -103,7 +103,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Rounds with delays free, on a sample of a long campaign.
+    /// Rounds with delays free: on a sample of a long campaign, then once on everything.
     pub(crate) fn delays(&mut self) -> Result<()> {
         let (chosen, sampled) = sampling::choose(&self.logs);
         self.sampled = sampled;
@@ -130,26 +130,32 @@ impl<'a> Search<'a> {
         for log in &mut self.logs {
             log.chosen.fill(true);
         }
+        if sampled {
+            self.cut(CUT_BEYOND[1]);
+            let stretch = self.stretch(false);
+            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
+            let speeds = self.speeds(&courses);
+            self.round(&courses, &speeds, Free::Delays, false)?;
+        }
         Ok(())
     }
 
-    /// Rounds with delays held and without the moments after steps, until the surface stands still. After a sample, everything first has its say
-    /// about the delays, too.
+    /// Rounds with delays held and without the moments after steps, until the surface stands still.
     pub(crate) fn surface(mut self) -> Result<Estimate<'a>> {
         self.penalties.clear();
-        self.cut(CUT_BEYOND[1]);
+        // everything was judged a moment ago, after a sample; what was cut is judged again by the better surface
+        if !self.sampled || self.logs.iter().any(|l| l.cuts != Cuts::default()) {
+            self.cut(CUT_BEYOND[1]);
+        }
         let mut stretch = self.stretch(true);
         let mut found = {
             let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
             let speeds = self.speeds(&courses);
-            let free = if self.sampled { Free::Delays } else { Free::Surface };
-            self.round(&courses, &speeds, free, true)?
+            self.round(&courses, &speeds, Free::Surface, true)?
         };
         self.update_noise(&stretch.segments, &found.along, 0.98);
         // the first surface moves the starts from rest a little, where it was not known already; then they stay
-        if self.sampled {
-            stretch.lagged = self.lagged();
-        } else {
+        if !self.sampled {
             stretch = self.stretch(true);
         }
         let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
@@ -221,7 +227,7 @@ impl<'a> Search<'a> {
         let grams = total(&parts);
         let pairs: Vec<(Gear, &Gram)> = self.gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
         let system = System::new(&self.design, &pairs, free.nuisances(logs));
-        let prior = if free == Free::Surface { Vec::new() } else { self.nuisance_prior(settle) };
+        let prior = if free == Free::Surface { Vec::new() } else { nuisance_prior_std(logs, self.has_yaw) };
         let updates = PENALTY_ROUNDS[usize::from(settle)];
         let solution = system.solve(&self.design.blocks, &self.penalties, updates, &prior).ok_or(Error::Singular)?;
         self.penalties.clone_from(&solution.penalties);
@@ -234,18 +240,6 @@ impl<'a> Search<'a> {
             self.calibrate(&solution, free);
         }
         Ok(Found { solution, system, parts, fold, along, moved_mps2 })
-    }
-
-    /// Prior standard deviations of the nuisance columns: wide at first; what a sample told, when everything has its say.
-    fn nuisance_prior(&self, settle: bool) -> Vec<f64> {
-        let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw);
-        if settle {
-            prior[nuisance::LAG] = self.errors.lag_s.max(1e-6);
-            for (k, std_err_s) in self.errors.dead_time_s.iter().enumerate() {
-                prior[nuisance::DEAD_TIME + k] = std_err_s.max(1e-6);
-            }
-        }
-        prior
     }
 
     /// Speeds along the courses: by the surface, where there is one.

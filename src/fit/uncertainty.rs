@@ -29,17 +29,9 @@ impl Uncertainty {
         let q = estimate.design.coefficients();
         let posterior = Mat::from_fn(q, q, |a, b| estimate.solution.covariance[(a, b)]);
         let pulls = pulls(estimate, &posterior);
-        let (scores, coupling) = scores_and_coupling(estimate);
+        let (meat, coupling) = meat_and_coupling(estimate);
         let answer = &posterior * &coupling;
         let by_delays = &answer * &estimate.calibration_errors.covariance * answer.transpose();
-        let runs = scores.len();
-        let mut meat: Mat<f64> = Mat::zeros(q, q);
-        if runs > 1 {
-            // scores of a fitted model are shrunk: the usual small-sample factor
-            let factor = (runs as f64 / (runs as f64 - 1.0)).sqrt();
-            let stacked = Mat::from_fn(q, runs, |a, r| factor * scores[r][a]);
-            meat = &stacked * stacked.transpose();
-        }
         let half = &posterior * &meat;
         let sandwich = &half * &posterior;
         Self { posterior, sandwich, by_delays, pulls }
@@ -87,44 +79,64 @@ fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> 
     (0..t.ncols()).map(|c| spot.columns(lattice).map(|(r, w)| w * t[(r, c)]).sum()).collect()
 }
 
-/// Xᵀe of each run, and XᵀX between the coefficients of the design and the nuisance columns, the encoder's left at zero.
-fn scores_and_coupling(estimate: &Estimate) -> (Vec<Vec<f64>>, Mat<f64>) {
+/// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe, and XᵀX between the coefficients of the design and the nuisance columns, the encoder's left at
+/// zero.
+fn meat_and_coupling(estimate: &Estimate) -> (Mat<f64>, Mat<f64>) {
     let lagged = estimate.lagged_commands();
     let courses = courses(&estimate.segments, &lagged, &estimate.calibration);
     let base = estimate.surfaces[0].lattice.columns();
     let (q, nuisances) = (estimate.design.coefficients(), Free::Delays.nuisances(estimate.logs.len()));
-    // per segment: Xᵀ times residual, lag and dead time
-    let parts: Vec<[Vec<f64>; 3]> = courses
+    // per segment, over the columns it touches: Xᵀ times residual, lag and dead time
+    let parts: Vec<(Vec<u32>, [Vec<f64>; 3])> = courses
         .par_iter()
         .zip(&estimate.speeds)
         .map(|(course, speed)| {
             let s = course.segment;
             let surface = estimate.surface(s.gear);
-            let local = whitened(course, speed, surface, &estimate.noise, Free::Delays);
+            let mut local = whitened(course, speed, surface, &estimate.noise, Free::Delays);
             let width = local.columns.len();
-            let surfaces = local.columns.iter().take_while(|c| (**c as usize) < base).count();
+            let touched = local.columns.iter().take_while(|c| (**c as usize) < base).count();
             let [lag, dead_time] = [nuisance::LAG, nuisance::DEAD_TIME + s.log]
                 .map(|n| local.columns.iter().position(|c| *c as usize == base + n).unwrap_or(width - 1));
-            let mut sums = [(); 3].map(|()| vec![0.0; surfaces]);
+            let mut sums = [(); 3].map(|()| vec![0.0; touched]);
             for row in local.data.chunks_exact(width) {
-                let fitted: f64 = row.iter().zip(&local.columns[..surfaces]).map(|(x, c)| x * surface.theta[*c as usize]).sum();
+                let fitted: f64 = row.iter().zip(&local.columns[..touched]).map(|(x, c)| x * surface.theta[*c as usize]).sum();
                 for (sum, value) in sums.iter_mut().zip([row[width - 1] - fitted, row[lag], row[dead_time]]) {
                     sum.iter_mut().zip(row).for_each(|(s, x)| *s += x * value);
                 }
             }
-            let t = estimate.design.transform(s.gear);
-            sums.map(|sum| (0..q).map(|c| sum.iter().zip(&local.columns).map(|(s, r)| t[(*r as usize, c)] * s).sum()).collect())
+            local.columns.truncate(touched);
+            (local.columns, sums)
         })
         .collect();
-    let mut by_run: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
-    let mut coupling = Mat::zeros(q, nuisances);
-    for (course, [score, lag, dead_time]) in courses.iter().zip(parts) {
-        for c in 0..q {
-            coupling[(c, nuisance::LAG)] += lag[c];
-            coupling[(c, nuisance::DEAD_TIME + course.segment.log)] += dead_time[c];
+    let mut meat: Mat<f64> = Mat::zeros(q, q);
+    let mut coupling: Mat<f64> = Mat::zeros(q, nuisances);
+    for gear in &estimate.gears {
+        let mut scores: BTreeMap<(usize, usize), BTreeMap<u32, f64>> = BTreeMap::new();
+        let mut crossed: Mat<f64> = Mat::zeros(base, nuisances);
+        for (course, (columns, [score, lag, dead_time])) in courses.iter().zip(&parts).filter(|(c, _)| c.segment.gear == *gear) {
+            let run = scores.entry((course.segment.log, course.segment.run)).or_default();
+            for (((c, s), l), d) in columns.iter().zip(score).zip(lag).zip(dead_time) {
+                *run.entry(*c).or_insert(0.0) += s;
+                crossed[(*c as usize, nuisance::LAG)] += l;
+                crossed[(*c as usize, nuisance::DEAD_TIME + course.segment.log)] += d;
+            }
         }
-        let sum = by_run.entry((course.segment.log, course.segment.run)).or_insert_with(|| vec![0.0; q]);
-        sum.iter_mut().zip(&score).for_each(|(a, b)| *a += b);
+        let runs = scores.len() as f64;
+        let mut squares: Mat<f64> = Mat::zeros(base, base);
+        for run in scores.values() {
+            for (a, x) in run {
+                for (b, y) in run {
+                    squares[(*b as usize, *a as usize)] += x * y;
+                }
+            }
+        }
+        let t = estimate.design.transform(*gear);
+        coupling += t.transpose() * &crossed;
+        if runs > 1.0 {
+            // scores of a fitted model are shrunk: the usual small-sample factor
+            meat += faer::Scale(runs / (runs - 1.0)) * (t.transpose() * &squares * t);
+        }
     }
-    (by_run.into_values().collect(), coupling)
+    (meat, coupling)
 }
