@@ -64,7 +64,8 @@ const LEAST_LAG_S: f64 = 1e-4;
 impl LaggedCommand {
     /// From the command, settled at its first value before it begins.
     pub(crate) fn new(command: &Series, lag_s: f64) -> Self {
-        let mut lagged = Self { change_s: Vec::new(), command_nm: Vec::new(), torque_nm: Vec::new(), by_lag: Vec::new(), lag_s, largest_nm: 0.0 };
+        let mut lagged =
+            Self { change_s: Vec::new(), command_nm: Vec::new(), torque_nm: Vec::new(), by_lag: Vec::new(), lag_s, largest_nm: 0.0 };
         for (t, c) in command.t_s.iter().zip(&command.value) {
             if lagged.command_nm.last() == Some(c) {
                 continue;

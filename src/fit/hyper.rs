@@ -92,7 +92,12 @@ pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Nois
 }
 
 /// The `share` of the segments that the surface explains best by mean square innovation, so that pushes and slips do not pass for noise.
-pub(crate) fn well_explained(segments: &[Segment], residuals: &[Vec<f64>], white: &[Vec<f64>], share: f64) -> (Vec<Segment>, Vec<Vec<f64>>) {
+pub(crate) fn well_explained(
+    segments: &[Segment],
+    residuals: &[Vec<f64>],
+    white: &[Vec<f64>],
+    share: f64,
+) -> (Vec<Segment>, Vec<Vec<f64>>) {
     let score: Vec<f64> = white.iter().map(|w| w.iter().map(|e| e * e).sum::<f64>() / w.len().max(1) as f64).collect();
     let mut sorted = score.clone();
     sorted.sort_unstable_by(f64::total_cmp);

@@ -84,13 +84,7 @@ impl Pass<'_> {
     }
 
     /// The sums of both gears, fold by fold.
-    pub(crate) fn assemble(
-        &self,
-        speeds: &[Vec<f64>],
-        free: Free,
-        logs: usize,
-        (fold, folds): (&[usize], usize),
-    ) -> Vec<[Gram; 2]> {
+    pub(crate) fn assemble(&self, speeds: &[Vec<f64>], free: Free, logs: usize, (fold, folds): (&[usize], usize)) -> Vec<[Gram; 2]> {
         let size = self.surfaces[0].lattice.columns() + free.nuisances(logs) + 1;
         let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
         let paired: Vec<((&Course, &Vec<f64>), &usize)> = self.courses.iter().zip(speeds).zip(fold).collect();

@@ -9,12 +9,12 @@ pub struct Settings {
     pub dead_time_s: Option<f64>,
     /// Time constant of the drive's lag [s] when it is known; estimated otherwise.
     pub lag_s: Option<f64>,
-    /// Speed nodes of the surface. Default 15, uniform in ln(1 + V/0.12): the error of hats between them stays below 0.01 m/s².
+    /// Coefficients of the surface along speed. Default 15, on knots uniform in ln(1 + V/0.12): more do not come nearer to the truth.
     pub speed_nodes: usize,
-    /// Torque nodes of the surface, about. Default 21: finer than the usual steps of a campaign.
+    /// Coefficients of the surface along torque, about. Default 21: finer than the usual steps of a campaign.
     pub torque_nodes: usize,
-    /// Time after a step of the effective torque that the surface does not use [s]. Default 0.06: no static map explains it, and much more
-    /// would leave the cells of a fast coast without data.
+    /// Time after a step of the effective torque that the surface does not use [s]. Default 0.02: the command's own sampling. What follows is
+    /// explained by dead time and lag, and cells that are only passed through after a step have no other data.
     pub transient_s: f64,
     /// Most iterations with delays free, then with delays fixed and transients cut. Default 6 and 4.
     pub iterations: [usize; 2],
@@ -34,7 +34,7 @@ impl Default for Settings {
             lag_s: None,
             speed_nodes: 15,
             torque_nodes: 21,
-            transient_s: 0.06,
+            transient_s: 0.02,
             iterations: [6, 4],
             speed_breaks_mps: None,
             torque_breaks_nm: None,

@@ -35,7 +35,9 @@ impl<'a> Start<'a> {
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
     pub(crate) fn new(surveys: &'a [Survey], settings: &Settings) -> Result<Self> {
-        if let Some((survey, rate_hz)) = surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?))) {
+        if let Some((survey, rate_hz)) =
+            surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
+        {
             return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
         }
         let logs: Vec<LogData> = surveys.iter().map(log_data).collect();

@@ -9,11 +9,11 @@
 //! *Classification and Regression Trees*): a simpler model that tells new runs as well is the surer one where nothing was measured.
 
 use super::anova::{Block, Design};
+use super::course::{Course, surface_of};
 use super::gram::Gram;
 use super::kalman::{Noise, whiten};
 use super::lattice::{Lattice, LatticeSurface};
 use super::penalised::{Solution, System};
-use super::course::{Course, surface_of};
 use super::sampling::scramble;
 use crate::map::Gear;
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! What runs tell of the surface's coefficients.
 
 use super::super::anova::Design;
-use super::super::gram::LocalGram;
 use super::super::course::Course;
+use super::super::gram::LocalGram;
 use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
 use super::super::regressors::{Free, whitened};
@@ -219,7 +219,8 @@ fn pivoted_root(gram: &Mat<f64>, size: usize) -> Mat<f64> {
         if scale.is_nan() || scale <= 0.0 {
             break;
         }
-        let row: Vec<f64> = (0..size).map(|k| (gram[(pivot.max(k), pivot.min(k))] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
+        let row: Vec<f64> =
+            (0..size).map(|k| (gram[(pivot.max(k), pivot.min(k))] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
         left.iter_mut().zip(&row).for_each(|(l, r)| *l = (*l - r * r).max(0.0));
         left[pivot] = 0.0;
         rows.push(row);
