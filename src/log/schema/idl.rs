@@ -311,7 +311,7 @@ impl Builder {
             let shape = self.shape(&member.kind, depth)?;
             fields.push((member.name, arrays(shape, &member.lengths)));
         }
-        let constants = self.constants.get(&format!("{full}_Constants")).cloned().unwrap_or_default();
+        let constants = Arc::new(self.constants.get(&format!("{full}_Constants")).cloned().unwrap_or_default());
         let built = Arc::new(Structure { name: full.replace("::", "/"), fields, constants });
         self.built.insert(full.to_owned(), built.clone());
         Ok(built)
@@ -401,7 +401,7 @@ module b { module msg { struct Inner { long x, y; }; }; };
         assert_eq!(kinds[3], ("k", Shape::List(Box::new(Shape::Number(Kind::F64)), Size::Fixed(9))));
         assert_eq!(kinds[4], ("pair", Shape::List(Box::new(Shape::Number(Kind::F32)), Size::Fixed(2))));
         assert!(matches!(&kinds[5].1, Shape::Message(inner) if inner.fields.len() == 2));
-        assert_eq!(shape.constants, [("DRIVE".to_owned(), 2)]);
+        assert_eq!(*shape.constants, [("DRIVE".to_owned(), 2)]);
     }
 
     #[test]
