@@ -60,7 +60,7 @@ pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
     };
     for &signal in wanted {
         if let Some(spec) = map.signals.get(&signal) {
-            if topics.contains(spec.path.topic.as_str()) && !spec.path.steps.is_empty() {
+            if topics.contains(spec.path.topic.as_str()) && series::is_plain(&spec.path) {
                 choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
                 continue;
             }
