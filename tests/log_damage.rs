@@ -223,6 +223,16 @@ fn a_chunk_that_claims_terabytes_is_refused_without_allocating() {
 }
 
 #[test]
+fn an_lz4_chunk_that_claims_more_than_its_bytes_can_hold_is_refused_without_being_filled() {
+    let sound = log(&Form { compression: Some(Compression::Lz4), ..SOUND });
+    let mut bytes = sound.clone();
+    let (at, length) = chunks(&sound)[4];
+    bytes[at + 9 + 16..at + 9 + 24].copy_from_slice(&(200_u64 << 20).to_le_bytes());
+    let recording = expect_lost_chunk(bytes, &sound, 4);
+    assert!(matches!(recording.loss.places[0].why, Why::TooLarge { allowed, .. } if allowed < 256 * length as u64));
+}
+
+#[test]
 fn a_chunk_that_declares_too_little_is_refused() {
     for compression in [None, Some(Compression::Zstd), Some(Compression::Lz4)] {
         let sound = log(&Form { compression, ..SOUND });
@@ -363,12 +373,15 @@ fn garbage_between_messages_of_an_unchunked_log_is_passed_over() {
 #[test]
 fn messages_of_a_channel_that_is_not_described_are_counted() {
     let mut bytes = log(&Form { chunks: false, summary: false, ..SOUND });
-    for (at, _, _) in records(&bytes).into_iter().filter(|record| record.2 == 5).step_by(10).collect::<Vec<_>>() {
+    let lost: Vec<_> = records(&bytes).into_iter().filter(|record| record.2 == 5).skip(3).step_by(10).collect();
+    for (at, _, _) in &lost {
         bytes[at + 9] = 99;
     }
     let recording = read(bytes).unwrap();
     assert_eq!(recording.loss.messages_read, MESSAGES - MESSAGES / 10);
-    assert!(recording.loss.places.iter().any(|damage| damage.why == Why::NoChannel { channel: 99 }));
+    let place = recording.loss.places.iter().find(|damage| damage.why == Why::NoChannel { channel: 99 }).unwrap();
+    assert_eq!((place.offset, place.messages), (lost[0].0 as u64, Some(MESSAGES / 10)));
+    assert_eq!(place.bytes, lost.iter().map(|(_, length, _)| *length as u64 + 9).sum::<u64>());
 }
 
 #[test]

@@ -138,3 +138,15 @@ fn a_topic_alone_that_is_more_than_one_value_asks_for_a_field() {
     let text = error("/imu/twist");
     assert!(text.contains("a message of its own") && text.contains("header, twist"), "{text}");
 }
+
+#[test]
+fn an_optional_signal_whose_topic_is_missing_is_left_out_though_the_front_of_its_name_is_a_topic() {
+    for name in ["/joint_states/feedback.data", "/joint_states/left/feedback"] {
+        let names: &'static [&'static str] = Box::leak(Box::new([name]));
+        let mut lines = ROS2;
+        lines[5] = ("torque_feedback", name, names, "unit = 'N.m'");
+        let recording = drive("mini_ros2.zstd.mcap", &lines, None).unwrap();
+        assert!(recording.signals.torque_feedback.is_none());
+        assert!(recording.notes.iter().any(|note| note.contains("torque_feedback is left out")), "{:?}", recording.notes);
+    }
+}

@@ -218,7 +218,8 @@ pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
         if container.inventory.channels.contains_key(id) {
             read += tally.messages;
         } else {
-            let mut damage = Damage::new(0, 0, Why::NoChannel { channel: *id });
+            let (offset, bytes) = gathered.undescribed.get(id).copied().unwrap_or_default();
+            let mut damage = Damage::new(offset, bytes, Why::NoChannel { channel: *id });
             damage.messages = Some(tally.messages);
             damage.channels.insert(*id, tally.messages);
             places.push(damage);

@@ -60,11 +60,15 @@ pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
     };
     for &signal in wanted {
         if let Some(spec) = map.signals.get(&signal) {
-            if topics.contains(spec.path.topic.as_str()) && series::is_plain(&spec.path) {
+            let (is_plain, has_topic) = (series::is_plain(&spec.path), topics.contains(spec.path.topic.as_str()));
+            if is_plain && has_topic {
                 choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
                 continue;
             }
-            if let Some(path) = series::path(&spec.path, container, candidates) {
+            let series = if choices.told { series::path(&spec.path, container, candidates) } else { None };
+            // one that leads nowhere is compiled all the same where that tells more than that the topic is missing
+            let telling = |leads: bool| leads || has_topic || (signal.is_required() && !is_plain);
+            if let Some((path, _)) = series.filter(|(_, leads)| telling(*leads)) {
                 let reason = format!("{why} as the series {}", spec.path);
                 choices.found.push(Choice { signal, spec: SignalSpec { path, ..spec.clone() }, reason, is_guess: false });
                 continue;

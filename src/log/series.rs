@@ -16,22 +16,22 @@ pub(super) fn is_plain(path: &MessagePath) -> bool {
     !path.steps.is_empty() && !path.steps.iter().any(|step| matches!(step, Step::Field(name) if name.contains('/')))
 }
 
-/// The path that the series name `name` means in this log; `None` when no topic is the beginning of it. A name whose topic is there but
-/// whose rest leads nowhere gives the way that it names, so that compiling it tells what is wrong.
-pub(super) fn path(name: &MessagePath, container: &Container, candidates: &Candidates<'_>) -> Option<MessagePath> {
+/// The path that the series name `name` means in this log, and whether it leads to a value: if none does, the way behind the longest
+/// topic. `None` when no topic is the beginning of the name.
+pub(super) fn path(name: &MessagePath, container: &Container, candidates: &Candidates<'_>) -> Option<(MessagePath, bool)> {
     let mut first = None;
     for (topic, behind) in cuts(&name.topic) {
         let behind = behind.iter().map(|segment| Step::Field((*segment).to_owned()));
         let steps: Vec<Step> = behind.chain(name.steps.iter().flat_map(single)).collect();
         let written = (topic == name.topic).then(|| name.steps.clone()); // JSON may have slashes in its names
         for (id, channel) in container.inventory.channels.iter().filter(|(_, channel)| channel.topic == topic) {
-            first.get_or_insert_with(|| MessagePath::new(topic.to_owned(), steps.clone()));
+            first.get_or_insert_with(|| (MessagePath::new(topic.to_owned(), steps.clone()), false));
             let schema = container.inventory.schema(channel).map(AsRef::as_ref);
             let Ok(layout) = Layout::parse(&channel.message_encoding, schema) else { continue };
             let sample = candidates.samples.get(id).map(Vec::as_slice);
             let mut ways = written.clone().into_iter().chain([steps.clone()]).chain(parallel(&steps)).chain(alone(&steps));
             if let Some(steps) = ways.find(|steps| Plan::leads(&layout, steps, sample, |raw| *raw != Raw::Missing)) {
-                return Some(MessagePath::new(topic.to_owned(), steps));
+                return Some((MessagePath::new(topic.to_owned(), steps), true));
             }
         }
     }
