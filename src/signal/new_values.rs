@@ -28,7 +28,7 @@ mod tests {
 
     #[test]
     fn of_each_value_only_the_first_message_is_kept() {
-        let n = 600;
+        let n: usize = 600;
         let held =
             Series { t_s: (0..n).map(|k| k as f64 * 0.01).collect(), value: (0..n).map(|k| ((k / 10) as f64 * 0.7).sin()).collect() };
         let kept = new_values_only(&held, 10);
