@@ -38,6 +38,7 @@ mod recording;
 mod resolve;
 mod scan;
 mod schema;
+mod series;
 mod signal_map;
 mod stamp;
 mod summary;

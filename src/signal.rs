@@ -5,8 +5,8 @@
 
 mod align;
 mod error;
+mod new_values;
 mod noise;
-mod rate;
 mod resolve;
 mod rest;
 mod series;
@@ -14,8 +14,8 @@ mod track;
 
 pub use align::Alignment;
 pub use error::{Error, Result};
+pub use new_values::new_values_only;
 pub use noise::{median, noise_std, quantum};
-pub use rate::{TrueRate, new_values_only, true_rate};
 pub use rest::RestDetector;
 pub use series::Series;
 pub use track::Track;

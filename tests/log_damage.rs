@@ -223,6 +223,16 @@ fn a_chunk_that_claims_terabytes_is_refused_without_allocating() {
 }
 
 #[test]
+fn an_lz4_chunk_that_claims_more_than_its_bytes_can_hold_is_refused_without_being_filled() {
+    let sound = log(&Form { compression: Some(Compression::Lz4), ..SOUND });
+    let mut bytes = sound.clone();
+    let (at, length) = chunks(&sound)[4];
+    bytes[at + 9 + 16..at + 9 + 24].copy_from_slice(&(200_u64 << 20).to_le_bytes());
+    let recording = expect_lost_chunk(bytes, &sound, 4);
+    assert!(matches!(recording.loss.places[0].why, Why::TooLarge { allowed, .. } if allowed < 256 * length as u64));
+}
+
+#[test]
 fn a_chunk_that_declares_too_little_is_refused() {
     for compression in [None, Some(Compression::Zstd), Some(Compression::Lz4)] {
         let sound = log(&Form { compression, ..SOUND });
@@ -270,6 +280,72 @@ fn a_chunk_with_a_wild_record_length_is_passed_over() {
     }
 }
 
+/// A log of three topics of different rates in chunks; the values of `/drive` tell the message's number.
+fn three_topics(summary: bool) -> Vec<u8> {
+    let options = WriteOptions::new()
+        .compression(Some(Compression::Zstd))
+        .chunk_size(Some(8 << 10))
+        .emit_summary_records(summary)
+        .emit_summary_offsets(summary);
+    let mut writer = Writer::with_options(Cursor::new(Vec::new()), options).unwrap();
+    let channels = [DRIVE, "/imu", "/status"].map(|topic| writer.add_channel(0, topic, "json", &BTreeMap::new()).unwrap());
+    for number in 0..MESSAGES {
+        let time = 1_700_000_000_000_000_000 + number * 10_000_000;
+        let text = format!(r#"{{"speed_mps":{},"torque_cmd_nm":{},"steer_angle_deg":90.5}}"#, number as f64 * 1e-3, number % 40);
+        for (channel, every) in channels.into_iter().zip([1, 2, 150]) {
+            if number % every == 0 {
+                let header = MessageHeader { channel_id: channel, sequence: number as u32, log_time: time, publish_time: time };
+                writer.write_to_known_channel(&header, text.as_bytes()).unwrap();
+            }
+        }
+    }
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
+
+#[test]
+fn the_loss_of_a_chunk_is_told_by_place_bytes_and_topics_and_everything_behind_it_is_read() {
+    type Defect = fn(&mut [u8], usize, usize);
+    let defects: [(&str, Defect); 4] = [
+        ("a claim of terabytes", |bytes, body, _| bytes[body + 16..body + 24].copy_from_slice(&(1_u64 << 42).to_le_bytes())),
+        ("an unknown compression", |bytes, body, _| bytes[body + 32..body + 36].copy_from_slice(b"snap")),
+        ("a flipped byte", |bytes, body, length| bytes[body + length - 40] ^= 4),
+        ("a wrong checksum", |bytes, body, _| bytes[body + 24] ^= 1),
+    ];
+    for summary in [true, false] {
+        let sound = three_topics(summary);
+        let whole = look(sound.clone());
+        let messages =
+            |survey: &Survey| survey.topics.iter().map(|topic| (topic.topic.clone(), topic.messages.unwrap())).collect::<Vec<_>>();
+        // a chunk without /status, which is written every 150th time: it is not said to have lost anything
+        let (at, length) = chunks(&sound)[4];
+        let indexes = records(&sound).into_iter().skip_while(|record| record.0 <= at).take_while(|record| record.2 == 7);
+        let lost: Vec<u64> = indexes.map(|(_, length, _)| (length as u64 - 6) / 16).collect();
+        assert_eq!(lost.len(), 2);
+        for (name, defect) in defects {
+            let mut bytes = sound.clone();
+            defect(&mut bytes, at + 9, length);
+            let survey = look(bytes.clone());
+            let loss = survey.loss.clone().unwrap();
+            assert_eq!(loss.places.len(), 1, "{name}: {loss:?}");
+            let place = &loss.places[0];
+            assert_eq!((place.offset, place.bytes, place.messages), (at as u64, length as u64 + 9, Some(lost[0] + lost[1])), "{name}");
+            assert_eq!(place.topics, [DRIVE, "/imu"], "{name}");
+            assert_eq!((loss.bytes_lost, loss.messages_lost), (place.bytes, place.messages), "{name}");
+            assert_eq!(loss.messages_read + lost[0] + lost[1], whole.loss.as_ref().unwrap().messages_read, "{name}");
+            let mut expected = messages(&whole);
+            expected[0].1 -= lost[0];
+            expected[1].1 -= lost[1];
+            assert_eq!(messages(&survey), expected, "{name}");
+            // what is read is what was written: each number once, in order, but for one gap
+            let numbers = numbers(&read(bytes).unwrap());
+            let gap = numbers.windows(2).position(|pair| pair[1] != pair[0] + 1).unwrap();
+            assert_eq!(numbers[gap + 1] - numbers[gap] - 1, lost[0], "{name}");
+            assert_eq!((numbers[0], numbers[numbers.len() - 1], numbers.len() as u64), (0, MESSAGES - 1, MESSAGES - lost[0]), "{name}");
+        }
+    }
+}
+
 #[test]
 fn garbage_between_chunks_is_passed_over() {
     let sound = log(&Form { summary: false, ..SOUND });
@@ -297,12 +373,15 @@ fn garbage_between_messages_of_an_unchunked_log_is_passed_over() {
 #[test]
 fn messages_of_a_channel_that_is_not_described_are_counted() {
     let mut bytes = log(&Form { chunks: false, summary: false, ..SOUND });
-    for (at, _, _) in records(&bytes).into_iter().filter(|record| record.2 == 5).step_by(10).collect::<Vec<_>>() {
+    let lost: Vec<_> = records(&bytes).into_iter().filter(|record| record.2 == 5).skip(3).step_by(10).collect();
+    for (at, _, _) in &lost {
         bytes[at + 9] = 99;
     }
     let recording = read(bytes).unwrap();
     assert_eq!(recording.loss.messages_read, MESSAGES - MESSAGES / 10);
-    assert!(recording.loss.places.iter().any(|damage| damage.why == Why::NoChannel { channel: 99 }));
+    let place = recording.loss.places.iter().find(|damage| damage.why == Why::NoChannel { channel: 99 }).unwrap();
+    assert_eq!((place.offset, place.messages), (lost[0].0 as u64, Some(MESSAGES / 10)));
+    assert_eq!(place.bytes, lost.iter().map(|(_, length, _)| *length as u64 + 9).sum::<u64>());
 }
 
 #[test]

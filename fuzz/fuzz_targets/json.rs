@@ -15,5 +15,9 @@ fuzz_target!(init: one_thread::init(), |data: &[u8]| {
         1 => [".items{id==3}.v[1]", "{on==true}.x", ".list[2]"],
         _ => [".a.b.c", ".items[0].id", ".list[1]"],
     };
-    one_message::read("json", None, payload, fields);
+    if choice & 0x80 == 0 {
+        one_message::read("json", None, payload, fields);
+    } else {
+        one_message::look("json", None, payload);
+    }
 });

@@ -1,4 +1,4 @@
-//! Any bytes as a schema, in each schema language.
+//! Any bytes as a schema, in each schema language: with paths that it may have, or searched for whatever it has.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -12,5 +12,11 @@ fuzz_target!(init: one_thread::init(), |data: &[u8]| {
     let Some((choice, schema)) = data.split_first() else { return };
     let (message, encoding) =
         [("cdr", "ros2msg"), ("cdr", "ros2idl"), ("ros1", "ros1msg"), ("protobuf", "protobuf")][usize::from(choice % 4)];
-    one_message::read(message, Some(("a/msg/M", encoding, schema)), &[0, 1, 0, 0, 7, 7, 7, 7, 7, 7, 7, 7], [".x", ".y[0]", ".z.w"]);
+    let schema = Some(("a/msg/M", encoding, schema));
+    let payload = [0, 1, 0, 0, 7, 7, 7, 7, 7, 7, 7, 7];
+    if choice & 4 == 0 {
+        one_message::read(message, schema, &payload, [".x", ".y[0]", ".z.w"]);
+    } else {
+        one_message::look(message, schema, &payload);
+    }
 });

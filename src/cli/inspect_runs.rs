@@ -18,7 +18,11 @@ pub(super) struct Runs {
 /// Surveys one recording, given as its files, and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
 pub(super) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
     let survey = || -> anyhow::Result<Survey> {
-        let recording = read_split(files, source, overrides, &|_| {})?;
+        let bytes = files.iter().map(|path| Ok(fs_err::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
+        let bar = ui.progress(bytes, "reading runs");
+        let recording = read_split(files, source, overrides, &|read| bar.inc(read));
+        bar.finish_and_clear();
+        let recording = recording?;
         Ok(Survey::new(Track::new(&recording)?, &campaign::Settings::default())?)
     };
     let survey = match survey() {

@@ -68,6 +68,10 @@ pub(super) fn load<'s>(input: &Input, block: &Block, scratch: &'s mut Scratch) -
             &scratch.records
         }
         Compression::Lz4 => {
+            let allowed = data.len() as u64 * lz4::MAX_RATIO;
+            if header.uncompressed > allowed {
+                return Err(Why::TooLarge { declared: header.uncompressed, allowed });
+            }
             scratch.records.resize(size, 0);
             if header.crc != 0 && lz4::decompress(data, &mut scratch.records).is_some() {
                 return checked(&header, &scratch.records);

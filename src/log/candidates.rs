@@ -1,9 +1,10 @@
 //! Every single value that the messages of a log hold, as a path that a signal map could name.
 
 use super::container::Container;
-use super::path::MessagePath;
+use super::path::{MessagePath, Step, quoted};
 use super::plan::{Plan, Raw, Taken};
-use super::schema::{Layout, Leaf, LeafKind};
+use super::schema::{Layout, Leaf, LeafKind, Names};
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 /// Elements of an array that are listed one by one.
@@ -20,26 +21,41 @@ pub(super) struct Candidate {
     pub path: MessagePath,
     pub kind: LeafKind,
     /// Numbers that the schema names.
-    pub names: Vec<(String, i64)>,
+    pub names: Names,
     /// What the first message holds.
     pub sample: Option<f64>,
 }
 
-/// Lists the values of every topic. `samples` holds a payload of each channel.
-pub(super) fn list(container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Vec<Candidate> {
+/// The candidates of a log, listed when they are first asked for: a signal map that names everything never needs them.
+pub(super) struct Candidates<'c> {
+    container: &'c Container,
+    /// A payload of each channel.
+    pub samples: &'c BTreeMap<u16, Vec<u8>>,
+    list: OnceCell<Vec<Candidate>>,
+}
+
+impl<'c> Candidates<'c> {
+    /// `samples` holds a payload of each channel.
+    pub(super) fn new(container: &'c Container, samples: &'c BTreeMap<u16, Vec<u8>>) -> Self {
+        Self { container, samples, list: OnceCell::new() }
+    }
+
+    /// The values of every topic.
+    pub(super) fn all(&self) -> &[Candidate] {
+        self.list.get_or_init(|| list(self.container, self.samples))
+    }
+}
+
+fn list(container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Vec<Candidate> {
     let mut found = Vec::new();
     for (id, channel) in &container.inventory.channels {
         let schema = container.inventory.schema(channel);
         let Ok(layout) = Layout::parse(&channel.message_encoding, schema.map(AsRef::as_ref)) else { continue };
         let sample = samples.get(id).map(Vec::as_slice);
         let leaves = if matches!(layout, Layout::Json) { json_leaves(sample) } else { layout.leaves() };
-        let mut paths = Vec::new();
-        for leaf in leaves {
-            expand(&layout, &channel.topic, &leaf, sample, &mut paths);
-            paths.truncate(MAX_PER_TOPIC);
-        }
-        for (path, leaf) in paths {
-            let sample = sample.and_then(|payload| number(&layout, &path, payload));
+        let paths = expand(&layout, &channel.topic, leaves, sample);
+        let values = values(&layout, paths.iter().map(|(path, _)| path), sample);
+        for ((path, leaf), sample) in paths.into_iter().zip(values) {
             found.push(Candidate {
                 topic: channel.topic.clone(),
                 schema: schema.map(|schema| schema.name.clone()).unwrap_or_default(),
@@ -53,54 +69,57 @@ pub(super) fn list(container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> V
     found
 }
 
-/// A topic as a path spells it.
-pub(super) fn quoted(topic: &str) -> String {
-    if topic.contains(['.', '[', '{', '"', '\'']) { format!("{topic:?}") } else { topic.to_owned() }
-}
-
-fn expand(layout: &Layout, topic: &str, leaf: &Leaf, sample: Option<&[u8]>, into: &mut Vec<(MessagePath, Leaf)>) {
-    let whole = format!("{}{}", quoted(topic), leaf.path);
-    let mut push = |text: String| {
-        if let Ok(path) = text.parse() {
-            into.push((path, leaf.clone()));
-        }
-    };
-    match &leaf.list {
-        None => push(whole),
-        Some(list) => {
-            if let (Some(names), Some(payload)) = (&list.names, sample) {
-                let beside = leaf.path.rsplit_once('.').map_or("", |(before, _)| before);
-                for index in 0..MAX_ELEMENTS {
-                    let text = format!("{}{beside}.{names}[{index}]", quoted(topic));
-                    let Some(name) = text.parse().ok().and_then(|path| element_name(layout, &path, payload)) else { break };
-                    push(format!("{whole}{{{names}=={name:?}}}"));
+/// The leaves as paths: arrays by the names beside them, as far as the sample tells those, or by number.
+fn expand(layout: &Layout, topic: &str, leaves: Vec<Leaf>, sample: Option<&[u8]>) -> Vec<(MessagePath, Leaf)> {
+    let topic = MessagePath::new(topic.to_owned(), Vec::new()).to_string();
+    let mut named: BTreeMap<String, Vec<String>> = BTreeMap::new(); // elements' names by the array that holds them
+    let mut paths = Vec::new();
+    for leaf in leaves {
+        let whole = format!("{topic}{}", leaf.path);
+        let texts: Vec<String> = match &leaf.list {
+            None => vec![whole],
+            Some(list) => match (&list.names, sample) {
+                (Some(names), Some(payload)) => {
+                    let beside = leaf.path.rsplit_once('.').map_or("", |(before, _)| before);
+                    let array = format!("{topic}{beside}.{names}");
+                    let elements = named.entry(array).or_insert_with_key(|array| element_names(layout, array, payload));
+                    elements.iter().map(|name| format!("{whole}{{{names}=={}}}", quoted(name))).collect()
                 }
-            } else {
-                for index in 0..list.length.unwrap_or(1).min(MAX_ELEMENTS) {
-                    push(format!("{whole}[{index}]"));
-                }
-            }
+                _ => (0..list.length.unwrap_or(1).min(MAX_ELEMENTS)).map(|index| format!("{whole}[{index}]")).collect(),
+            },
+        };
+        paths.extend(texts.iter().filter_map(|text| Some((text.parse().ok()?, leaf.clone()))));
+        if paths.len() >= MAX_PER_TOPIC {
+            paths.truncate(MAX_PER_TOPIC);
+            break;
         }
     }
+    paths
 }
 
-fn element_name(layout: &Layout, path: &MessagePath, payload: &[u8]) -> Option<String> {
-    let mut taken = Taken::default();
-    Plan::compile(layout, &[path]).ok()?.decode(payload, &mut taken)?;
-    match taken.get(0) {
-        Raw::Text(name) => Some(name.clone().into_owned()),
-        _ => None,
-    }
+/// The texts at the front of `array`.
+fn element_names(layout: &Layout, array: &str, payload: &[u8]) -> Vec<String> {
+    let paths: Vec<MessagePath> = (0..MAX_ELEMENTS).filter_map(|index| format!("{array}[{index}]").parse().ok()).collect();
+    let text = |raw: &Raw<'_>| if let Raw::Text(name) = raw { Some(name.clone().into_owned()) } else { None };
+    taken(layout, &paths.iter().collect::<Vec<_>>(), payload, text).unwrap_or_default().into_iter().map_while(|name| name).collect()
 }
 
-fn number(layout: &Layout, path: &MessagePath, payload: &[u8]) -> Option<f64> {
-    let mut taken = Taken::default();
-    Plan::compile(layout, &[path]).ok()?.decode(payload, &mut taken)?;
-    match taken.get(0) {
+/// The numbers that a message holds at `paths`.
+fn values<'p>(layout: &Layout, paths: impl Iterator<Item = &'p MessagePath>, sample: Option<&[u8]>) -> Vec<Option<f64>> {
+    let paths: Vec<&MessagePath> = paths.collect();
+    let number = |raw: &Raw<'_>| match raw {
         Raw::Number(value) => Some(*value),
         Raw::Integer(value) => Some(*value as f64),
         Raw::Text(_) | Raw::Missing => None,
-    }
+    };
+    sample.and_then(|payload| taken(layout, &paths, payload, number)).unwrap_or_else(|| vec![None; paths.len()])
+}
+
+/// What `take` makes of the values at `paths`; `None` when the payload does not fit the schema.
+fn taken<T>(layout: &Layout, paths: &[&MessagePath], payload: &[u8], take: impl Fn(&Raw<'_>) -> T) -> Option<Vec<T>> {
+    let mut taken = Taken::default();
+    Plan::compile(layout, paths).ok()?.decode(payload, &mut taken)?;
+    Some((0..paths.len()).map(|slot| take(taken.get(slot))).collect())
 }
 
 /// Leaves of a JSON message, told by one of its messages.
@@ -120,9 +139,7 @@ fn descend(value: &serde_json::Value, path: String, found: &mut Vec<Leaf>) {
     let kind = match value {
         Value::Object(fields) => {
             for (name, value) in fields {
-                let plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '/'));
-                let name = if plain { name.clone() } else { format!("{name:?}") };
-                descend(value, format!("{path}.{name}"), found);
+                descend(value, format!("{path}{}", Step::Field(name.clone())), found);
             }
             return;
         }
@@ -138,5 +155,5 @@ fn descend(value: &serde_json::Value, path: String, found: &mut Vec<Leaf>) {
         Value::Number(_) => LeafKind::Integer,
         Value::String(_) => LeafKind::Text,
     };
-    found.push(Leaf { path, kind, names: Vec::new(), list: None });
+    found.push(Leaf { path, kind, names: Names::default(), list: None });
 }

@@ -5,6 +5,7 @@
 
 use super::candidates::Candidate;
 use super::convert::gear_of;
+use super::path::MessagePath;
 use super::schema::LeafKind;
 use super::signal_map::{SignalName, SignalSpec};
 use crate::units::{Dimension, Unit};
@@ -24,8 +25,8 @@ pub(super) struct Scored<'c> {
 }
 
 /// Candidates for `signal`, the best first; those that cannot be it are left out.
-pub(super) fn ranked<'c>(signal: SignalName, candidates: &'c [Candidate]) -> Vec<Scored<'c>> {
-    let mut scored: Vec<Scored<'c>> = candidates.iter().filter_map(|candidate| score(signal, candidate)).collect();
+pub(super) fn ranked<'c>(signal: SignalName, candidates: impl Iterator<Item = &'c Candidate>) -> Vec<Scored<'c>> {
+    let mut scored: Vec<Scored<'c>> = candidates.filter_map(|candidate| score(signal, candidate)).collect();
     // equal scores: the shorter path, then by name, so that the choice never depends on the order of channels
     let key = |s: &Scored<'_>| (-s.score, s.candidate.path.to_string().len(), s.candidate.path.to_string());
     scored.sort_by_key(key);
@@ -33,7 +34,7 @@ pub(super) fn ranked<'c>(signal: SignalName, candidates: &'c [Candidate]) -> Vec
 }
 
 /// The best candidate for `signal`, if it is good enough, with the reason and whether its unit was told.
-pub(super) fn best(signal: SignalName, candidates: &[Candidate]) -> Option<(SignalSpec, String, bool)> {
+pub(super) fn best<'c>(signal: SignalName, candidates: impl Iterator<Item = &'c Candidate>) -> Option<(SignalSpec, String, bool)> {
     let ranked = ranked(signal, candidates);
     let first = ranked.first().filter(|best| best.score >= ENOUGH)?;
     let mut reason = format!("found by name: {}", first.reason);
@@ -72,7 +73,8 @@ struct Words {
 impl Words {
     fn new(candidate: &Candidate) -> Self {
         let path = candidate.path.to_string();
-        let inside = path.strip_prefix(&super::candidates::quoted(&candidate.topic)).unwrap_or(&path);
+        let topic = MessagePath::new(candidate.topic.clone(), Vec::new()).to_string();
+        let inside = path.strip_prefix(&topic).unwrap_or(&path);
         let (around, field) = inside.rsplit_once('.').unwrap_or(("", inside));
         let mut around = words(around);
         around.extend(words(candidate.schema.rsplit(['/', '.']).next().unwrap_or_default()));

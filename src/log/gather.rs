@@ -1,6 +1,7 @@
 //! One pass over all messages of a log: wanted values are decoded, everything is counted, nothing else is kept.
 //!
-//! Blocks are read in parallel and joined in file order, so the result does not depend on the number of threads.
+//! Blocks are handed out in file order to as many workers as there are threads, and what they give is joined in file order, so the
+//! result does not depend on the number of threads. No worker waits for another.
 
 use super::block::{Scratch, load, lost};
 use super::column::Column;
@@ -8,19 +9,17 @@ use super::container::{Block, BlockKind, Container, Inventory};
 use super::convert::Convert;
 use super::loss::{Damage, Why};
 use super::plan::{Plan, Taken};
-use super::record::{Message, Records, parse};
+use super::record::{Message, PREFIX, Records, parse};
 use super::stamp::Stamp;
 use mcap::records::op;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Samples of messages above this size are not kept [bytes].
 const MAX_SAMPLE: usize = 1 << 20;
 /// Blocks without a message index that are opened to learn what is in the log.
 const BLIND_BLOCKS: usize = 4;
-/// Blocks per thread that are read before what they gave is joined.
-const BATCH: usize = 64;
 
 /// What is wanted of the messages of one channel.
 #[derive(Debug)]
@@ -52,6 +51,8 @@ pub(super) struct Tally {
 pub(super) struct Gathered {
     pub columns: Vec<Column>,
     pub tallies: BTreeMap<u16, Tally>,
+    /// Where the first message of a channel stood that was not known before the pass, and the bytes of all its messages.
+    pub undescribed: BTreeMap<u16, (u64, u64)>,
     /// Messages of wanted channels that do not fit their schema.
     pub broken: BTreeMap<u16, u64>,
     /// Why messages of a channel cannot be read at all.
@@ -66,30 +67,45 @@ pub(super) struct Gathered {
 /// Reads every block; `columns` is the number of columns that `plans` fill. `progress` is told the bytes read.
 pub(super) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, progress: &(dyn Fn(u64) + Sync)) -> Gathered {
     let known = Known::new(container, plans);
-    let kept = Mutex::new(Vec::new());
-    let mut whole = Gathered::new(columns);
-    // batch by batch, so that what the blocks gave does not pile up before it is joined
-    for blocks in container.blocks.chunks(BATCH * rayon::current_num_threads()) {
-        let parts: Vec<Gathered> = blocks
-            .par_iter()
-            .map(|block| {
-                let mut scratch: Scratch = lock(&kept).pop().unwrap_or_default();
-                let part = one(container, block, &known, columns, &mut scratch);
-                lock(&kept).push(scratch);
-                progress(block.length);
-                part
-            })
-            .collect();
-        for part in parts {
-            whole.append(part);
+    let next = AtomicUsize::new(0);
+    let joined = Mutex::new(Joined { whole: Gathered::new(columns), count: 0, early: BTreeMap::new() });
+    let worker = || {
+        let mut scratch = Scratch::default();
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(block) = container.blocks.get(number) else { return };
+            let part = one(container, block, &known, columns, &mut scratch);
+            // nothing that the lock guards is left half done by a panic
+            joined.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
+            progress(block.length);
         }
-    }
-    whole
+    };
+    rayon::scope(|scope| (0..rayon::current_num_threads()).for_each(|_| scope.spawn(|_| worker())));
+    joined.into_inner().unwrap_or_else(PoisonError::into_inner).whole
 }
 
-/// A lock that a panic elsewhere does not close: buffers have no state that could be broken.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// What the blocks gave, joined in file order.
+struct Joined {
+    whole: Gathered,
+    /// Number of blocks in `whole`.
+    count: usize,
+    /// Blocks that were ready before one in front of them: as many as others manage while one is read.
+    early: BTreeMap<usize, Gathered>,
+}
+
+impl Joined {
+    fn add(&mut self, number: usize, part: Gathered) {
+        if number != self.count {
+            self.early.insert(number, part);
+            return;
+        }
+        self.whole.append(part);
+        self.count += 1;
+        while let Some(part) = self.early.remove(&self.count) {
+            self.whole.append(part);
+            self.count += 1;
+        }
+    }
 }
 
 fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, scratch: &mut Scratch) -> Gathered {
@@ -103,8 +119,9 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
     };
     let mut met: Vec<(Tally, Taken<'_>)> = Vec::new();
     met.resize_with(known.places.len(), Default::default);
+    let size = data.len();
     let mut records = Records::new(data);
-    for (opcode, body) in &mut records {
+    while let Some((opcode, body)) = records.next() {
         if opcode != op::MESSAGE {
             if let (op::SCHEMA | op::CHANNEL, Some(record)) = (opcode, parse(opcode, body)) {
                 found.learned.learn(record);
@@ -117,6 +134,10 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
         };
         let Some((place, plan)) = known.get(message.channel) else {
             found.count(message.channel, Tally::default().with(message.log_time_ns));
+            // where the record begins; of a chunk only its own place in the file says anything
+            let inside = if block.kind == BlockKind::Loose { (size - records.left() - body.len()) as u64 } else { 0 };
+            let lost = found.undescribed.entry(message.channel).or_insert((block.offset + inside - PREFIX, 0));
+            lost.1 += PREFIX + body.len() as u64;
             if message.payload.len() <= MAX_SAMPLE {
                 found.samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
             }
@@ -221,6 +242,9 @@ impl Gathered {
         }
         for (channel, count) in part.broken {
             *self.broken.entry(channel).or_default() += count;
+        }
+        for (channel, (offset, bytes)) in part.undescribed {
+            self.undescribed.entry(channel).or_insert((offset, 0)).1 += bytes;
         }
         self.refused.extend(part.refused);
         self.damage.extend(part.damage);

@@ -53,7 +53,7 @@ impl Loss {
 pub struct Damage {
     /// First byte of the place in the file.
     pub offset: u64,
-    /// Bytes that could not be used.
+    /// Bytes that could not be used; of messages inside a chunk without their compression.
     pub bytes: u64,
     /// Messages lost, if an index tells.
     pub messages: Option<u64>,

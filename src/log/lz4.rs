@@ -5,6 +5,8 @@
 
 use super::bytes::Bytes;
 
+/// Bytes that one byte of a frame gives at most: a byte that lengthens a match adds up to 255.
+pub(super) const MAX_RATIO: u64 = 255;
 const MAGIC: u32 = 0x184D_2204;
 /// How far a block may refer back into the blocks before it [bytes].
 const HISTORY: usize = 64 << 10;

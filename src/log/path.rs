@@ -3,9 +3,9 @@
 //! The syntax is that of Foxglove and `PlotJuggler`, where `[:]{…}` is `{…}`, with one extension: on parallel arrays such as those of `sensor_msgs/JointState` a
 //! filter picks the element whose sibling array matches: `/joint_states.velocity{name=="front_drive_joint"}`.
 
-use super::{Error, Result};
-use std::fmt;
-use std::str::FromStr;
+mod parser;
+
+use std::fmt::{self, Write as _};
 
 /// A place in the messages of a topic.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +67,26 @@ impl MessagePath {
     pub(super) fn inside(steps: Vec<Step>) -> Self {
         Self { topic: String::new(), steps, text: String::new() }
     }
+
+    /// The path that takes `steps` from the messages of `topic`.
+    pub(super) fn new(topic: String, steps: Vec<Step>) -> Self {
+        let mut text = if topic.contains(['.', '[', '{', '"', '\'']) { quoted(&topic) } else { topic.clone() };
+        for step in &steps {
+            let _ = write!(text, "{step}");
+        }
+        Self { topic, steps, text }
+    }
+}
+
+/// A text in quotes, as paths have them.
+pub(super) fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// A field's name, in quotes where it needs them.
+fn name(name: &str) -> String {
+    let plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '/' | ':' | '$'));
+    if plain { name.to_owned() } else { quoted(name) }
 }
 
 impl Test {
@@ -104,164 +124,42 @@ impl fmt::Display for MessagePath {
     }
 }
 
-impl FromStr for MessagePath {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let mut parser = Parser { text, at: 0 };
-        let topic = parser.topic()?;
-        let mut steps = Vec::new();
-        while parser.at < text.len() {
-            let step = parser.step()?;
-            // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array says the same
-            let everything = matches!(step, Step::Slice(None | Some(0), None | Some(-1)));
-            if !(everything && parser.rest().starts_with('{')) {
-                steps.push(step);
-            }
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let end = |end: &Option<i64>| end.map(|end| end.to_string()).unwrap_or_default();
+        match self {
+            Self::Field(field) => write!(f, ".{}", name(field)),
+            Self::Index(index) => write!(f, "[{index}]"),
+            Self::Slice(first, last) => write!(f, "[{}:{}]", end(first), end(last)),
+            Self::Filter(test) => write!(f, "{{{test}}}"),
         }
-        Ok(Self { topic, steps, text: text.to_owned() })
     }
 }
 
-struct Parser<'a> {
-    text: &'a str,
-    at: usize,
+impl fmt::Display for Test {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let field: Vec<String> = self.field.iter().map(|field| name(field)).collect();
+        write!(f, "{}{}", field.join("."), self.compare.sign())?;
+        match &self.with {
+            Literal::Number(number) => write!(f, "{number}"),
+            Literal::Text(text) => f.write_str(&quoted(text)),
+        }
+    }
 }
 
-impl<'a> Parser<'a> {
-    fn wrong<T>(&self, expected: &'static str) -> Result<T> {
-        Err(Error::BadPath { path: self.text.to_owned(), column: self.text[..self.at].chars().count() + 1, expected })
-    }
+impl Compare {
+    /// Every comparison, such that no sign stands before a longer one that begins like it.
+    const ALL: [Self; 6] = [Self::Equal, Self::NotEqual, Self::LessOrEqual, Self::GreaterOrEqual, Self::Less, Self::Greater];
 
-    fn rest(&self) -> &'a str {
-        &self.text[self.at..]
-    }
-
-    fn eat(&mut self, token: &str) -> bool {
-        let found = self.rest().starts_with(token);
-        if found {
-            self.at += token.len();
+    fn sign(self) -> &'static str {
+        match self {
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
+            Self::LessOrEqual => "<=",
+            Self::GreaterOrEqual => ">=",
+            Self::Less => "<",
+            Self::Greater => ">",
         }
-        found
-    }
-
-    fn spaces(&mut self) {
-        self.at = self.text.len() - self.rest().trim_start().len();
-    }
-
-    /// Everything up to one of `ends`.
-    fn until(&mut self, ends: &[char]) -> &'a str {
-        let rest = self.rest();
-        let found = &rest[..rest.find(ends).unwrap_or(rest.len())];
-        self.at += found.len();
-        found
-    }
-
-    fn quoted(&mut self) -> Option<Result<String>> {
-        let quote = self.rest().chars().next().filter(|c| matches!(c, '"' | '\''))?;
-        self.at += 1;
-        let mut value = String::new();
-        let mut escaped = false;
-        for (index, character) in self.rest().char_indices() {
-            if escaped {
-                value.push(character);
-                escaped = false;
-            } else if character == '\\' {
-                escaped = true;
-            } else if character == quote {
-                self.at += index + 1;
-                return Some(Ok(value));
-            } else {
-                value.push(character);
-            }
-        }
-        Some(self.wrong("a closing quote"))
-    }
-
-    fn topic(&mut self) -> Result<String> {
-        if let Some(topic) = self.quoted() {
-            return topic;
-        }
-        match self.until(&['.', '[', '{']) {
-            "" => self.wrong("a topic such as /drive/torque_command"),
-            topic => Ok(topic.to_owned()),
-        }
-    }
-
-    fn step(&mut self) -> Result<Step> {
-        if self.eat(".") {
-            return self.name().map(Step::Field);
-        }
-        if self.eat("[") {
-            let first = self.integer()?;
-            if self.eat(":") {
-                let last = self.integer()?;
-                return if self.eat("]") { Ok(Step::Slice(first, last)) } else { self.wrong("]") };
-            }
-            return match first {
-                Some(index) if self.eat("]") => Ok(Step::Index(index)),
-                Some(_) => self.wrong("] or :"),
-                None => self.wrong("a whole number"),
-            };
-        }
-        if self.eat("{") {
-            let test = self.test()?;
-            self.spaces();
-            return if self.eat("}") { Ok(Step::Filter(test)) } else { self.wrong("}") };
-        }
-        self.wrong(". or [ or {")
-    }
-
-    fn name(&mut self) -> Result<String> {
-        if let Some(name) = self.quoted() {
-            return name;
-        }
-        match self.until(&['.', '[', '{', '}', '=', '!', '<', '>', ' ']) {
-            "" => self.wrong("the name of a field"),
-            name => Ok(name.to_owned()),
-        }
-    }
-
-    fn integer(&mut self) -> Result<Option<i64>> {
-        self.spaces();
-        let digits = self.until(&[':', ']']).trim();
-        if digits.is_empty() {
-            return Ok(None);
-        }
-        digits.parse().map(Some).or_else(|_| self.wrong("a whole number before this place"))
-    }
-
-    fn test(&mut self) -> Result<Test> {
-        self.spaces();
-        let mut field = vec![self.name()?];
-        while self.eat(".") {
-            field.push(self.name()?);
-        }
-        self.spaces();
-        let signs = [
-            ("==", Compare::Equal),
-            ("!=", Compare::NotEqual),
-            ("<=", Compare::LessOrEqual),
-            (">=", Compare::GreaterOrEqual),
-            ("<", Compare::Less),
-            (">", Compare::Greater),
-        ];
-        let Some((_, compare)) = signs.into_iter().find(|(sign, _)| self.eat(sign)) else {
-            return self.wrong("== or another comparison");
-        };
-        self.spaces();
-        let with = match self.quoted() {
-            Some(text) => Literal::Text(text?),
-            None => match self.until(&['}']).trim() {
-                "true" => Literal::Number(1.0),
-                "false" => Literal::Number(0.0),
-                digits => match digits.parse::<f64>() {
-                    Ok(number) => Literal::Number(number),
-                    Err(_) => return self.wrong("a number, true, false, or a text in quotes before this place"),
-                },
-            },
-        };
-        Ok(Test { field, compare, with })
     }
 }
 
@@ -298,6 +196,20 @@ mod tests {
     }
 
     #[test]
+    fn a_path_made_of_steps_reads_as_it_was_made() {
+        for text in [r#"/a/b.c."d e"[2].e[-1].f[1:].g{id>=7.5}.h"#, r#""/a.b".velocity{n.name=="q \" \\ ü"}"#, "/a[:3]"] {
+            let path = parse(text);
+            let made = MessagePath::new(path.topic.clone(), path.steps.clone());
+            assert_eq!((made.to_string(), parse(&made.to_string()).steps), (text.to_owned(), path.steps));
+        }
+    }
+
+    #[test]
+    fn a_path_without_end_is_refused() {
+        assert!(matches!(("/a".to_owned() + &".b".repeat(100_000)).parse::<MessagePath>(), Err(crate::log::Error::BadPath { .. })));
+    }
+
+    #[test]
     fn a_topic_with_dots_is_quoted() {
         assert_eq!(parse(r#""/a.b".c"#).topic, "/a.b");
     }
@@ -306,7 +218,7 @@ mod tests {
     fn a_broken_path_names_the_column() {
         for (text, column) in [("/a.", 4), ("", 1), ("/a[x]", 5), ("/a{b=1}", 5), ("/a[1", 5), ("/a{b==\"x}", 8)] {
             let error = text.parse::<MessagePath>().unwrap_err();
-            assert!(matches!(&error, Error::BadPath { column: c, .. } if *c == column), "{text}: {error}");
+            assert!(matches!(&error, crate::log::Error::BadPath { column: c, .. } if *c == column), "{text}: {error}");
         }
     }
 }

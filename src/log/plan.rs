@@ -10,7 +10,7 @@ mod oracle;
 mod protobuf;
 mod wish;
 
-use super::path::{MessagePath, Test};
+use super::path::{MessagePath, Step, Test};
 use super::schema::Layout;
 use std::borrow::Cow;
 use wish::Wishes;
@@ -125,13 +125,25 @@ impl Plan {
         for (slot, path) in paths.iter().enumerate() {
             wishes.add(&path.steps, slot).map_err(|error| (slot, error))?;
         }
-        // one path at a time first: an error then names its path
-        for (slot, path) in paths.iter().enumerate() {
-            let mut alone = Wishes::new(1);
-            alone.add(&path.steps, 0).and_then(|()| Self::decoder(layout, &alone).map(|_| ())).map_err(|error| (slot, error))?;
-        }
-        let decoder = Self::decoder(layout, &wishes).map_err(|error| (0, error))?;
+        let decoder = Self::decoder(layout, &wishes).map_err(|error| {
+            // which path it is shows when each is compiled alone
+            let alone = |path: &MessagePath| {
+                let mut alone = Wishes::new(1);
+                alone.add(&path.steps, 0).and_then(|()| Self::decoder(layout, &alone)).err()
+            };
+            let found = paths.iter().enumerate().find_map(|(slot, path)| Some((slot, alone(path)?)));
+            found.unwrap_or((0, error))
+        })?;
         Ok(Self { paths: paths.len(), slots: wishes.slots, registers: wishes.registers, decoder })
+    }
+
+    /// Whether `steps` lead to a value in messages of `layout`; JSON, which does not tell, is asked by whether the value in the `sample`
+    /// `passes`.
+    pub(super) fn leads(layout: &Layout, steps: &[Step], sample: Option<&[u8]>, passes: impl Fn(&Raw<'_>) -> bool) -> bool {
+        let path = MessagePath::inside(steps.to_vec());
+        let Ok(plan) = Self::compile(layout, &[&path]) else { return false };
+        let mut taken = Taken::default();
+        !matches!(layout, Layout::Json) || sample.is_some_and(|payload| plan.decode(payload, &mut taken).is_some() && passes(taken.get(0)))
     }
 
     /// Number of paths that the plan was compiled for.

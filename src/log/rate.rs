@@ -12,41 +12,54 @@ pub struct Rate {
     /// New values per second: less than `logged_hz` when each value is repeated. Equal to it when the value hardly changes, because
     /// then nothing can be told.
     pub true_hz: f64,
+    /// How many messages hold each value: 1 when none is repeated.
+    pub repeats: usize,
 }
 
-/// Changes that are needed before their spacing says anything.
-const ENOUGH_CHANGES: usize = 20;
-
+/// Runs of equal values that are needed before their lengths say anything.
+const ENOUGH_RUNS: usize = 20;
 /// Messages that may hold the same value before it counts as constant rather than repeated.
-const MOST_REPEATS: i64 = 20;
+const MOST_REPEATS: usize = 20;
 
 /// The rate of `signal`; `None` with fewer than two values or without any time between them.
 ///
-/// While a value that is measured anew with each message moves, it changes with most messages. If even the closest tenth of the changes
-/// are two or more messages apart, the value behind them is slower than the messages.
+/// While a value that is measured anew with each message moves, it changes with each message. It is repeated when runs of equal values
+/// share a length k ≥ 2: at least 80 % of those of up to 20 messages last k, or a multiple of it where two values were equal (± a lost
+/// message). If more than 20 % of the runs are longer than that, it is a command that is held, in steps of any length.
 pub fn rate(signal: &Signal) -> Option<Rate> {
-    let spacing = quantile(&mut signal.time_ns.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>(), 2)?;
-    let logged_hz = (spacing > 0).then(|| NS_PER_S / spacing as f64)?;
-    let changes: Vec<usize> =
-        signal.value.windows(2).enumerate().filter(|(_, pair)| pair[0] != pair[1]).map(|(index, _)| index + 1).collect();
-    if changes.len() < ENOUGH_CHANGES {
-        return Some(Rate { logged_hz, true_hz: logged_hz });
-    }
-    let mut steps: Vec<i64> = changes.windows(2).map(|pair| (pair[1] - pair[0]) as i64).collect();
-    let closest = quantile(&mut steps, 10)?;
-    let all = steps.len();
-    // a rate that is no whole fraction shows up in the mean over the moving part, where changes follow each other closely
-    let close: Vec<i64> = steps.into_iter().filter(|step| *step <= closest + closest.div_euclid(2) + 1).collect();
-    let mean = close.iter().sum::<i64>() as f64 / close.len().max(1) as f64;
-    // a command that is held, with changes far apart or at any distance, is not repeated but constant
-    let is_regular = close.len() * 2 >= all && closest <= MOST_REPEATS;
-    Some(Rate { logged_hz, true_hz: if closest >= 2 && is_regular { logged_hz / mean } else { logged_hz } })
+    let mut spacing: Vec<i64> = signal.time_ns.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = spacing.len() / 2;
+    let median = (!spacing.is_empty()).then(|| *spacing.select_nth_unstable(middle).1).filter(|median| *median > 0)?;
+    let logged_hz = NS_PER_S / median as f64;
+    Some(repeated(&signal.value).map_or(Rate { logged_hz, true_hz: logged_hz, repeats: 1 }, |(repeats, each)| Rate {
+        logged_hz,
+        true_hz: logged_hz / each,
+        repeats,
+    }))
 }
 
-/// The value that one in `part` lies below or at.
-fn quantile(values: &mut [i64], part: usize) -> Option<i64> {
-    let place = values.len() / part;
-    (!values.is_empty()).then(|| *values.select_nth_unstable(place.min(values.len() - 1)).1)
+/// How many messages hold each value, as a whole number and in the mean; `None` when no value is repeated.
+fn repeated(values: &[f64]) -> Option<(usize, f64)> {
+    let mut runs: Vec<usize> = values.chunk_by(|a, b| a == b).map(<[f64]>::len).collect();
+    runs.pop(); // the end of the log cuts the last one
+    let all = runs.len();
+    runs.retain(|length| *length < MOST_REPEATS);
+    if runs.len() < ENOUGH_RUNS || runs.len() * 5 < all * 4 {
+        return None;
+    }
+    let middle = runs.len() / 2;
+    let k = *runs.select_nth_unstable(middle).1;
+    // runs that last k, 2k, … messages, with how many values they hold; runs of a single message speak against repetition
+    let values_in = |length: usize| ((length + k / 2) / k).max(1);
+    let fits = |length: &&usize| length.abs_diff(values_in(**length) * k) <= 1 && **length + 1 >= k;
+    let fitting: Vec<usize> = runs.iter().filter(fits).copied().collect();
+    if k < 2 || fitting.len() * 5 < runs.len() * 4 {
+        return None;
+    }
+    // a rate that is no whole fraction shows up in the mean
+    let held: usize = fitting.iter().sum();
+    let values: usize = fitting.iter().map(|length| values_in(*length)).sum();
+    Some((k, held as f64 / values as f64))
 }
 
 #[cfg(test)]
@@ -62,7 +75,14 @@ mod tests {
     #[test]
     fn a_slow_value_repeated_at_a_fast_rate_is_found_out() {
         let found = rate(&logged(|i| ((i / 5) as f64 * 0.3).sin())).unwrap();
-        assert!((found.logged_hz - 100.0).abs() < 1e-6 && (found.true_hz - 20.0).abs() < 0.5, "{found:?}");
+        assert!((found.logged_hz - 100.0).abs() < 1e-6 && (found.true_hz - 20.0).abs() < 0.1, "{found:?}");
+        assert_eq!(found.repeats, 5);
+    }
+
+    #[test]
+    fn a_slow_value_whose_rate_is_no_whole_fraction_is_found_out() {
+        let found = rate(&logged(|i| ((i * 2 / 5) as f64 * 0.3).sin())).unwrap();
+        assert!((found.true_hz - 40.0).abs() < 0.5 && (2..=3).contains(&found.repeats), "{found:?}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
+use super::candidates::Candidates;
 use super::column::Column;
 use super::container::{BlockKind, Container};
 use super::gather::{self, Gathered};
@@ -166,7 +167,9 @@ fn pass(
     let from_log = if told.is_empty() { VehicleOverrides::from_metadata(&container.metadata)? } else { VehicleOverrides::default() };
     let said = overrides.or(told).or(from_log);
     for number in 1.. {
-        let chosen = required(resolve::choose(source, wanted, container, &samples), container).and_then(|mut choices| {
+        let candidates = Candidates::new(container, &samples);
+        let chosen = resolve::choose(source, wanted, container, &candidates).and_then(|mut choices| {
+            required(&choices, container, &candidates)?;
             let plans = resolve::plans(&mut choices, container, &samples, said.vehicle()?.wheel_radius_m)?;
             Ok((choices, plans))
         });
@@ -192,15 +195,14 @@ fn pass(
     unreachable!("the loop returns in its last pass")
 }
 
-/// The choices, if every required signal is among them.
-fn required(choices: Result<Choices>, container: &Container) -> Result<Choices> {
-    let choices = choices?;
-    match choices.missing.iter().find(|(signal, _)| signal.is_required()) {
-        Some((signal, candidates)) => {
+/// Whether every required signal has a place.
+fn required(choices: &Choices, container: &Container, candidates: &Candidates<'_>) -> Result<()> {
+    match choices.missing.iter().find(|signal| signal.is_required()) {
+        Some(signal) => {
             let topics = container.inventory.channels.values().map(|channel| channel.topic.clone()).collect();
-            Err(Error::MissingSignal { signal: signal.key(), candidates: candidates.clone(), topics })
+            Err(Error::MissingSignal { signal: signal.key(), candidates: resolve::nearest(*signal, candidates.all()), topics })
         }
-        None => Ok(choices),
+        None => Ok(()),
     }
 }
 
@@ -216,7 +218,8 @@ pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
         if container.inventory.channels.contains_key(id) {
             read += tally.messages;
         } else {
-            let mut damage = Damage::new(0, 0, Why::NoChannel { channel: *id });
+            let (offset, bytes) = gathered.undescribed.get(id).copied().unwrap_or_default();
+            let mut damage = Damage::new(offset, bytes, Why::NoChannel { channel: *id });
             damage.messages = Some(tally.messages);
             damage.channels.insert(*id, tally.messages);
             places.push(damage);

@@ -1,7 +1,7 @@
 //! From a signal map, a preset or nothing to plans: which signal is read from which path, and why.
 
-use super::candidates::{self, Candidate};
-use super::container::{Container, Schema};
+use super::candidates::{Candidate, Candidates};
+use super::container::Container;
 use super::convert::Convert;
 use super::detect;
 use super::gather::{ChannelPlan, Wanted};
@@ -9,12 +9,12 @@ use super::path::{MessagePath, Step};
 use super::plan::Plan;
 use super::presets::Preset;
 use super::schema::Layout;
+use super::series;
 use super::signal_map::{SignalMap, SignalName, SignalSpec};
 use super::stamp::{self, Stamp};
 use super::vehicle::VEHICLE_METADATA;
 use super::{Error, Result, Source};
 use crate::spelling::edits;
-use mcap::records::Channel;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A signal and where it is read from.
@@ -31,8 +31,8 @@ pub(super) struct Choice {
 #[derive(Debug, Default)]
 pub(super) struct Choices {
     pub found: Vec<Choice>,
-    /// Signals without a place, each with the nearest candidates.
-    pub missing: Vec<(SignalName, Vec<String>)>,
+    /// Signals without a place.
+    pub missing: Vec<SignalName>,
     pub notes: Vec<String>,
     /// Whether the user named the paths: then a path that leads nowhere is an error.
     pub told: bool,
@@ -44,14 +44,13 @@ pub(super) struct Choices {
 ///
 /// # Errors
 /// A signal map that names a topic or a field that the log does not have.
-pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Result<Choices> {
-    let candidates = candidates::list(container, samples);
+pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Container, candidates: &Candidates<'_>) -> Result<Choices> {
     let topics: BTreeSet<&str> = container.inventory.channels.values().map(|channel| channel.topic.as_str()).collect();
     let mut choices = Choices::default();
     let (map, why, preset) = match source {
         Source::Map(map) => {
             choices.told = true;
-            (map.clone(), "the signal map names it".to_owned(), Some(Preset::PivotCal))
+            (map.clone(), "the signal map names it".to_owned(), None)
         }
         Source::Preset(preset) => (preset.map()?, format!("preset {preset}"), Some(*preset)),
         Source::Detect if container.metadata.contains_key(VEHICLE_METADATA) => {
@@ -61,8 +60,17 @@ pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
     };
     for &signal in wanted {
         if let Some(spec) = map.signals.get(&signal) {
-            if topics.contains(spec.path.topic.as_str()) {
+            let (is_plain, has_topic) = (series::is_plain(&spec.path), topics.contains(spec.path.topic.as_str()));
+            if is_plain && has_topic {
                 choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
+                continue;
+            }
+            let series = if choices.told { series::path(&spec.path, container, candidates) } else { None };
+            // one that leads nowhere is compiled all the same where that tells more than that the topic is missing
+            let telling = |leads: bool| leads || has_topic || (signal.is_required() && !is_plain);
+            if let Some((path, _)) = series.filter(|(_, leads)| telling(*leads)) {
+                let reason = format!("{why} as the series {}", spec.path);
+                choices.found.push(Choice { signal, spec: SignalSpec { path, ..spec.clone() }, reason, is_guess: false });
                 continue;
             }
             if choices.told && signal.is_required() {
@@ -73,23 +81,22 @@ pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
                 continue;
             }
         }
-        let allowed: Vec<Candidate> = match preset {
-            Some(preset) => candidates.iter().filter(|candidate| preset.allows(signal, &candidate.schema)).cloned().collect(),
-            None => candidates.clone(),
-        };
-        if let Some((spec, reason, unit_named)) = detect::best(signal, &allowed) {
+        let allowed = |candidate: &&Candidate| preset.is_none_or(|preset| preset.allows(signal, &candidate.schema));
+        // what a signal map leaves out is not looked for
+        let best = if choices.told { None } else { detect::best(signal, candidates.all().iter().filter(allowed)) };
+        if let Some((spec, reason, unit_named)) = best {
             choices.found.push(Choice { signal, spec, reason, is_guess: !unit_named });
             choices.guessed = true;
         } else {
-            choices.missing.push((signal, nearest(signal, &candidates)));
+            choices.missing.push(signal);
         }
     }
     Ok(choices)
 }
 
 /// The candidates that come nearest to a signal, at most three.
-fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
-    let ranked = detect::ranked(signal, candidates);
+pub(super) fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
+    let ranked = detect::ranked(signal, candidates.iter());
     let mut paths: Vec<String> = ranked.iter().take(3).map(|scored| scored.candidate.path.to_string()).collect();
     if paths.is_empty() {
         let mut named: Vec<(usize, String)> = candidates
@@ -109,7 +116,12 @@ fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
 }
 
 fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
-    let nearest = topics.iter().min_by_key(|known| edits(topic, known)).filter(|known| edits(topic, known) <= topic.len() / 2);
+    // of a series name only the front is the topic
+    let apart = |known: &str| {
+        let front = series::cuts(topic).skip(1).map(|(front, _)| edits(front, known)).filter(|edits| *edits <= known.len() / 4).min();
+        front.into_iter().chain([edits(topic, known)]).min().unwrap_or(usize::MAX)
+    };
+    let nearest = topics.iter().min_by_key(|known| apart(known)).filter(|known| apart(known) <= topic.len() / 2);
     Error::NoTopic {
         signal: signal.key(),
         topic: topic.to_owned(),
@@ -160,7 +172,7 @@ pub(super) fn plans(
             })
             .collect();
         served.extend(good.iter().map(|(column, _)| *column));
-        if let Some(plan) = channel_plan(&layout, channel, schema, &good, samples.get(id).map(Vec::as_slice), wheel_radius_m) {
+        if let Some(plan) = channel_plan(&layout, &good, samples.get(id).map(Vec::as_slice), wheel_radius_m) {
             plans.insert(*id, plan);
         }
     }
@@ -177,16 +189,7 @@ pub(super) fn plans(
     Ok(plans)
 }
 
-fn channel_plan(
-    layout: &Layout,
-    channel: &Channel,
-    schema: Option<&Schema>,
-    wanted: &[(usize, &Choice)],
-    sample: Option<&[u8]>,
-    wheel_radius_m: f64,
-) -> Option<ChannelPlan> {
-    let _ = (channel, schema);
-    let leaves = layout.leaves();
+fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u8]>, wheel_radius_m: f64) -> Option<ChannelPlan> {
     let mut paths: Vec<MessagePath> = Vec::new();
     let slot = |steps: &[Step], paths: &mut Vec<MessagePath>| {
         paths.iter().position(|path| path.steps == steps).unwrap_or_else(|| {
@@ -205,20 +208,14 @@ fn channel_plan(
                 _ => None,
             }
         });
-        let inside = field_path(&spec.path.steps);
-        let names = leaves.iter().find(|leaf| leaf.path == inside).map_or(&[][..], |leaf| &leaf.names);
+        let names = layout.names(&spec.path.steps);
         values.push(Wanted {
             column: *column,
             slot: slot(&spec.path.steps, &mut paths),
             stamp,
-            convert: Convert::new(choice.signal, spec, names, wheel_radius_m),
+            convert: Convert::new(choice.signal, spec, &names, wheel_radius_m),
         });
     }
     let references: Vec<&MessagePath> = paths.iter().collect();
     Some(ChannelPlan { plan: Plan::compile(layout, &references).ok()?, values })
-}
-
-/// Fields of a path without indexes and filters, as leaves spell them.
-fn field_path(steps: &[Step]) -> String {
-    steps.iter().filter_map(|step| if let Step::Field(name) = step { Some(format!(".{name}")) } else { None }).collect()
 }

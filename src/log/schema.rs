@@ -2,13 +2,16 @@
 
 mod descriptor;
 mod idl;
+mod leaves;
 mod msg;
 mod shape;
 
 pub(super) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
-pub(super) use shape::{Kind, Leaf, LeafKind, Shape, Size, Structure};
+pub(super) use leaves::{Leaf, LeafKind};
+pub(super) use shape::{Kind, Names, Shape, Size, Structure};
 
 use super::container::Schema;
+use super::path::Step;
 use std::sync::Arc;
 
 /// How the payload of a channel is laid out.
@@ -74,9 +77,19 @@ impl Layout {
     /// Every place of a message that holds a single value, for suggestions and detection. JSON has none: its messages tell.
     pub(super) fn leaves(&self) -> Vec<Leaf> {
         match self {
-            Self::Cdr(structure) | Self::Ros1(structure) => shape::leaves(structure),
-            Self::Protobuf(message) => shape::protobuf_leaves(message),
+            Self::Cdr(structure) | Self::Ros1(structure) => leaves::leaves(structure),
+            Self::Protobuf(message) => leaves::protobuf_leaves(message),
             Self::Json => Vec::new(),
+        }
+    }
+
+    /// The numbers that the schema names for the value at the end of `steps`; none where it names none.
+    pub(super) fn names(&self, steps: &[Step]) -> Names {
+        let mut fields = steps.iter().filter_map(|step| if let Step::Field(name) = step { Some(name.as_str()) } else { None });
+        match self {
+            Self::Cdr(structure) | Self::Ros1(structure) => structure.names(&mut fields),
+            Self::Protobuf(message) => message.names(&mut fields),
+            Self::Json => Names::default(),
         }
     }
 }

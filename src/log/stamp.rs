@@ -1,6 +1,6 @@
 //! The time at which a value was true: the stamp inside the message, if it has one.
 
-use super::path::{MessagePath, Step};
+use super::path::Step;
 use super::plan::{Plan, Raw, Taken};
 use super::schema::Layout;
 
@@ -35,15 +35,7 @@ pub(super) fn find(layout: &Layout, place: Option<&[Step]>, sample: Option<&[u8]
 }
 
 fn holds(layout: &Layout, steps: &[Step], sample: Option<&[u8]>) -> bool {
-    let path = MessagePath::inside(steps.to_vec());
-    let Ok(plan) = Plan::compile(layout, &[&path]) else {
-        return false;
-    };
-    if !matches!(layout, Layout::Json) {
-        return true;
-    }
-    let mut taken = Taken::default();
-    sample.is_some_and(|payload| plan.decode(payload, &mut taken).is_some() && number(taken.get(0)).is_some())
+    Plan::leads(layout, steps, sample, |raw| number(raw).is_some())
 }
 
 impl Stamp {

@@ -1,5 +1,6 @@
 //! What is in a log: topics, time span, and where the signals are. Answers from the summary when that is enough.
 
+use super::candidates::Candidates;
 use super::container::Container;
 use super::gather;
 use super::input::Input;
@@ -139,7 +140,8 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         }
     }
     let mut notes = Vec::new();
-    let mut choices = match resolve::choose(source, &SignalName::ALL, &container, &samples) {
+    let candidates = Candidates::new(&container, &samples);
+    let mut choices = match resolve::choose(source, &SignalName::ALL, &container, &candidates) {
         Ok(choices) => choices,
         Err(error) => {
             notes.push(error.to_string());
@@ -170,7 +172,8 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
             rate: signal.as_ref().and_then(rate),
         });
     }
-    let missing = |(signal, candidates): (SignalName, Vec<String>)| Missing { signal, required: signal.is_required(), candidates };
+    let missing =
+        |signal: SignalName| Missing { signal, required: signal.is_required(), candidates: resolve::nearest(signal, candidates.all()) };
     notes.append(&mut choices.notes);
     let loss = gathered.as_ref().map(|gathered| Loss { not_finite, ..loss(&container, gathered) });
     if gathered.as_ref().is_some_and(|gathered| gathered.tallies.is_empty()) {

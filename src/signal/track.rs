@@ -1,7 +1,7 @@
 //! The signals of one log on one clock, in the vehicle's frame.
 
-use super::{Error, Result, Series, new_values_only, resolve, true_rate};
-use crate::log::{Recording, Signal};
+use super::{Error, Result, Series, new_values_only, resolve};
+use crate::log::{Recording, Signal, rate};
 use crate::map::{LogRef, Vehicle};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
 
@@ -55,7 +55,7 @@ impl Track {
                 t_s: signal.time_ns.iter().map(|t| t.saturating_sub(start_ns) as f64 / NS_PER_S).collect(),
                 value: signal.value.clone(),
             };
-            match true_rate(&series) {
+            match rate(signal) {
                 Some(rate) if dedupe && rate.repeats > 1 => {
                     notes.push(format!(
                         "{name}: logged at {:.0} Hz, but new values come at {:.1} Hz only; repeated values are left out",

@@ -4,6 +4,7 @@
 //! hold is passed over. Source: `google/protobuf/descriptor.proto`.
 
 use super::super::plan::Raw;
+use super::shape::Names;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use std::borrow::Cow;
@@ -46,7 +47,7 @@ pub(in super::super) enum Kind {
     /// A message or a group: its place among the types.
     Message(usize),
     /// An enumeration: its names and numbers.
-    Enum(Arc<Vec<(String, i64)>>),
+    Enum(Names),
     Scalar(Type),
 }
 
@@ -88,6 +89,11 @@ impl Message {
         }
     }
 
+    /// Its place among the types of its schema.
+    pub(super) fn index(&self) -> usize {
+        self.index
+    }
+
     pub(in super::super) fn full_name(&self) -> &str {
         &self.types[self.index].full_name
     }
@@ -100,6 +106,15 @@ impl Message {
     pub(in super::super) fn field(&self, name: &str) -> Option<&Field> {
         let fields = self.fields();
         fields.iter().find(|field| field.name == name).or_else(|| fields.iter().find(|field| field.json_name == name))
+    }
+
+    /// The numbers named for the value that `fields` lead to.
+    pub(super) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
+        match fields.next().and_then(|name| self.field(name)).map(|field| &field.kind) {
+            Some(Kind::Message(inner)) => self.other(*inner).names(fields),
+            Some(Kind::Enum(names)) => names.clone(),
+            _ => Names::default(),
+        }
     }
 
     /// The type that [`Kind::Message`] names.
@@ -153,7 +168,7 @@ impl<'d> Declared<'d> {
         within: &str,
         field: &FieldDescriptorProto,
         proto3: bool,
-        enums: &mut HashMap<*const EnumDescriptorProto, Arc<Vec<(String, i64)>>>,
+        enums: &mut HashMap<*const EnumDescriptorProto, Names>,
     ) -> Result<Field, String> {
         let name = field.name().to_owned();
         let number = u32::try_from(field.number()).ok().filter(|number| (1..1 << 29).contains(number));

@@ -2,7 +2,7 @@
 //!
 //! Sources: <https://mcap.dev/spec/registry#ros2msg>, <https://wiki.ros.org/msg>.
 
-use super::shape::{Kind, MAX_DEPTH, Shape, Size, Structure};
+use super::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
 use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, MessageSpecification, Type};
 use re_ros_msg::{MessageSchema, is_schema_separator};
 use std::collections::BTreeMap;
@@ -108,7 +108,7 @@ impl Builder<'_> {
             fields.push((field.name.clone(), self.shape(&field.ty, &package, depth)?));
         }
         let key = if depth == 0 { String::new() } else { short(&spec.name) };
-        Ok(Arc::new(Structure { name: spec.name.clone(), fields, constants: self.constants.remove(&key).unwrap_or_default() }))
+        Ok(Arc::new(Structure { name: spec.name.clone(), fields, constants: Arc::new(self.constants.remove(&key).unwrap_or_default()) }))
     }
 
     fn shape(&mut self, kind: &Type, package: &str, depth: usize) -> Result<Shape, String> {
@@ -153,7 +153,7 @@ impl Builder<'_> {
                 if self.dialect == Dialect::Ros1 && (name == "time" || name == "duration") {
                     let seconds = if name == "time" { Kind::U32 } else { Kind::I32 };
                     let fields = vec![("sec".to_owned(), Shape::Number(seconds)), ("nsec".to_owned(), Shape::Number(seconds))];
-                    return Ok(Shape::Message(Arc::new(Structure { name: name.clone(), fields, constants: Vec::new() })));
+                    return Ok(Shape::Message(Arc::new(Structure { name: name.clone(), fields, constants: Names::default() })));
                 }
                 let local = format!("{package}/{name}");
                 // a bare `Header` means std_msgs/Header; some writers leave the package out altogether
@@ -181,7 +181,7 @@ fn well_known(key: &str) -> Option<Arc<Structure>> {
         return None;
     }
     let fields = vec![("sec".to_owned(), Shape::Number(Kind::I32)), ("nanosec".to_owned(), Shape::Number(Kind::U32))];
-    Some(Arc::new(Structure { name: key.to_owned(), fields, constants: Vec::new() }))
+    Some(Arc::new(Structure { name: key.to_owned(), fields, constants: Names::default() }))
 }
 
 #[cfg(test)]
@@ -194,7 +194,7 @@ mod tests {
         let text =
             "uint8 DRIVE=2\nstring lower_case = \"a=b # c\"\nint32 count 5 # five\nstring<=32[] faults [\"a\", \"b\"]\nfloat32[3] a\n";
         let shape = parse("pkg/msg/Thing", text, Dialect::Ros2).unwrap();
-        assert_eq!(shape.constants, [("DRIVE".to_owned(), 2)]);
+        assert_eq!(*shape.constants, [("DRIVE".to_owned(), 2)]);
         assert_eq!(shape.fields.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["count", "faults", "a"]);
         assert_eq!(shape.fields[2].1, Shape::List(Box::new(Shape::Number(Kind::F32)), Size::Fixed(3)));
     }
@@ -203,8 +203,8 @@ mod tests {
     fn nested_types_are_found_by_long_short_and_bare_names() {
         let text = "Header header\nother/msg/Inner inner\n===\nMSG: std_msgs/msg/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n===\nMSG: other/Inner\nfloat64 x\n";
         let shape = parse("pkg/msg/Thing", text, Dialect::Ros2).unwrap();
-        let paths: Vec<_> = super::super::shape::leaves(&shape).into_iter().map(|leaf| leaf.path).collect();
-        assert_eq!(paths, [".header.stamp.sec", ".header.stamp.nanosec", ".header.frame_id", ".inner.x"]);
+        let paths: Vec<_> = super::super::leaves::leaves(&shape).into_iter().map(|leaf| leaf.path).collect();
+        assert_eq!(paths, [".header.frame_id", ".inner.x", ".header.stamp.sec", ".header.stamp.nanosec"]);
     }
 
     #[test]

@@ -109,7 +109,7 @@ fn enumerations_are_numbers_whose_names_the_schema_tells() {
     message.set_field_by_name("gears", Value::List([4, -1].map(Value::EnumNumber).into()));
     assert_eq!(take(&schema, &[".gear", ".gears[0]", ".gears[-1]"], &message.encode_to_vec()), [-1.0, 4.0, -1.0].map(Some));
     let leaves = layout(&schema).unwrap().leaves();
-    assert_eq!(leaves[0].names, [("PARK".to_owned(), 0), ("DRIVE".to_owned(), 4), ("REVERSE".to_owned(), -1)]);
+    assert_eq!(*leaves[0].names, [("PARK".to_owned(), 0), ("DRIVE".to_owned(), 4), ("REVERSE".to_owned(), -1)]);
 }
 
 #[test]

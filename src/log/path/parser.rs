@@ -1,0 +1,165 @@
+//! A message path from its text.
+
+use super::super::{Error, Result};
+use super::{Compare, Literal, MessagePath, Step, Test};
+use std::str::FromStr;
+
+/// Steps of one path at most.
+const MAX_STEPS: usize = 64;
+
+impl FromStr for MessagePath {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let mut parser = Parser { text, at: 0 };
+        let topic = parser.topic()?;
+        let mut steps = Vec::new();
+        while parser.at < text.len() {
+            let step = parser.step()?;
+            // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array says the same
+            let everything = matches!(step, Step::Slice(None | Some(0), None | Some(-1)));
+            if !(everything && parser.rest().starts_with('{')) {
+                steps.push(step);
+            }
+            if steps.len() > MAX_STEPS {
+                return parser.wrong("the end: no message is that deep,");
+            }
+        }
+        Ok(Self { topic, steps, text: text.to_owned() })
+    }
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Parser<'a> {
+    fn wrong<T>(&self, expected: &'static str) -> Result<T> {
+        Err(Error::BadPath { path: self.text.to_owned(), column: self.text[..self.at].chars().count() + 1, expected })
+    }
+
+    fn rest(&self) -> &'a str {
+        &self.text[self.at..]
+    }
+
+    fn eat(&mut self, token: &str) -> bool {
+        let found = self.rest().starts_with(token);
+        if found {
+            self.at += token.len();
+        }
+        found
+    }
+
+    fn spaces(&mut self) {
+        self.at = self.text.len() - self.rest().trim_start().len();
+    }
+
+    /// Everything up to one of `ends`.
+    fn until(&mut self, ends: &[char]) -> &'a str {
+        let rest = self.rest();
+        let found = &rest[..rest.find(ends).unwrap_or(rest.len())];
+        self.at += found.len();
+        found
+    }
+
+    fn quoted(&mut self) -> Option<Result<String>> {
+        let quote = self.rest().chars().next().filter(|c| matches!(c, '"' | '\''))?;
+        self.at += 1;
+        let mut value = String::new();
+        let mut escaped = false;
+        for (index, character) in self.rest().char_indices() {
+            if escaped {
+                value.push(character);
+                escaped = false;
+            } else if character == '\\' {
+                escaped = true;
+            } else if character == quote {
+                self.at += index + 1;
+                return Some(Ok(value));
+            } else {
+                value.push(character);
+            }
+        }
+        Some(self.wrong("a closing quote"))
+    }
+
+    fn topic(&mut self) -> Result<String> {
+        if let Some(topic) = self.quoted() {
+            return topic;
+        }
+        match self.until(&['.', '[', '{']) {
+            "" => self.wrong("a topic such as /drive/torque_command"),
+            topic => Ok(topic.to_owned()),
+        }
+    }
+
+    fn step(&mut self) -> Result<Step> {
+        // a slash goes on behind an index, as `PlotJuggler` names series
+        if self.eat(".") || self.eat("/") {
+            return self.name().map(Step::Field);
+        }
+        if self.eat("[") {
+            let first = self.integer()?;
+            if self.eat(":") {
+                let last = self.integer()?;
+                return if self.eat("]") { Ok(Step::Slice(first, last)) } else { self.wrong("]") };
+            }
+            return match first {
+                Some(index) if self.eat("]") => Ok(Step::Index(index)),
+                Some(_) => self.wrong("] or :"),
+                None => self.wrong("a whole number"),
+            };
+        }
+        if self.eat("{") {
+            let test = self.test()?;
+            self.spaces();
+            return if self.eat("}") { Ok(Step::Filter(test)) } else { self.wrong("}") };
+        }
+        self.wrong(". or [ or {")
+    }
+
+    fn name(&mut self) -> Result<String> {
+        if let Some(name) = self.quoted() {
+            return name;
+        }
+        match self.until(&['.', '[', '{', '}', '=', '!', '<', '>', ' ']) {
+            "" => self.wrong("the name of a field"),
+            name => Ok(name.to_owned()),
+        }
+    }
+
+    fn integer(&mut self) -> Result<Option<i64>> {
+        self.spaces();
+        let digits = self.until(&[':', ']']).trim();
+        if digits.is_empty() {
+            return Ok(None);
+        }
+        digits.parse().map(Some).or_else(|_| self.wrong("a whole number before this place"))
+    }
+
+    fn test(&mut self) -> Result<Test> {
+        self.spaces();
+        let mut field = vec![self.name()?];
+        while self.eat(".") {
+            field.push(self.name()?);
+        }
+        self.spaces();
+        let Some(compare) = Compare::ALL.into_iter().find(|compare| self.eat(compare.sign())) else {
+            return self.wrong("== or another comparison");
+        };
+        self.spaces();
+        let with = match self.quoted() {
+            Some(text) => Literal::Text(text?),
+            None => match self.until(&['}']).trim() {
+                "true" => Literal::Number(1.0),
+                "false" => Literal::Number(0.0),
+                digits => match digits.parse::<f64>() {
+                    Ok(number) => Literal::Number(number),
+                    Err(_) => return self.wrong("a number, true, false, or a text in quotes before this place"),
+                },
+            },
+        };
+        Ok(Test { field, compare, with })
+    }
+}
