@@ -31,6 +31,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             place: None,
             zero_row: ZeroRow::Moving,
             node_exact: false,
+            angle: Vec::new(),
             force: false,
         },
         ui,

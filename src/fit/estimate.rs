@@ -80,6 +80,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
     let mut logs: Vec<LogData> = surveys.iter().map(log_data).collect();
     let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
     let mut calibration = first_calibration(surveys);
+    hold_known(&mut calibration, surveys, settings);
     let mut noise = first_noise(surveys);
     let gears: Vec<Gear> = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
 
@@ -106,6 +107,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
         let (dead_time_s, lag_s) = coarse::search(&views, &noise, settings.dead_time_s, settings.lag_s);
         calibration.dead_time_s = dead_time_s;
         calibration.lag_s = lag_s;
+        hold_known(&mut calibration, surveys, settings);
     }
 
     let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
@@ -185,6 +187,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result
             penalties.clone_from(&solution.penalties);
             if with_nuisance {
                 step_nuisance(&solution, design.coefficients(), settings, has_yaw, &mut calibration);
+                hold_known(&mut calibration, surveys, settings);
                 let std_err = |k: usize| solution.covariance[(design.coefficients() + k, design.coefficients() + k)].max(0.0).sqrt();
                 lag_std_err_s = std_err(nuisance::LAG);
                 encoder_scale_std_err = std_err(nuisance::ENCODER_SCALE);
@@ -303,6 +306,13 @@ fn first_calibration(surveys: &[Survey]) -> Calibration {
         lag_s: 0.05,
         encoder_scale: median_of(|a| a.scale, 1.0),
         encoder_delay_s: median_of(|a| a.delay_s, 0.0),
+    }
+}
+
+/// What runs at other wheel angles have told stays as it is.
+fn hold_known(calibration: &mut Calibration, surveys: &[Survey], settings: &Settings) {
+    if let Some(known) = &settings.known {
+        known.hold(calibration, surveys);
     }
 }
 

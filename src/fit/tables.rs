@@ -4,7 +4,7 @@ use super::estimate::Estimate;
 use super::uncertainty::Uncertainty;
 use super::{Result, Settings};
 use crate::campaign::Verdict;
-use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, sha256_hex};
+use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
 
 /// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
 const MEASURED_SAMPLES: u64 = 3;
@@ -83,14 +83,14 @@ fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec
     (0..=20).map(|k| ((low + f64::from(k) * width) * 1e4).round() / 1e4).collect()
 }
 
-/// Table 1 of one gear.
+/// Table 1 of one gear, and the text of its CSV. `angles_deg` are the wheel angle of the runs and the vehicle's test angle.
 pub(crate) fn accel_map(
     estimate: &Estimate,
     uncertainty: &Uncertainty,
     gear: Gear,
     settings: &Settings,
     samples: &[UsedSample],
-    test_angle_deg: f64,
+    (wheel_angle_deg, test_angle_deg): (f64, f64),
 ) -> Result<(AccelMap, String)> {
     let own: Vec<UsedSample> = samples.iter().copied().filter(|s| s.gear == gear).collect();
     let speed = settings.speed_breaks_mps.clone().unwrap_or_else(|| speed_breaks(&own));
@@ -151,8 +151,8 @@ pub(crate) fn accel_map(
         .collect();
     let map = AccelMap {
         gear,
-        wheel_angle_deg: test_angle_deg,
-        csv: CsvRef { file: format!("table1{}.csv", gear.file_infix()), sha256: sha256_hex(csv.as_bytes()) },
+        wheel_angle_deg,
+        csv: CsvRef { file: csv_name("table1", gear, wheel_angle_deg, test_angle_deg), sha256: sha256_hex(csv.as_bytes()) },
         accel_mps2: accel,
         std_err_mps2: std_err,
         count,
