@@ -21,7 +21,7 @@ const SAME_TORQUE: f64 = 0.04;
 const FEWEST_TORQUES: usize = 3;
 
 /// A wheel angle at which runs were driven.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct HeldAngle {
     /// The angle [°], left positive: the test angle, or the median of the runs in whole degrees, since an angle sensor's bias and noise are
     /// some tenths of a degree and people give whole ones.
@@ -106,6 +106,11 @@ impl Census {
         }
         census.held.sort_by(|a, b| a.wheel_angle_deg.total_cmp(&b.wheel_angle_deg));
         census
+    }
+
+    /// Whether runs were driven at other wheel angles than `test_angle_deg`.
+    pub fn has_others(&self, test_angle_deg: f64) -> bool {
+        self.held.iter().any(|h| (h.wheel_angle_deg - test_angle_deg).abs() > 1e-9)
     }
 
     /// The held angle that `wheel_angle_deg` means: the nearest one within the tolerance.

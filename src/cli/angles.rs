@@ -97,6 +97,20 @@ pub(super) fn keep(file: &mut Table1File, asked: &[f64]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The file as one of a single wheel angle, which is then its test angle; says so where it holds others.
+pub(super) fn at(mut file: Table1File, angle_deg: f64, ui: Ui) -> anyhow::Result<Table1File> {
+    let maps = file.maps.len();
+    keep(&mut file, &[angle_deg])?;
+    if file.maps.len() < maps {
+        ui.say(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)"));
+    }
+    let is = |a: f64| (a - angle_deg).abs() < SAME_ANGLE_DEG;
+    file.report.runs.retain(|run| run.wheel_angle_deg.is_none_or(is));
+    file.families.clear();
+    file.vehicle.test_angle_deg = angle_deg;
+    Ok(file)
+}
+
 /// A family for people.
 pub(super) fn family_text(family: &AngleFamily) -> String {
     let angles: Vec<String> = family.wheel_angle_deg.iter().map(|a| format!("{a}°")).collect();

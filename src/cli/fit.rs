@@ -82,8 +82,8 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
     let (fit, traces) = match chosen {
         Some(Choice { grouped, test_angle_deg }) => fit_angles(grouped, test_angle_deg, &settings)?,
         None => {
-            let surveyed = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
-            fit_traced(surveyed.surveys, &settings)?
+            let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
+            fit_traced(surveys, &settings)?
         }
     };
     save(&fit, &traces, &arguments.maps)?;

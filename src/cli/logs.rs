@@ -35,12 +35,6 @@ pub(super) struct LogArguments {
     pub(super) strict: bool,
 }
 
-/// Surveyed logs, and whether any was damaged.
-pub(super) struct Surveyed {
-    pub(super) surveys: Vec<Survey>,
-    pub(super) damaged: bool,
-}
-
 impl LogArguments {
     /// Logs of a vehicle whose geometry is known, from its map.
     pub(super) fn of_vehicle(logs: &[PathBuf], signals: Option<PathBuf>, preset: Option<Preset>, vehicle: &Vehicle) -> Self {
@@ -110,14 +104,13 @@ impl LogArguments {
     }
 
     /// Reads and surveys every log. A log without anything to use is left aside with a warning, unless it is the only one.
-    pub(super) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Surveyed> {
+    pub(super) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Survey>> {
         survey(&self.read(angle_deg, ui)?, ui)
     }
 }
 
 /// Surveys recordings at their vehicles' test angle. A log without anything to use is left aside with a warning, unless it is the only one.
-pub(super) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Surveyed> {
-    let damaged = recordings.iter().any(|r| r.loss.is_damaged());
+pub(super) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Survey>> {
     let alone = recordings.len() == 1;
     let mut surveys = Vec::new();
     let mut reasons = Vec::new();
@@ -136,7 +129,7 @@ pub(super) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Surveye
     if surveys.is_empty() {
         bail!("no log holds anything to use: {}", reasons.join("; "));
     }
-    Ok(Surveyed { surveys, damaged })
+    Ok(surveys)
 }
 
 /// Where the signals are, as the options `--signals` and `--preset` say.

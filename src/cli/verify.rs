@@ -158,7 +158,7 @@ fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec
     }
     let logs = LogArguments::of_vehicle(&arguments.replay, arguments.signals.clone(), arguments.preset, &maps.table1.vehicle);
     let mut runs = Vec::new();
-    for survey in logs.survey(None, ui)?.surveys {
+    for survey in logs.survey(None, ui)? {
         runs.extend(replayed(&maps.table1, &survey)?);
     }
     Ok(runs)

@@ -6,10 +6,11 @@
 //! is fitted by itself first and tells the delays, which are pooled by their standard errors; the encoder's scale and delay come from the
 //! angle with the largest |sin δ|, where the yaw rate tells speeds best. Angles without a yaw rate then tell the dead times of logs
 //! that no other angle shares. With all of that held, every angle is fitted again. Angles never share samples: friction and inertia
-//! are each angle's own, and what they have in common is found from the finished maps (`family`).
+//! are each angle's own. What the finished maps have in common is found from them, and draws them together as far as their standard errors
+//! allow (`family`).
 
 use super::estimate::{Estimate, estimate};
-use super::family::families;
+use super::family::{draw_together, families};
 use super::known::KnownCalibration;
 use super::part::Part;
 use super::product::{Delays, Fit, actuator, diagnostics, plant_noise, same_vehicle, vehicle, witnesses};
@@ -198,9 +199,11 @@ fn assemble(
                 .collect::<Vec<_>>(),
         );
     }
-    let maps: Vec<AccelMap> = parts.iter().flat_map(|(_, p)| p.maps.iter().map(|(map, _)| map.clone())).collect();
-    let families = families(&maps)?;
-    let csvs = parts.iter().flat_map(|(_, p)| p.maps.iter().map(|(map, csv)| (map.csv.file.clone(), csv.clone()))).collect();
+    let mut maps: Vec<AccelMap> = parts.iter().flat_map(|(_, p)| p.maps.iter().map(|(map, _)| map.clone())).collect();
+    let found = families(&maps)?;
+    draw_together(&mut maps, &found)?;
+    let families = found.into_iter().map(|f| f.told).collect();
+    let csvs = maps.iter().map(|map| Ok((map.csv.file.clone(), map.table()?.to_matrix().to_csv()))).collect::<Result<_>>()?;
 
     let (rows, places) = merged_rows(&logs, &parts);
     let squares: f64 = parts.iter().map(|(_, p)| residual_rms_mps2(&p.estimate).powi(2) * p.samples.len() as f64).sum();

@@ -7,9 +7,13 @@
 //! with H, what the drive makes of its torque, the same at every angle, H(V, 0) = 0 and of slope 1 where it drives. Over a grid of speeds and
 //! torques that the maps covered, weighted by their standard errors, H, one inertia per angle and one friction per angle and speed are the
 //! least squares solution, each in turn from the others. The inertias are then M = m₀ + m₁·sin²δ, and the frictions at every speed
-//! f₀ + f₁·sin²δ, with a term in |sin δ| from four angles on.
+//! f₀ + f₁·sin²δ. From four angles on a further term f₂·|sin δ| is taken where angles left out ask for it.
 //!
 //! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
+
+mod together;
+
+pub(crate) use together::draw_together;
 
 use super::Result;
 use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, Gear, LeftOutAngle, Side};
@@ -24,22 +28,39 @@ const LEAST_STD_ERR_MPS2: f64 = 2e-3;
 /// Rounds of the least squares, and the relative change of an inertia at which it is done.
 const ROUNDS: usize = 2000;
 const STILL: f64 = 1e-9;
-/// Angles from which on friction has a third term.
+/// Angles from which on friction may have a third term, and how much less the misses of angles left out must be with it: two or three
+/// misses do not tell a smaller gain from chance.
 const ANGLES_FOR_THIRD: usize = 4;
+const GAIN_OF_THIRD: f64 = 1.25;
 /// Where no angle lies between two others: the part of the change of friction between neighbours that its shape over the angle may hide.
 /// The largest distance of sin²δ from a straight line over 30° is a sixteenth of its range; this is four times as much.
 const ASSUMED_SHARE: f64 = 0.25;
 
+/// A family with what only the fit needs of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Family {
+    /// What files tell.
+    pub(crate) told: AngleFamily,
+    /// Number of terms of the friction.
+    terms: usize,
+    /// τ, the standard deviation of the departures of measured angles from the family [N·m]; absent where angles are too few to tell.
+    spread_nm: Option<f64>,
+}
+
 /// The families of maps at several angles, by gear and side; a side with one angle has none.
-pub(crate) fn families(maps: &[AccelMap]) -> Result<Vec<AngleFamily>> {
+pub(crate) fn families(maps: &[AccelMap]) -> Result<Vec<Family>> {
     let mut found = Vec::new();
     for gear in Gear::ALL {
         for side in Side::ALL {
             let mut own: Vec<&AccelMap> = maps.iter().filter(|m| m.gear == gear && side.holds(m.wheel_angle_deg)).collect();
             own.sort_by(|a, b| a.wheel_angle_deg.abs().total_cmp(&b.wheel_angle_deg.abs()));
-            if let Some(family) = family(gear, side, &own)? {
-                found.push(family);
-            }
+            let plain = family(gear, side, &own, 2)?;
+            let bent = if own.len() >= ANGLES_FOR_THIRD { family(gear, side, &own, 3)? } else { None };
+            let miss = |f: &Family| f.told.left_out.iter().map(|l| l.rms_nm.powi(2)).sum::<f64>().sqrt();
+            found.extend(match (plain, bent) {
+                (Some(plain), Some(bent)) if miss(&bent) * GAIN_OF_THIRD < miss(&plain) => Some(bent),
+                (plain, _) => plain,
+            });
         }
     }
     Ok(found)
@@ -47,33 +68,34 @@ pub(crate) fn families(maps: &[AccelMap]) -> Result<Vec<AngleFamily>> {
 
 /// The family of maps of one gear and side, with what its angles left out say of it; `None` with fewer than two angles, and where the angles
 /// have nothing in common to compare.
-fn family(gear: Gear, side: Side, maps: &[&AccelMap]) -> Result<Option<AngleFamily>> {
-    let Some(mut family) = shape(gear, side, maps)? else { return Ok(None) };
+fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Option<Family>> {
+    let Some(mut family) = shape(gear, side, maps, terms)? else { return Ok(None) };
+    let told = &mut family.told;
     let (mut squares, mut count) = (0.0, 0);
     for k in 1..maps.len().saturating_sub(1) {
         let others: Vec<&AccelMap> = maps.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, m)| *m).collect();
-        let Some(rest) = shape(gear, side, &others)? else { continue };
-        let Some(told) = left_out(maps[k], &others, &rest)? else { continue };
+        let Some(rest) = shape(gear, side, &others, terms)? else { continue };
+        let Some(miss) = left_out(maps[k], &others, &rest.told)? else { continue };
         let (low, high) = (maps[k - 1].wheel_angle_deg, maps[k + 1].wheel_angle_deg);
         let share = (maps[k].wheel_angle_deg - low) / (high - low);
-        squares += (told.rms_nm.powi(2) - told.expected_nm.powi(2)).max(0.0) / (4.0 * share * (1.0 - share));
+        squares += (miss.rms_nm.powi(2) - miss.expected_nm.powi(2)).max(0.0) / (4.0 * share * (1.0 - share));
         count += 1;
-        family.left_out.push(told);
+        told.left_out.push(miss);
     }
     if count > 0 {
-        family.departure_nm = round6((squares / f64::from(count)).sqrt());
-        "angles left out".clone_into(&mut family.departure_from);
+        let departure_nm = (squares / f64::from(count)).sqrt().max(family.spread_nm.unwrap_or(0.0));
+        told.departure_nm = round6(departure_nm);
+        "angles left out".clone_into(&mut told.departure_from);
     } else {
-        let terms = family.terms();
         let mut widest: f64 = 0.0;
         for pair in maps.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|m| (m.wheel_angle_deg * RAD_PER_DEG).sin());
-            for v in &family.speed_mps {
-                widest = widest.max((terms.friction_nm(*v, b) - terms.friction_nm(*v, a)).abs());
+            for v in &told.speed_mps {
+                widest = widest.max((told.terms().friction_nm(*v, b) - told.terms().friction_nm(*v, a)).abs());
             }
         }
-        family.departure_nm = round6(ASSUMED_SHARE * widest);
-        "assumed".clone_into(&mut family.departure_from);
+        told.departure_nm = round6(ASSUMED_SHARE * widest);
+        "assumed".clone_into(&mut told.departure_from);
     }
     Ok(Some(family))
 }
@@ -187,19 +209,18 @@ fn split(grid: &Grid) -> Option<Split> {
     Some(found)
 }
 
-/// The family without what it does not know.
-fn shape(gear: Gear, side: Side, maps: &[&AccelMap]) -> Result<Option<AngleFamily>> {
-    if maps.len() < 2 {
+/// The family with `terms` terms of friction, two or three, without what angles left out say of it.
+fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Option<Family>> {
+    if maps.len() < terms {
         return Ok(None);
     }
     let grid = Grid::new(maps)?;
     let Some(split) = split(&grid) else { return Ok(None) };
     let sines: Vec<f64> = maps.iter().map(|m| (m.wheel_angle_deg * RAD_PER_DEG).sin().abs()).collect();
-    let squares = |k: usize| [1.0, sines[k] * sines[k], sines[k]];
-    let all: Vec<([f64; 3], f64)> = split.inertia.iter().enumerate().map(|(k, m)| (squares(k), *m)).collect();
+    let basis = |k: usize| [1.0, sines[k] * sines[k], sines[k]];
+    let all: Vec<([f64; 3], f64)> = split.inertia.iter().enumerate().map(|(k, m)| (basis(k), *m)).collect();
     let Some(inertia) = least_squares::<2>(&all) else { return Ok(None) };
-    let third = maps.len() >= ANGLES_FOR_THIRD;
-    let mut family = AngleFamily {
+    let mut told = AngleFamily {
         gear,
         side,
         wheel_angle_deg: maps.iter().map(|m| m.wheel_angle_deg).collect(),
@@ -211,18 +232,51 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap]) -> Result<Option<AngleFamil
         left_out: Vec::new(),
     };
     for (i, v) in grid.speed_mps.iter().enumerate() {
-        let Some(rows) = (0..maps.len()).map(|k| split.friction_nm[k][i].map(|f| (squares(k), f))).collect::<Option<Vec<_>>>() else {
+        let Some(rows) = (0..maps.len()).map(|k| split.friction_nm[k][i].map(|f| (basis(k), f))).collect::<Option<Vec<_>>>() else {
             continue;
         };
-        let terms = if third { least_squares::<3>(&rows) } else { least_squares::<2>(&rows).map(|[a, b]| [a, b, 0.0]) };
-        if let Some(terms) = terms {
-            family.speed_mps.push(round6(*v));
-            for (list, term) in family.friction_nm.iter_mut().zip(terms).take(if third { 3 } else { 2 }) {
+        let solved = if terms == 3 { least_squares::<3>(&rows) } else { least_squares::<2>(&rows).map(|[a, b]| [a, b, 0.0]) };
+        if let Some(solved) = solved {
+            told.speed_mps.push(round6(*v));
+            for (list, term) in told.friction_nm.iter_mut().zip(solved).take(terms) {
                 list.push(round6(term));
             }
         }
     }
-    Ok((family.check().is_ok()).then_some(family))
+    if told.check().is_err() {
+        return Ok(None);
+    }
+    let spread_nm = spread(&grid, &told, &sines, terms);
+    Ok(Some(Family { told, terms, spread_nm }))
+}
+
+/// τ from what the maps' drive torques y_k = M·A_k + F differ by at the same speed and torque, beyond their standard errors. Errors at one
+/// speed go together, and the friction's terms take up as many of the angles: of m angles m − terms tell something.
+fn spread(grid: &Grid, family: &AngleFamily, sines: &[f64], terms: usize) -> Option<f64> {
+    let (mut squares, mut free, mut variance, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for (i, v) in grid.speed_mps.iter().enumerate() {
+        for j in 0..grid.torque_nm.len() {
+            let told: Vec<(f64, f64)> = grid
+                .told
+                .iter()
+                .zip(sines)
+                .filter_map(|(told, sin)| {
+                    let (point, inertia) = (told[i][j]?, family.terms().inertia(*sin));
+                    Some((inertia * point.accel_mps2 + family.terms().friction_nm(*v, *sin), inertia * inertia / point.weight))
+                })
+                .collect();
+            if told.len() <= terms {
+                continue;
+            }
+            let weights: f64 = told.iter().map(|(_, s2)| 1.0 / s2).sum();
+            let mean = told.iter().map(|(y, s2)| y / s2).sum::<f64>() / weights;
+            squares += told.iter().map(|(y, _)| (y - mean).powi(2)).sum::<f64>();
+            free += (told.len() - terms) as f64;
+            variance += told.iter().map(|(_, s2)| s2).sum::<f64>();
+            count += told.len() as f64;
+        }
+    }
+    (free > 0.0).then(|| (squares / free - variance / count).max(0.0).sqrt())
 }
 
 /// Least squares of the values on the first `N` of three terms; `None` where they do not tell them apart.

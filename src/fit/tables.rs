@@ -119,21 +119,8 @@ pub(crate) fn accel_map(
     let points: Vec<(f64, f64)> = torque.iter().flat_map(|u| speed.iter().map(|v| (*v, *u))).collect();
     let errors = uncertainty.std_errs_mps2(estimate, gear, &points);
     let std_err: Vec<Vec<f64>> = errors.chunks(speed.len()).map(|row| row.iter().map(|e| round6(*e)).collect()).collect();
-    let confidence = std_err
-        .iter()
-        .zip(&status)
-        .map(|(errors, row)| {
-            errors
-                .iter()
-                .zip(row)
-                .map(|(e, s)| {
-                    let by_error = 1.0 / (1.0 + (e / HALF_CONFIDENCE_MPS2).powi(2));
-                    let most = if *s == CellStatus::Extrapolated { 0.5 } else { 1.0 };
-                    (by_error.min(most) * 1e3).round() / 1e3
-                })
-                .collect()
-        })
-        .collect();
+    let confidence =
+        std_err.iter().zip(&status).map(|(errors, row)| errors.iter().zip(row).map(|(e, s)| confidence(*e, *s)).collect()).collect();
     let lattice = &surface.lattice;
     let fastest = lattice.fastest_mps().max(speed[speed.len() - 1]);
     let mut fine: Vec<f64> = lattice.speed_mps.iter().copied().filter(|v| *v < 2.0 * FINE_STEP_MPS).collect();
@@ -165,6 +152,13 @@ pub(crate) fn accel_map(
         torque_nm: torque,
     };
     Ok((map, csv))
+}
+
+/// Confidence in a cell, 0 to 1.
+pub(crate) fn confidence(std_err_mps2: f64, status: CellStatus) -> f64 {
+    let by_error = 1.0 / (1.0 + (std_err_mps2 / HALF_CONFIDENCE_MPS2).powi(2));
+    let most = if status == CellStatus::Extrapolated { 0.5 } else { 1.0 };
+    (by_error.min(most) * 1e3).round() / 1e3
 }
 
 /// Measured where samples are; interpolated where measured cells lie on both sides in the row or the column; extrapolated elsewhere.

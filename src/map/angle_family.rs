@@ -49,7 +49,7 @@ pub struct AngleFamily {
     pub inertia: [f64; 2],
     /// Speed breaks of the friction [m/s]: those that every angle covers; beyond them friction is held.
     pub speed_mps: Vec<f64>,
-    /// f₀, f₁ and f₂ [N·m] at the speed breaks; with fewer than four angles f₂ is empty.
+    /// f₀, f₁ and f₂ [N·m] at the speed breaks; f₂ is empty where no angle asks for it.
     pub friction_nm: [Vec<f64>; 3],
     /// Standard deviation [N·m] of what the family does not know half way between two measured angles.
     pub departure_nm: f64,

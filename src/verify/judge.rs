@@ -3,7 +3,7 @@
 use super::draws::{Spread, draws};
 use super::gate::Gate;
 use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law, tuning_runs};
-use super::manoeuvre::{self, Manoeuvre};
+use super::manoeuvre::{self, Manoeuvre, ManoeuvreTorque};
 use super::metric::{Metric, Statistic, Summary, Values};
 use super::plant::Plant;
 use super::region::Region;
@@ -130,7 +130,10 @@ pub fn verify_watched(maps: &Maps, settings: &Settings, done: &(dyn Fn(usize) + 
     let mut scenarios = judge_scenarios(&stage, settings, &varied)?;
     scenarios.extend(manoeuvre::judge(maps, settings)?);
     let comparison = if settings.comparison_draws > 0 { Some(compare(&stage, settings, &varied)?) } else { None };
-    let notes = notes(maps, &trips, &scenarios);
+    let mut notes = notes(maps, &trips, &scenarios);
+    if !settings.manoeuvres.is_empty() {
+        notes.push(ManoeuvreTorque::what(maps));
+    }
     let good = !trips.is_empty() && trips.iter().all(|t| t.pass) && scenarios.iter().all(|s| s.status != Status::Fail);
     let kind = if matches!(stage.plant.motion, sim::MotionSettings::Physical(_)) { "physical" } else { "identified" };
     Ok(Verdict {
