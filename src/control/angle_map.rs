@@ -123,8 +123,11 @@ mod tests {
     fn table(angle_deg: f64) -> TorqueTable {
         let speed = Axis::new("speed_mps", vec![0.0, 0.5, 1.0]).unwrap();
         let accel = Axis::new("accel_mps2", vec![-2.0, 0.0, 2.0]).unwrap();
-        let values = speed.breaks().iter().flat_map(|v| accel.breaks().iter().map(|a| needed(*v, *a, angle_deg)).collect::<Vec<_>>());
-        TorqueTable::new(speed, accel, values.collect()).unwrap()
+        let mut values = Vec::new();
+        for v in speed.breaks() {
+            values.extend(accel.breaks().iter().map(|a| needed(*v, *a, angle_deg)));
+        }
+        TorqueTable::new(speed, accel, values).unwrap()
     }
 
     fn with_tables<T>(angles_deg: &[f64], look: impl FnOnce(&AngleTables) -> T) -> T {

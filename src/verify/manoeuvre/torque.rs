@@ -74,7 +74,8 @@ impl<'a> ManoeuvreTorque<'a> {
         let tables = maps.map(|m| Tables { forward: &m.forward, reverse: m.reverse.as_ref(), policy: OutsidePolicy::Clamp });
         let angle_deg = maps.map_or(90.0, |m| m.table2.vehicle.test_angle_deg);
         let angles = maps.iter().flat_map(|m| &m.angles);
-        let angles = angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: &m.table }).collect();
+        let angles =
+            angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: &m.table }).collect();
         let families = maps.iter().flat_map(|m| &m.table2.families);
         let terms = families.map(|f| GearTerms { gear: f.gear, left: f.side == Side::Left, terms: f.terms() }).collect();
         Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, angles, terms, exact: ExactTorque::new(world)? })
