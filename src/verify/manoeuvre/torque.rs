@@ -55,7 +55,8 @@ impl TorqueSource for ExactTorque {
 /// Nearer than this to the map's wheel angle the map answers [rad]: the tolerance within which the wheel is held during a turn.
 const AT_MAP_RAD: f64 = 3.0 * RAD_PER_DEG;
 
-/// The maps under test: over the wheel angle where there are several, else for turns on the spot, with the exact inverse at every other angle.
+/// The maps under test: over the measured wheel angles where there are several, else for turns on the spot; the exact inverse at every other
+/// angle.
 #[derive(Debug, Clone)]
 pub struct ManoeuvreTorque<'a> {
     tables: Option<Tables<'a>>,
@@ -91,11 +92,15 @@ impl<'a> ManoeuvreTorque<'a> {
             let mut angles: Vec<f64> = maps.angles.iter().filter(|m| m.gear == gear).map(|m| m.wheel_angle_deg).collect();
             angles.sort_unstable_by(f64::total_cmp);
             let angles: Vec<String> = angles.iter().map(|a| format!("{a}°")).collect();
-            if angles.is_empty() { "none, the exact inverse of the plant instead".to_owned() } else { angles.join(", ") }
+            if angles.is_empty() { "no angle".to_owned() } else { angles.join(", ") }
         };
         let sided = |left: bool| maps.angles.iter().any(|m| m.wheel_angle_deg.abs() > SAME_ANGLE_DEG && (m.wheel_angle_deg > 0.0) == left);
         let symmetry = if sided(true) && sided(false) { "" } else { "; the other side's maps are mirrored: symmetry assumed" };
-        format!("manoeuvres: torque by the maps at {} (forward) and {} (reverse){symmetry}", of(Gear::Forward), of(Gear::Reverse))
+        format!(
+            "manoeuvres: torque by the maps at {} (forward) and {} (reverse), beyond those angles by the exact inverse of the plant{symmetry}",
+            of(Gear::Forward),
+            of(Gear::Reverse)
+        )
     }
 
     /// What the map of the test angle alone says, where the wheel is at its angle.
@@ -112,8 +117,9 @@ impl TorqueSource for ManoeuvreTorque<'_> {
         let found = if self.angles.is_empty() {
             self.at_test_angle(gear, speed, accel, wheel_angle_rad)
         } else {
+            // beyond the measured angles a map would be asked for what it does not know
             let maps = AngleTables { tables: &self.angles, terms: &self.terms };
-            maps.torque_clamped(gear, speed, accel, wheel_angle_rad).map(|found| found.torque_nm)
+            maps.torque_clamped(gear, speed, accel, wheel_angle_rad).filter(|found| !found.beyond_angles).map(|found| found.torque_nm)
         };
         found.map_or_else(|| self.exact.torque_nm(speed_mps, accel_mps2, wheel_angle_rad), |torque_nm| gear.sign() * torque_nm)
     }
