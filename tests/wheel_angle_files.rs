@@ -29,7 +29,7 @@ fn record(folder: &Path, campaign: &str) {
 
 fn csvs(folder: &Path, table: &str) -> Vec<String> {
     let names = std::fs::read_dir(folder.join("maps")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = names.filter(|n| n.starts_with(table) && n.ends_with(".csv")).collect();
+    let mut names: Vec<String> = names.filter(|n| n.starts_with(table) && Path::new(n).extension().is_some_and(|e| e == "csv")).collect();
     names.sort();
     names
 }

@@ -29,7 +29,7 @@ pub(super) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], u
             bail!("--angle {angle}: no run was driven there; the wheel angles of the runs are {}", census.text());
         };
         if angles_deg.iter().any(|a| is(*a, held.wheel_angle_deg)) {
-            bail!("--angle {angle}: the runs at {} are asked for twice", held);
+            bail!("--angle {angle}: the runs at {held} are asked for twice");
         }
         angles_deg.push(held.wheel_angle_deg);
     }

@@ -79,12 +79,11 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
     let (recordings, census) = arguments.input.census(one, ui)?;
     let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
     let chosen = super::angles::choose(&recordings, &census, &arguments.angle, ui)?;
-    let (fit, traces) = match chosen {
-        Some(Choice { grouped, test_angle_deg }) => fit_angles(grouped, test_angle_deg, &settings)?,
-        None => {
-            let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
-            fit_traced(surveys, &settings)?
-        }
+    let (fit, traces) = if let Some(Choice { grouped, test_angle_deg }) = chosen {
+        fit_angles(grouped, test_angle_deg, &settings)?
+    } else {
+        let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
+        fit_traced(surveys, &settings)?
     };
     save(&fit, &traces, &arguments.maps)?;
     Ok((fit, damaged))

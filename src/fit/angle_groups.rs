@@ -66,7 +66,7 @@ pub fn fit_angles(grouped: Grouped, test_angle_deg: f64, settings: &Settings) ->
     }
     let mut left_out: Vec<(f64, String)> = failed.iter().map(|(angle, error)| (*angle, error.to_string())).chain(empty).collect();
     left_out.sort_by(|a, b| a.0.total_cmp(&b.0));
-    assemble(&groups, parts, (&left_out, notes), (test_angle_deg, &delays), settings)
+    assemble(&groups, &parts, (&left_out, notes), (test_angle_deg, &delays), settings)
 }
 
 /// Wheelbase and wheel radius are the same at every angle.
@@ -172,7 +172,7 @@ fn shared(groups: &[AngleGroup], settings: &Settings) -> (KnownCalibration, Pool
 /// One file from the fits of all angles.
 fn assemble(
     groups: &[AngleGroup],
-    parts: Vec<(f64, Part)>,
+    parts: &[(f64, Part)],
     (left_out, mut notes): (&[(f64, String)], Vec<String>),
     (test_angle_deg, pooled): (f64, &Pooled),
     settings: &Settings,
@@ -180,14 +180,14 @@ fn assemble(
     let surveys: BTreeMap<&LogRef, &Survey> = groups.iter().flat_map(|g| &g.surveys).map(|s| (&s.track.source, s)).collect();
     let logs: Vec<LogRef> = surveys.keys().map(|log| (*log).clone()).collect();
     let surveys: Vec<&Survey> = surveys.into_values().collect();
-    let verdicts = merged_verdicts(&logs, &surveys, &parts);
+    let verdicts = merged_verdicts(&logs, &surveys, parts);
     let test = parts.iter().find(|(angle, _)| (angle - test_angle_deg).abs() < SAME_ANGLE_DEG);
     let (_, test) = test.ok_or_else(|| Error::NoTestAngle { test_angle_deg, found: list(parts.iter().map(|p| p.0)) })?;
 
     notes.extend(left_out.iter().map(|(angle, reason)| format!("{angle}° is left out: {reason}")));
     notes.extend(surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))));
     let of_tracks = notes.len();
-    for (angle, part) in &parts {
+    for (angle, part) in parts {
         notes.extend(
             part.notes()
                 .into_iter()
@@ -205,7 +205,7 @@ fn assemble(
     let families = found.into_iter().map(|f| f.told).collect();
     let csvs = maps.iter().map(|map| Ok((map.csv.file.clone(), map.table()?.to_matrix().to_csv()))).collect::<Result<_>>()?;
 
-    let (rows, places) = merged_rows(&logs, &parts);
+    let (rows, places) = merged_rows(&logs, parts);
     let squares: f64 = parts.iter().map(|(_, p)| residual_rms_mps2(&p.estimate).powi(2) * p.samples.len() as f64).sum();
     let used: usize = parts.iter().map(|(_, p)| p.samples.len()).sum();
     let mut all = diagnostics(&test.estimate, test.monotone, test.figures.pooled);
@@ -246,7 +246,7 @@ fn assemble(
     };
     let sound = left_out.is_empty() && parts.iter().all(|(_, p)| p.objections.is_empty());
     let fit = Fit { file, csvs, verdicts, sound };
-    let traces = merged_traces(&fit, &parts, &places, test_angle_deg)?;
+    let traces = merged_traces(&fit, parts, &places, test_angle_deg)?;
     Ok((fit, traces))
 }
 

@@ -67,7 +67,8 @@ pub fn between(angles: impl Iterator<Item = (usize, f64)>, angle: f64, tolerance
     if angle.is_nan() {
         return None;
     }
-    let (mut below, mut above): (Option<(usize, f64)>, Option<(usize, f64)>) = (None, None);
+    let mut below: Option<(usize, f64)> = None;
+    let mut above: Option<(usize, f64)> = None;
     for (number, at) in angles {
         if at <= angle && below.is_none_or(|(_, b)| at > b) {
             below = Some((number, at));
