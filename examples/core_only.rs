@@ -15,6 +15,7 @@ pub mod units {
 /// What the controller uses of the map: the gear, the look-up, and a table that it only borrows.
 #[path = "../src/map"]
 pub mod map {
+    pub mod angle_lookup;
     mod gear;
     pub mod lookup;
     pub use gear::Gear;
@@ -58,6 +59,7 @@ pub mod map {
 
 #[path = "../src/control"]
 pub mod control {
+    mod angle_map;
     mod drive_law;
     mod error;
     mod heading_law;
@@ -77,6 +79,7 @@ pub mod control {
     mod torque_map;
     mod waypoint_law;
 
+    pub use angle_map::{AngleLookup, AngleTable, AngleTables, GearTerms};
     pub use drive_law::{DriveInputs, DriveLaw};
     pub use error::{Error, Result};
     pub use heading_law::{HeadingLaw, HeadingLawSettings};

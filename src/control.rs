@@ -7,6 +7,7 @@
 //! Everything here is a pure step: state and inputs to state and outputs, with `core` arithmetic, without allocation, clock, input or output,
 //! and without a panic; but for [`route`] and [`manoeuvre`], which plan paths in memory that they allocate.
 
+mod angle_map;
 mod drive_law;
 mod error;
 mod heading_law;
@@ -28,6 +29,7 @@ mod stopping;
 mod torque_map;
 mod waypoint_law;
 
+pub use angle_map::{AngleLookup, AngleTable, AngleTables, GearTerms};
 pub use drive_law::{DriveInputs, DriveLaw};
 pub use error::{Error, Result};
 pub use heading_law::{HeadingLaw, HeadingLawSettings};

@@ -6,18 +6,22 @@
 //! estimated with it.
 
 mod actuator;
+mod angle_groups;
 mod anova;
 mod coarse;
 mod course;
 mod delay_likelihood;
 mod error;
 mod estimate;
+mod family;
 mod feedback;
 mod gram;
 mod hyper;
 mod kalman;
+mod known;
 mod lattice;
 mod monotone;
+mod part;
 mod passes;
 mod penalised;
 mod plan;
@@ -37,7 +41,9 @@ mod traces;
 mod uncertainty;
 mod validation;
 
+pub use angle_groups::fit_angles;
 pub use error::{Error, Result};
+pub use known::KnownCalibration;
 pub use plan::{Plan, PlanEntry, PlanSettings, plan};
 pub use product::{Fit, fit, fit_traced};
 pub use settings::Settings;

@@ -3,7 +3,10 @@
 //! In: arrays of numbers, or files. Out: [`AccelTable`] (Table 1) and [`TorqueTable`] (Table 2), whose constructors have checked axis
 //! order, finiteness and shape, and [`Table1File`] and [`Table2File`], the JSON artefacts with everything that a table alone does not tell.
 
+mod accel_maps;
 mod accel_table;
+mod angle_family;
+pub mod angle_lookup;
 mod axis;
 mod cell;
 pub mod check;
@@ -21,7 +24,9 @@ mod table2_file;
 mod torque_table;
 mod vehicle;
 
+pub use accel_maps::{AccelAtAngle, AccelMaps};
 pub use accel_table::AccelTable;
+pub use angle_family::{AngleFamily, LeftOutAngle, SAME_ANGLE_DEG, Side, csv_name, is_csv_name};
 pub use axis::Axis;
 pub use cell::CellStatus;
 pub use csv_matrix::Matrix;

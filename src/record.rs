@@ -14,7 +14,7 @@ mod runner;
 mod schema;
 mod topics;
 
-pub use campaign::{Campaign, RunGroup, RunPlan, TopicSettings, Torques};
+pub use campaign::{Campaign, RunGroup, RunPlan, TopicSettings, Torques, WheelAngles};
 pub use error::{Error, Result};
 pub use event::{Event, EventKind};
 pub use log_writer::LogWriter;

@@ -34,7 +34,7 @@ pub use log::log_of;
 pub use manoeuvre::{
     Kind, LateralRun, Manoeuvre, ManoeuvreMoment, Mounting, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, replay_manoeuvre,
 };
-pub use maps::Maps;
+pub use maps::{AngleMap, Maps};
 pub use metric::{Metric, Statistic, Summary, Values};
 pub use plant::Plant;
 pub use region::Region;

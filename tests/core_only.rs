@@ -59,7 +59,7 @@ fn the_controller_and_the_look_up_use_core_arithmetic_alone() {
     let of_vehicle = |path: &PathBuf| path.is_file() && !path.ends_with("route.rs") && !path.ends_with("manoeuvre.rs");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(room.join("control")).unwrap().map(|entry| entry.unwrap().path()).filter(of_vehicle).collect();
-    files.push(room.join("map/lookup.rs"));
+    files.extend(["map/lookup.rs", "map/angle_lookup.rs"].map(|name| room.join(name)));
     assert!(files.len() > 15, "{files:?}");
     for file in files {
         for (line, text) in program(&file) {

@@ -26,6 +26,7 @@ pub fn runs(survey: &Survey, verdicts: &[Verdict], encoder_scale: f64) -> Vec<(H
         let used = Verdict::Used.to_string();
         let row = RunRow {
             log: survey.track.source.file.clone(),
+            wheel_angle_deg: None,
             start_s: round(hold.from_s, 1e3),
             duration_s: round(hold.to_s - hold.from_s, 1e3),
             gear,

@@ -31,6 +31,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             place: None,
             zero_row: ZeroRow::Moving,
             node_exact: false,
+            angle: Vec::new(),
             force: false,
         },
         ui,
@@ -51,7 +52,10 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let folder = arguments.fit.maps.display();
     let used = fit.file.report.ledger.iter().find(|r| r.verdict == "used").map_or(0.0, |r| r.seconds);
     let total: f64 = fit.file.report.ledger.iter().map(|r| r.seconds).sum();
-    let breakaway: Vec<String> = fit.file.maps.iter().map(|m| format!("{} {:.1} N·m", m.gear, m.breakaway.torque_nm)).collect();
+    let at_test_angle =
+        |m: &&crate::map::AccelMap| (m.wheel_angle_deg - fit.file.vehicle.test_angle_deg).abs() < crate::map::SAME_ANGLE_DEG;
+    let breakaway: Vec<String> =
+        fit.file.maps.iter().filter(at_test_angle).map(|m| format!("{} {:.1} N·m", m.gear, m.breakaway.torque_nm)).collect();
     ui.say("");
     ui.say("── Summary ──");
     ui.say(format!("used         {used:.1} s of {total:.1} s, {} runs", fit.file.report.runs.iter().filter(|r| r.used_s > 0.0).count()));

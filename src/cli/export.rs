@@ -32,6 +32,9 @@ pub(super) struct Arguments {
     /// Folder to write into; by default `export` in the folder of the map
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Wheel angle of the map [°]; by default the test angle. JSON always holds all
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    angle: Option<f64>,
     /// Tables and look-up in single precision (C and Rust)
     #[arg(long)]
     float: bool,
@@ -56,7 +59,12 @@ struct Written {
 }
 
 pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let source = Source::read(&arguments.maps)?;
+    let source = Source::read_at(&arguments.maps, arguments.angle)?;
+    if !source.other_angles_deg.is_empty() {
+        let others: Vec<String> = source.other_angles_deg.iter().map(|a| format!("{a}°")).collect();
+        let angle_deg = source.table2.vehicle.test_angle_deg;
+        ui.say(format!("the map of {angle_deg}°; table2.json also holds {} (--angle)", others.join(", ")));
+    }
     let precision = if arguments.float { Precision::Float } else { Precision::Double };
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("export"));
     // all forms first: nothing is written when one of them is impossible

@@ -1,10 +1,12 @@
 //! `fit LOG…`: Table 1 from logs.
 
+use super::angles::Choice;
 use super::breaks::Breaks;
-use super::logs::LogArguments;
+use super::logs::{LogArguments, survey};
 use super::{Outcome, Ui};
-use crate::fit::{Fit, Settings, fit_traced};
-use crate::map::{FitTraces, Gear, Table1File, write_whole};
+use crate::fit::{Fit, Settings, fit_angles, fit_traced};
+use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, write_whole};
+use anyhow::Context;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::{Path, PathBuf};
 
@@ -15,10 +17,11 @@ use std::path::{Path, PathBuf};
 Examples:
   pivot-cal fit logs.mcap
   pivot-cal fit --signals signals.toml monday.mcap tuesday.mcap
+  pivot-cal fit --angle 0,30,60,90 angles.mcap
   pivot-cal fit --preset autoware --wheelbase-m 0.92 --wheel-radius-m 0.12 drive.mcap
 
 Writes table1.csv and table1.json (and table1.reverse.csv when reverse gear was tested) into the folder of --maps, and fit_traces.json for
-the report.
+the report. A log with runs at several wheel angles gives a map of each: table1.csv is that of the test angle, table1.angle30.csv that of 30°.
 Exit status: 0 done, 3 written but the coverage is too thin (or, with --strict, a log is damaged), 1 error.")]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -32,9 +35,9 @@ pub(super) struct Arguments {
     /// Time constant of the drive's lag [ms] when it is known
     #[arg(long, value_name = "MS")]
     pub(super) lag_ms: Option<f64>,
-    /// Wheel angle whose runs are used [°]; by default the test angle
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    pub(super) angle: Option<f64>,
+    /// Wheel angle whose runs are used [°], or several; by default all at which at least three torques were held
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pub(super) angle: Vec<f64>,
     /// Speed breaks [m/s]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS")]
     pub(super) speed_breaks: Option<Breaks>,
@@ -69,21 +72,26 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 /// Fits and writes; also tells whether a damaged log counts (with `--strict`).
 pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)> {
     let settings = arguments.settings()?;
-    let surveyed = arguments.input.survey(arguments.angle, ui)?;
-    let (fit, traces) = fit_traced(surveyed.surveys, &settings)?;
+    let one = match arguments.angle[..] {
+        [angle] => Some(angle),
+        _ => None,
+    };
+    let (recordings, census) = arguments.input.census(one, ui)?;
+    let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
+    let chosen = super::angles::choose(&recordings, &census, &arguments.angle, ui)?;
+    let (fit, traces) = if let Some(Choice { grouped, test_angle_deg }) = chosen {
+        fit_angles(grouped, test_angle_deg, &settings)?
+    } else {
+        let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
+        fit_traced(surveys, &settings)?
+    };
     save(&fit, &traces, &arguments.maps)?;
-    Ok((fit, surveyed.damaged && arguments.input.strict))
+    Ok((fit, damaged))
 }
 
 fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> anyhow::Result<()> {
     // a table of an earlier fit that this one does not have would pass for its own
-    for gear in Gear::ALL {
-        let name = format!("table1{}.csv", gear.file_infix());
-        let stale = folder.join(&name);
-        if !fit.csvs.iter().any(|(n, _)| *n == name) && stale.exists() {
-            fs_err::remove_file(stale)?;
-        }
-    }
+    super::angles::remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
     for (name, text) in &fit.csvs {
         write_whole(&folder.join(name), text.as_bytes())?;
     }
@@ -124,11 +132,13 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
             witness.name, witness.scale, witness.noise_mps
         ));
     }
+    let several = file.maps.iter().any(|m| (m.wheel_angle_deg - file.maps[0].wheel_angle_deg).abs() >= SAME_ANGLE_DEG);
     for map in &file.maps {
         let b = &map.breakaway;
         let bound = |label: &str, v: Option<f64>| v.map_or(String::new(), |v| format!(", {label} {v:.1}"));
         ui.say(format!(
-            "{} gear: breakaway {:.2} N·m{}{}{}",
+            "{}{} gear: breakaway {:.2} N·m{}{}{}",
+            if several { format!("{}°, ", map.wheel_angle_deg) } else { String::new() },
             map.gear,
             b.torque_nm,
             b.std_err_nm.map_or(String::new(), |e| format!(" ± {e:.2}")),
@@ -138,6 +148,9 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
     }
     for map in &file.maps {
         ui.picture(crate::report::coverage_text(map));
+    }
+    for family in &file.families {
+        ui.say(super::angles::family_text(family));
     }
     ui.say(format!("coverage   {:.0} % of the cells measured", 100.0 * file.report.coverage));
     ui.say(format!("residual   {:.4} m/s² root mean square", file.report.residual_rms_mps2));

@@ -1,7 +1,7 @@
 //! The runs of a log for `inspect --runs`: what a fit would use, and what it would leave out and why, before there is a model.
 
 use super::Ui;
-use crate::campaign::{self, Survey, ledger, runs as run_rows};
+use crate::campaign::{self, Census, HeldAngle, Survey, ledger, runs as run_rows};
 use crate::log::{Source, VehicleOverrides, read_split};
 use crate::map::{LedgerRow, RunRow};
 use crate::signal::Track;
@@ -13,17 +13,27 @@ use std::path::PathBuf;
 pub(super) struct Runs {
     ledger: Vec<LedgerRow>,
     runs: Vec<RunRow>,
+    /// The wheel angles of the runs, where they are not all at the test angle.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    wheel_angles: Vec<HeldAngle>,
 }
 
 /// Surveys one recording, given as its files, and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
 pub(super) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
-    let survey = || -> anyhow::Result<Survey> {
+    let mut census = Census::default();
+    let mut survey = || -> anyhow::Result<Survey> {
         let bytes = files.iter().map(|path| Ok(fs_err::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
         let bar = ui.progress(bytes, "reading runs");
         let recording = read_split(files, source, overrides, &|read| bar.inc(read));
         bar.finish_and_clear();
-        let recording = recording?;
-        Ok(Survey::new(Track::new(&recording)?, &campaign::Settings::default())?)
+        let track = Track::new(&recording?)?;
+        census = Census::new([&track], &campaign::Settings::default());
+        if census.has_others(track.vehicle.test_angle_deg) {
+            ui.say(format!("wheel angles of the runs: {}; below, the test angle (--test-angle-deg shows another)", census.text()));
+        } else {
+            census.held.clear();
+        }
+        Ok(Survey::new(track, &campaign::Settings::default())?)
     };
     let survey = match survey() {
         Ok(survey) => survey,
@@ -42,7 +52,7 @@ pub(super) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
     for note in &survey.track.notes {
         ui.say(format!("  note: {note}"));
     }
-    Some(Runs { ledger: table, runs: rows })
+    Some(Runs { ledger: table, runs: rows, wheel_angles: census.held })
 }
 
 fn text(rows: &[RunRow]) -> String {

@@ -3,7 +3,7 @@
 use super::breaks::Breaks;
 use super::{Outcome, Ui};
 use crate::invert::{Inversion, Settings, ZeroRow, invert};
-use crate::map::{CsvRef, Gear, Table1File, Table2File, sha256_hex, write_whole};
+use crate::map::{CsvRef, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex, write_whole};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ Examples:
   pivot-cal invert --speed-breaks 0:0.1:1.1 --accel-breaks=-2,-1,-0.5,0,0.5,1
   pivot-cal invert --place 12 --zero-row hold
 
-Reads table1.json and writes table2.csv and table2.json (and table2.reverse.csv) into the same folder.")]
+Reads table1.json and writes table2.csv and table2.json (and table2.reverse.csv, table2.angle30.csv, …) into the same folder.")]
 pub(super) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
@@ -35,6 +35,9 @@ pub(super) struct Arguments {
     /// Exact at the nodes instead of best over the whole
     #[arg(long)]
     pub(super) node_exact: bool,
+    /// Wheel angles whose maps are inverted [°]; by default all of table1.json
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pub(super) angle: Vec<f64>,
     /// Go on when a hash does not match
     #[arg(long)]
     pub(super) force: bool,
@@ -58,7 +61,10 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
     let path = arguments.maps.join("table1.json");
     let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
-    let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
+    let mut file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
+    if !arguments.angle.is_empty() {
+        super::angles::keep(&mut file, &arguments.angle).with_context(|| path.display().to_string())?;
+    }
     check_csvs(&file, &arguments.maps, arguments.force, ui)?;
     let settings = Settings {
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
@@ -69,13 +75,7 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
     };
     let table1 = CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(text.as_bytes()) };
     let inversion = invert(&file, table1, &settings).with_context(|| path.display().to_string())?;
-    for gear in Gear::ALL {
-        let name = format!("table2{}.csv", gear.file_infix());
-        let stale = arguments.maps.join(&name);
-        if !inversion.csvs.iter().any(|(n, _)| *n == name) && stale.exists() {
-            fs_err::remove_file(stale)?;
-        }
-    }
+    super::angles::remove_stale(&arguments.maps, "table2", inversion.csvs.iter().map(|(name, _)| name.as_str()))?;
     for (name, text) in &inversion.csvs {
         write_whole(&arguments.maps.join(name), text.as_bytes())?;
     }
@@ -103,10 +103,12 @@ fn check_csvs(file: &Table1File, folder: &Path, force: bool, ui: Ui) -> anyhow::
 
 /// The summary for people.
 pub(super) fn show(file: &Table2File, ui: Ui) {
+    let several = file.maps.iter().any(|m| (m.wheel_angle_deg - file.maps[0].wheel_angle_deg).abs() >= SAME_ANGLE_DEG);
     for map in &file.maps {
         let trip = &map.round_trip;
         ui.say(format!(
-            "{} gear: {} speeds × {} accelerations, {:.1} to {:.1} m/s²; dead band {:.2} to {:.2} N·m",
+            "{}{} gear: {} speeds × {} accelerations, {:.1} to {:.1} m/s²; dead band {:.2} to {:.2} N·m",
+            if several { format!("{}°, ", map.wheel_angle_deg) } else { String::new() },
             map.gear,
             map.speed_mps.len(),
             map.accel_mps2.len(),

@@ -1,7 +1,7 @@
 //! Logs on the command line: where they are, where their signals are, and what is said of the vehicle.
 
 use super::Ui;
-use crate::campaign::{self, Survey};
+use crate::campaign::{self, Census, Survey};
 use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read_split};
 use crate::map::Vehicle;
 use crate::signal::Track;
@@ -33,12 +33,6 @@ pub(super) struct LogArguments {
     /// Stop with status 3 when a log is damaged
     #[arg(long)]
     pub(super) strict: bool,
-}
-
-/// Surveyed logs, and whether any was damaged.
-pub(super) struct Surveyed {
-    pub(super) surveys: Vec<Survey>,
-    pub(super) damaged: bool,
 }
 
 impl LogArguments {
@@ -98,30 +92,44 @@ impl LogArguments {
         Ok(recordings)
     }
 
-    /// Reads and surveys every log. A log without anything to use is left aside with a warning, unless it is the only one.
-    pub(super) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Surveyed> {
+    /// Reads every log, and tells at which wheel angles its runs were driven.
+    pub(super) fn census(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<(Vec<Recording>, Census)> {
         let recordings = self.read(angle_deg, ui)?;
-        let damaged = recordings.iter().any(|r| r.loss.is_damaged());
-        let alone = recordings.len() == 1;
-        let mut surveys = Vec::new();
-        let mut reasons = Vec::new();
-        for recording in &recordings {
-            let name = recording.path.display();
-            let track = Track::new(recording).with_context(|| name.to_string())?;
-            match Survey::new(track, &campaign::Settings::default()) {
-                Ok(survey) => surveys.push(survey),
-                Err(error) if alone => return Err(error).with_context(|| name.to_string()),
-                Err(error) => {
-                    ui.warn(format!("{name} is left aside: {error}"));
-                    reasons.push(format!("{name}: {error}"));
-                }
+        let tracks = recordings
+            .iter()
+            .map(|r| Track::new(r).with_context(|| r.path.display().to_string()))
+            .collect::<anyhow::Result<Vec<Track>>>()?;
+        let census = Census::new(&tracks, &campaign::Settings::default());
+        Ok((recordings, census))
+    }
+
+    /// Reads and surveys every log. A log without anything to use is left aside with a warning, unless it is the only one.
+    pub(super) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Survey>> {
+        survey(&self.read(angle_deg, ui)?, ui)
+    }
+}
+
+/// Surveys recordings at their vehicles' test angle. A log without anything to use is left aside with a warning, unless it is the only one.
+pub(super) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Survey>> {
+    let alone = recordings.len() == 1;
+    let mut surveys = Vec::new();
+    let mut reasons = Vec::new();
+    for recording in recordings {
+        let name = recording.path.display();
+        let track = Track::new(recording).with_context(|| name.to_string())?;
+        match Survey::new(track, &campaign::Settings::default()) {
+            Ok(survey) => surveys.push(survey),
+            Err(error) if alone => return Err(error).with_context(|| name.to_string()),
+            Err(error) => {
+                ui.warn(format!("{name} is left aside: {error}"));
+                reasons.push(format!("{name}: {error}"));
             }
         }
-        if surveys.is_empty() {
-            bail!("no log holds anything to use: {}", reasons.join("; "));
-        }
-        Ok(Surveyed { surveys, damaged })
     }
+    if surveys.is_empty() {
+        bail!("no log holds anything to use: {}", reasons.join("; "));
+    }
+    Ok(surveys)
 }
 
 /// Where the signals are, as the options `--signals` and `--preset` say.

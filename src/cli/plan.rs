@@ -2,7 +2,7 @@
 
 use super::{Outcome, Ui};
 use crate::fit::{Plan, PlanSettings, plan};
-use crate::map::{Table1File, write_whole};
+use crate::map::{SAME_ANGLE_DEG, Table1File, write_whole};
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
@@ -23,6 +23,9 @@ pub(super) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
+    /// Wheel angle whose map is planned for [°]; by default the test angle
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    angle: Option<f64>,
     /// Time to drive, with spin-ups, stops and pauses [min]
     #[arg(long, value_name = "MIN", default_value_t = 5.0)]
     minutes: f64,
@@ -38,9 +41,14 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let path = arguments.maps.join("table1.json");
     let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
     let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
+    let angle_deg = arguments.angle.unwrap_or(file.vehicle.test_angle_deg);
+    let steered = (angle_deg - file.vehicle.test_angle_deg).abs() >= SAME_ANGLE_DEG;
+    let file = super::angles::at(file, angle_deg, ui).with_context(|| path.display().to_string())?;
     let plan = plan(&file, &PlanSettings { budget_s: 60.0 * arguments.minutes }).with_context(|| path.display().to_string())?;
     if let Some(output) = &arguments.output {
-        write_whole(output, plan.to_toml().as_bytes())?;
+        let text = plan.to_toml();
+        let text = if steered { text.replace("[[runs]]\n", &format!("[[runs]]\nwheel_angle_deg = {angle_deg:?}\n")) } else { text };
+        write_whole(output, text.as_bytes())?;
     }
     ui.document(&plan)?;
     show(&plan, ui);

@@ -158,7 +158,7 @@ fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec
     }
     let logs = LogArguments::of_vehicle(&arguments.replay, arguments.signals.clone(), arguments.preset, &maps.table1.vehicle);
     let mut runs = Vec::new();
-    for survey in logs.survey(None, ui)?.surveys {
+    for survey in logs.survey(None, ui)? {
         runs.extend(replayed(&maps.table1, &survey)?);
     }
     Ok(runs)
@@ -224,7 +224,8 @@ pub(super) fn show(verdict: &Verdict, ui: Ui) {
     for trip in &verdict.round_trip {
         let value = trip.worst.map_or("none".to_owned(), |w| format!("{:.3} m/s²", w.error_mps2.abs()));
         let limit = trip.worst.map_or(String::new(), |w| format!("≤ {:.3}", w.limit_mps2));
-        let name = format!("round trip, {} ({} places)", trip.gear, trip.places);
+        let angle = trip.wheel_angle_deg.map_or(String::new(), |angle| format!(" at {angle}°"));
+        let name = format!("round trip, {}{angle} ({} places)", trip.gear, trip.places);
         table.add_row([name, "worst |Δa|".to_owned(), String::new(), value, limit, mark(trip.pass).to_owned()]);
     }
     for scenario in &verdict.scenarios {

@@ -23,8 +23,8 @@ pub enum Error {
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
     #[error("{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map anew", path.display(), csv.display())]
     Differs { path: PathBuf, csv: PathBuf },
-    #[error("{} holds no map at the test angle of {angle_deg}°", path.display())]
-    NoMap { path: PathBuf, angle_deg: f64 },
+    #[error("{} holds no map at the wheel angle of {angle_deg}°; its wheel angles are {found}", path.display())]
+    NoMap { path: PathBuf, angle_deg: f64, found: String },
     #[error(
         "{format} needs values that change strictly with the command, and the {gear} map does not: {place}; `pivot-cal check` lists all places"
     )]

@@ -26,6 +26,8 @@ pub enum Error {
         "{file}: the speed signal is too slow: it changes {rate_hz:.1} times a second, {needed_hz:.0} are needed where no yaw rate is mapped. Log the wheel speed faster, or map a yaw rate"
     )]
     SlowSpeed { file: String, rate_hz: f64, needed_hz: f64 },
+    #[error("no map of the test angle of {test_angle_deg}° can be made: the angles are {found}. Give another one with --test-angle-deg")]
+    NoTestAngle { test_angle_deg: f64, found: String },
     #[error("the normal equations cannot be solved: the logs hold no information on the surface")]
     Singular,
     #[error("Table 1 holds no driven run with motion and a torque range: nothing to plan from. Drive a first campaign and fit it")]

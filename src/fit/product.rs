@@ -1,19 +1,17 @@
 //! What a fit gives: `table1.json`, its CSVs, and the verdict on every sample.
 
-use super::estimate::{Estimate, estimate};
+use super::estimate::Estimate;
 use super::feedback::{FeedbackDelays, delays};
-use super::runs::{Compared, disagreements, residual_rms_mps2, round, run_figures, simulate};
-use super::soundness::{coverage, objections};
-use super::start::slow_rate_hz;
-use super::tables::{accel_map, used_samples, verdicts};
+use super::part::Part;
+use super::runs::{Compared, residual_rms_mps2, round};
+use super::soundness::coverage;
 use super::traces::traces;
-use super::uncertainty::Uncertainty;
 use super::validation::Comparison;
 use super::{Error, Result, Settings, monotone};
 use crate::campaign::{Survey, Verdict, ledger};
 use crate::map::{
-    Actuator, DelayEstimate, FORMAT_VERSION, FitTraces, Gear, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
-    Witness,
+    AccelMap, Actuator, DelayEstimate, FORMAT_VERSION, FitTraces, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
+    Vehicle, Witness,
 };
 use crate::signal::median;
 
@@ -57,32 +55,13 @@ pub fn fit_traced(surveys: Vec<Survey>, settings: &Settings) -> Result<(Fit, Fit
 fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&Estimate, &[Compared], &Fit) -> T) -> Result<(Fit, T)> {
     surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
     same_vehicle(&surveys)?;
-    let mut estimate = estimate(&surveys, settings)?;
-    let mut notes: Vec<String> =
-        surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))).collect();
-    let moved = make_monotone(&mut estimate, &mut notes);
-    notes.extend(estimate_notes(&estimate));
-    let uncertainty = Uncertainty::new(&estimate);
-    let verdicts = verdicts(&estimate);
-    let samples = used_samples(&estimate);
-    let mut vehicle = surveys[0].track.vehicle;
-    let commanded = surveys.iter().flat_map(|s| &s.track.command_nm.value).fold(0.0f64, |m, v| m.max(v.abs()));
-    vehicle.torque_limit_nm = vehicle.torque_limit_nm.or(Some(commanded));
-
-    let mut maps = Vec::new();
-    let mut csvs = Vec::new();
-    for gear in estimate.gears.clone() {
-        let (map, csv) = accel_map(&estimate, &uncertainty, gear, settings, &samples, vehicle.test_angle_deg)?;
-        csvs.push((map.csv.file.clone(), csv));
-        maps.push(map);
-    }
-    let objections = objections(&estimate, &maps, &samples, settings);
-    let sound = objections.is_empty();
-    notes.extend(objections);
+    let vehicle = vehicle(&surveys);
+    let part = Part::new(&surveys, settings, vehicle.test_angle_deg)?;
+    let notes = part.notes();
+    let Part { estimate, verdicts, figures, .. } = part;
+    let (maps, csvs): (Vec<AccelMap>, Vec<String>) = part.maps.into_iter().unzip();
+    let csvs = maps.iter().map(|m| m.csv.file.clone()).zip(csvs).collect();
     let table = ledger(verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied())));
-    let compared = simulate(&estimate);
-    let figures = run_figures(&estimate, &compared, &verdicts);
-    notes.extend(disagreements(&figures.rows));
     let report = Stage1Report {
         ledger: table,
         runs: figures.rows,
@@ -90,7 +69,13 @@ fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&
         coverage: round(coverage(&maps).0, 1e4),
         iterations: estimate.iterations as u32,
         notes,
-        diagnostics: diagnostics(&estimate, moved, figures.pooled),
+        diagnostics: diagnostics(&estimate, part.monotone, figures.pooled),
+    };
+    let delays = Delays {
+        dead_time_s: estimate.calibration.dead_time_s.clone(),
+        dead_time_std_err_s: estimate.calibration_errors.dead_time_s.clone(),
+        lag_s: estimate.calibration.lag_s,
+        lag_std_err_s: estimate.calibration_errors.lag_s,
     };
     let file = Table1File {
         format: TABLE1_FORMAT.to_owned(),
@@ -100,24 +85,38 @@ fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&
         vehicle,
         logs: surveys.iter().map(|s| s.track.source.clone()).collect(),
         settings: serde_json::to_value(settings).map_err(crate::map::Error::from)?,
-        actuator: actuator(&estimate, &surveys, settings),
+        actuator: actuator(&delays, &surveys.iter().collect::<Vec<_>>(), settings),
         witnesses: witnesses(&estimate),
-        noise: PlantNoise {
-            disturbance_mps2: round(estimate.noise.disturbance_mps2, 1e6),
-            disturbance_time_s: round(estimate.noise.disturbance_time_s, 1e6),
-            run_offset_mps2: round(estimate.noise.offset_mps2, 1e6),
-            speed_noise_mps: round(estimate.noise.reading_mps[0], 1e6),
-        },
+        noise: plant_noise(&estimate),
         maps,
+        families: Vec::new(),
         report,
     };
-    let fit = Fit { file, csvs, verdicts, sound };
-    let seen = look(&estimate, &compared, &fit);
+    let fit = Fit { file, csvs, verdicts, sound: part.objections.is_empty() };
+    let seen = look(&estimate, &part.compared, &fit);
     Ok((fit, seen))
 }
 
+/// The vehicle, with the largest commanded torque where no limit is given.
+pub(super) fn vehicle(surveys: &[Survey]) -> Vehicle {
+    let mut vehicle = surveys[0].track.vehicle;
+    let commanded = surveys.iter().flat_map(|s| &s.track.command_nm.value).fold(0.0f64, |m, v| m.max(v.abs()));
+    vehicle.torque_limit_nm = vehicle.torque_limit_nm.or(Some(commanded));
+    vehicle
+}
+
+/// What is random about the plant.
+pub(super) fn plant_noise(estimate: &Estimate) -> PlantNoise {
+    PlantNoise {
+        disturbance_mps2: round(estimate.noise.disturbance_mps2, 1e6),
+        disturbance_time_s: round(estimate.noise.disturbance_time_s, 1e6),
+        run_offset_mps2: round(estimate.noise.offset_mps2, 1e6),
+        speed_noise_mps: round(estimate.noise.reading_mps[0], 1e6),
+    }
+}
+
 /// Logs of one vehicle agree on its geometry.
-fn same_vehicle(surveys: &[Survey]) -> Result<()> {
+pub(super) fn same_vehicle(surveys: &[Survey]) -> Result<()> {
     let first = surveys.first().ok_or(Error::NoLogs)?;
     for other in &surveys[1..] {
         let (a, b) = (&first.track.vehicle, &other.track.vehicle);
@@ -140,54 +139,17 @@ fn same_vehicle(surveys: &[Survey]) -> Result<()> {
     Ok(())
 }
 
-fn make_monotone(estimate: &mut Estimate, notes: &mut Vec<String>) -> monotone::Outcome {
-    let lattice = estimate.surfaces[0].lattice.clone();
-    let mut beta = estimate.solution.beta.clone();
-    let outcome = monotone::enforce(&estimate.design, &lattice, &estimate.system, &estimate.solution, &estimate.gears, &mut beta);
-    match outcome {
-        monotone::Outcome::AlreadyMonotone => {}
-        monotone::Outcome::Moved(_) => {
-            estimate.solution.beta = beta;
-            let q = estimate.design.coefficients();
-            for gear in Gear::ALL {
-                estimate.surfaces[usize::from(gear == Gear::Reverse)].theta =
-                    estimate.design.lattice_values(gear, &estimate.solution.beta[..q]);
-            }
-        }
-        monotone::Outcome::Forced => {
-            for surface in &mut estimate.surfaces {
-                monotone::force(&lattice, &mut surface.theta);
-            }
-            notes.push("the surface was made to rise with torque by running maxima: the data contradict it in places".to_owned());
-        }
-    }
-    outcome
+/// Delays as estimated, one dead time per log.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Delays {
+    pub(super) dead_time_s: Vec<f64>,
+    pub(super) dead_time_std_err_s: Vec<f64>,
+    pub(super) lag_s: f64,
+    pub(super) lag_std_err_s: f64,
 }
 
-fn estimate_notes(estimate: &Estimate) -> Vec<String> {
-    let mut notes = Vec::new();
-    if !estimate.converged {
-        notes.push(format!("the fit stopped after {} iterations before the surface stood still", estimate.iterations));
-    }
-    for bound in &estimate.noise_bounds {
-        notes.push(format!("noise model: {bound} is at its bound"));
-    }
-    for log in &estimate.logs {
-        if let Some(rate_hz) = slow_rate_hz(log.survey) {
-            notes.push(format!(
-                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate tells the speeds; cells count its samples and stay thin",
-                log.survey.track.source.file
-            ));
-        }
-    }
-    if let Some(low) = estimate.logs.iter().find(|l| !l.may_anchor) {
-        notes.push(format!("{}: speed is too coarse to tell when a start from rest begins", low.survey.track.source.file));
-    }
-    notes
-}
-
-/// Dead times, lag and clock offsets, each with its status.
-fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Actuator {
+/// Dead times, lag and clock offsets, each with its status; one survey per log.
+pub(super) fn actuator(delays_found: &Delays, surveys: &[&Survey], settings: &Settings) -> Actuator {
     let feedback: Vec<Option<FeedbackDelays>> =
         surveys.iter().map(|s| s.track.feedback_nm.as_ref().and_then(|f| delays(&s.track.command_nm, f, settings.lag_s))).collect();
     let status = |given: bool, std_err_s: f64| {
@@ -209,7 +171,7 @@ fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Act
         .iter()
         .enumerate()
         .map(|(k, survey)| {
-            let (total, std_err) = (estimate.calibration.dead_time_s[k], estimate.calibration_errors.dead_time_s[k]);
+            let (total, std_err) = (delays_found.dead_time_s[k], delays_found.dead_time_std_err_s[k]);
             let (offset, dead_time) = match &feedback[k] {
                 Some(f) => {
                     let offset = total - f.dead_time_s;
@@ -240,11 +202,11 @@ fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Act
     } else {
         0.0
     };
-    let of_errors = estimate.calibration_errors.dead_time_s.iter().map(|e| e * e).sum::<f64>().sqrt() / count;
+    let of_errors = delays_found.dead_time_std_err_s.iter().map(|e| e * e).sum::<f64>().sqrt() / count;
     let explained = feedback.iter().flatten().all(|f| f.after_step_ratio < LAG_EXPLAINS);
     Actuator {
         dead_time: told(mean, spread.max(of_errors), given),
-        lag: told(estimate.calibration.lag_s, estimate.calibration_errors.lag_s, settings.lag_s.is_some()),
+        lag: told(delays_found.lag_s, delays_found.lag_std_err_s, settings.lag_s.is_some()),
         input: if feedback.iter().any(Option::is_some) && !explained {
             "torque command (the feedback does not follow a first-order lag)".to_owned()
         } else {
@@ -254,7 +216,7 @@ fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Act
     }
 }
 
-fn witnesses(estimate: &Estimate) -> Vec<Witness> {
+pub(super) fn witnesses(estimate: &Estimate) -> Vec<Witness> {
     let encoder = Witness {
         name: "encoder".to_owned(),
         scale: round(estimate.calibration.encoder_scale, 1e6),
@@ -275,7 +237,7 @@ fn witnesses(estimate: &Estimate) -> Vec<Witness> {
     all
 }
 
-fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled: Option<(f64, f64)>) -> serde_json::Value {
+pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled: Option<(f64, f64)>) -> serde_json::Value {
     let innovations: Vec<f64> = estimate.white.iter().flatten().map(|e| e.abs()).collect();
     let blocks: Vec<serde_json::Value> = estimate
         .design

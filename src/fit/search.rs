@@ -18,7 +18,7 @@ use super::regressors::{Free, nuisance};
 use super::robust::Judge;
 use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
-use super::start::Start;
+use super::start::{Start, hold_known};
 use super::validation::{self, Validation};
 use super::{Error, Result, Settings};
 use crate::campaign::Survey;
@@ -319,6 +319,7 @@ impl<'a> Search<'a> {
                 *dead_time = (*dead_time + step(nuisance::DEAD_TIME + k)).clamp(-0.1, 0.5);
             }
         }
+        hold_known(&mut self.calibration, &self.logs, &self.settings);
         let covariance = |a: usize, b: usize| solution.covariance[(q + a, q + b)];
         let std_err = |k: usize| covariance(k, k).max(0.0).sqrt();
         self.errors.lag_s = std_err(nuisance::LAG);

@@ -1,5 +1,6 @@
 //! Settings of the estimator.
 
+use super::KnownCalibration;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
@@ -25,6 +26,9 @@ pub struct Settings {
     /// Share of the table's cells between the measured extremes that must be measured or interpolated; below it the fit is rejected.
     /// Default 0.3.
     pub least_coverage: f64,
+    /// Delays and encoder calibration known from runs at other wheel angles of the same logs; default none. Not a setting that a file tells.
+    #[serde(skip)]
+    pub known: Option<KnownCalibration>,
 }
 
 impl Default for Settings {
@@ -39,6 +43,7 @@ impl Default for Settings {
             speed_breaks_mps: None,
             torque_breaks_nm: None,
             least_coverage: 0.3,
+            known: None,
         }
     }
 }

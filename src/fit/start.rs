@@ -43,6 +43,7 @@ impl<'a> Start<'a> {
         let logs: Vec<LogData> = surveys.iter().map(log_data).collect();
         let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
         let mut calibration = first_calibration(surveys);
+        hold_known(&mut calibration, &logs, settings);
         let noise = first_noise(surveys);
         let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
         let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
@@ -62,9 +63,17 @@ impl<'a> Start<'a> {
             })
             .collect();
         (calibration.dead_time_s, calibration.lag_s) = coarse::search(&views, &noise, settings.dead_time_s, settings.lag_s);
+        hold_known(&mut calibration, &logs, settings);
         let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
         let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
         Ok(Self { logs, gears, has_yaw, calibration, noise, lattice })
+    }
+}
+
+/// What runs at other wheel angles have told stays as it is.
+pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &Settings) {
+    if let Some(known) = &settings.known {
+        known.hold(calibration, logs);
     }
 }
 

@@ -4,7 +4,7 @@ use super::estimate::Estimate;
 use super::uncertainty::Uncertainty;
 use super::{Result, Settings};
 use crate::campaign::Verdict;
-use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, sha256_hex};
+use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
 
 /// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
 const MEASURED_SAMPLES: u64 = 3;
@@ -84,14 +84,14 @@ fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec
     (0..=20).map(|k| ((low + f64::from(k) * width) * 1e4).round() / 1e4).collect()
 }
 
-/// Table 1 of one gear.
+/// Table 1 of one gear, and the text of its CSV. `angles_deg` are the wheel angle of the runs and the vehicle's test angle.
 pub(crate) fn accel_map(
     estimate: &Estimate,
     uncertainty: &Uncertainty,
     gear: Gear,
     settings: &Settings,
     samples: &[UsedSample],
-    test_angle_deg: f64,
+    (wheel_angle_deg, test_angle_deg): (f64, f64),
 ) -> Result<(AccelMap, String)> {
     let own: Vec<UsedSample> = samples.iter().copied().filter(|s| s.gear == gear).collect();
     let speed = settings.speed_breaks_mps.clone().unwrap_or_else(|| speed_breaks(&own));
@@ -120,21 +120,8 @@ pub(crate) fn accel_map(
     let points: Vec<(f64, f64)> = torque.iter().flat_map(|u| speed.iter().map(|v| (*v, *u))).collect();
     let errors = uncertainty.std_errs_mps2(estimate, gear, &points);
     let std_err: Vec<Vec<f64>> = errors.chunks(speed.len()).map(|row| row.iter().map(|e| round6(*e)).collect()).collect();
-    let confidence = std_err
-        .iter()
-        .zip(&status)
-        .map(|(errors, row)| {
-            errors
-                .iter()
-                .zip(row)
-                .map(|(e, s)| {
-                    let by_error = 1.0 / (1.0 + (e / HALF_CONFIDENCE_MPS2).powi(2));
-                    let most = if *s == CellStatus::Extrapolated { 0.5 } else { 1.0 };
-                    (by_error.min(most) * 1e3).round() / 1e3
-                })
-                .collect()
-        })
-        .collect();
+    let confidence =
+        std_err.iter().zip(&status).map(|(errors, row)| errors.iter().zip(row).map(|(e, s)| confidence(*e, *s)).collect()).collect();
     let lattice = &surface.lattice;
     let fastest = lattice.fastest_mps().max(speed[speed.len() - 1]);
     let mut fine: Vec<f64> = lattice.speed_mps.iter().copied().filter(|v| *v < 2.0 * FINE_STEP_MPS).collect();
@@ -152,8 +139,8 @@ pub(crate) fn accel_map(
         .collect();
     let map = AccelMap {
         gear,
-        wheel_angle_deg: test_angle_deg,
-        csv: CsvRef { file: format!("table1{}.csv", gear.file_infix()), sha256: sha256_hex(csv.as_bytes()) },
+        wheel_angle_deg,
+        csv: CsvRef { file: csv_name("table1", gear, wheel_angle_deg, test_angle_deg), sha256: sha256_hex(csv.as_bytes()) },
         accel_mps2: accel,
         std_err_mps2: std_err,
         count,
@@ -166,6 +153,13 @@ pub(crate) fn accel_map(
         torque_nm: torque,
     };
     Ok((map, csv))
+}
+
+/// Confidence in a cell, 0 to 1.
+pub(crate) fn confidence(std_err_mps2: f64, status: CellStatus) -> f64 {
+    let by_error = 1.0 / (1.0 + (std_err_mps2 / HALF_CONFIDENCE_MPS2).powi(2));
+    let most = if status == CellStatus::Extrapolated { 0.5 } else { 1.0 };
+    (by_error.min(most) * 1e3).round() / 1e3
 }
 
 /// Measured where samples are; interpolated where measured cells lie on both sides in the row or the column; extrapolated elsewhere.

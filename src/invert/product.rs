@@ -5,7 +5,7 @@ use super::round_trip::round_trip;
 use super::{Error, Result, Settings, ZeroRow, breaks, optimal};
 use crate::map::{
     AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units,
-    sha256_hex,
+    csv_name, sha256_hex,
 };
 
 /// Table 2 with its files.
@@ -34,7 +34,7 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &Settings) -> Result<
     let mut csvs = Vec::new();
     for map in &file.maps {
         let other = file.maps.iter().find(|m| m.gear != map.gear && (m.wheel_angle_deg - map.wheel_angle_deg).abs() < 0.5);
-        let (inverted, csv) = invert_map(map, other, limit_nm, settings)?;
+        let (inverted, csv) = invert_map(map, other, (limit_nm, file.vehicle.test_angle_deg), settings)?;
         csvs.push((inverted.csv.file.clone(), csv));
         maps.push(inverted);
     }
@@ -50,11 +50,17 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &Settings) -> Result<
         dead_time_s: file.actuator.dead_time.value_s,
         lag_s: file.actuator.lag.value_s,
         maps,
+        families: file.families.clone(),
     };
     Ok(Inversion { file, csvs })
 }
 
-fn invert_map(map: &AccelMap, other: Option<&AccelMap>, limit_nm: f64, settings: &Settings) -> Result<(TorqueMap, String)> {
+fn invert_map(
+    map: &AccelMap,
+    other: Option<&AccelMap>,
+    (limit_nm, test_angle_deg): (f64, f64),
+    settings: &Settings,
+) -> Result<(TorqueMap, String)> {
     let inverse = Inverse::new(map.surface.table()?, map.gear)?;
     let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| u.clamp(-limit_nm, limit_nm));
     let (speeds, accels) = axes(&inverse, map, tested, settings);
@@ -124,7 +130,7 @@ fn invert_map(map: &AccelMap, other: Option<&AccelMap>, limit_nm: f64, settings:
     let inverted = TorqueMap {
         gear: map.gear,
         wheel_angle_deg: map.wheel_angle_deg,
-        csv: CsvRef { file: format!("table2{}.csv", map.gear.file_infix()), sha256: sha256_hex(csv.as_bytes()) },
+        csv: CsvRef { file: csv_name("table2", map.gear, map.wheel_angle_deg, test_angle_deg), sha256: sha256_hex(csv.as_bytes()) },
         speed_mps: speeds,
         torque_nm: table.values().chunks(accels.len()).map(<[f64]>::to_vec).collect(),
         accel_mps2: accels,

@@ -38,6 +38,8 @@ pub enum Error {
         "format version {found} is not known to this program, which reads version {known}; use the pivot-cal that wrote the file, or make it anew"
     )]
     UnknownVersion { found: u64, known: u32 },
+    #[error("families.inertia is {m0} and {m1}; it must be positive straight ahead and at 90°")]
+    BadInertia { m0: f64, m1: f64 },
     #[error("the compensation curve: {field} in place {} is {value}; allowed: {allowed}", index + 1)]
     Curve { field: &'static str, index: usize, value: f64, allowed: &'static str },
     #[error("the JSON cannot be read: {0}")]

@@ -1,6 +1,6 @@
 //! `table1.json`: Table 1 with everything that its CSV does not tell.
 
-use super::{AccelTable, Axis, CellStatus, Error, FORMAT_VERSION, Gear, Result, Vehicle};
+use super::{AccelTable, AngleFamily, Axis, CellStatus, Error, FORMAT_VERSION, Gear, Result, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `table1.json` says.
@@ -31,6 +31,9 @@ pub struct Table1File {
     pub noise: PlantNoise,
     /// The tables.
     pub maps: Vec<AccelMap>,
+    /// What the maps of a gear at several wheel angles have in common; none with one angle.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub families: Vec<AngleFamily>,
     /// What happened to the samples and the runs.
     pub report: Stage1Report,
 }
@@ -223,11 +226,14 @@ pub struct LedgerRow {
     pub seconds: f64,
 }
 
-/// One run: a stretch of held torque at the test angle.
+/// One run: a stretch of held torque at the wheel angle of a map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRow {
     /// File name of the log.
     pub log: String,
+    /// Wheel angle of the run [°], where the file holds maps of several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_angle_deg: Option<f64>,
     /// Start after the log's first sample [s].
     pub start_s: f64,
     /// Length [s].
@@ -266,6 +272,7 @@ impl Table1File {
             map.table()?;
             map.surface.table()?;
         }
+        file.families.iter().try_for_each(AngleFamily::check)?;
         Ok(file)
     }
 

@@ -2,7 +2,7 @@
 
 use super::table1_file::expect_format;
 use super::torque_table::ACCEL_AXIS;
-use super::{Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle, accel_table::SPEED_AXIS};
+use super::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle, accel_table::SPEED_AXIS};
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `table2.json` says.
@@ -33,6 +33,9 @@ pub struct Table2File {
     pub lag_s: f64,
     /// The tables.
     pub maps: Vec<TorqueMap>,
+    /// What the maps of a gear at several wheel angles have in common; none with one angle.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub families: Vec<AngleFamily>,
 }
 
 /// Table 2 of one gear and wheel angle. Rows are speeds, columns desired accelerations.
@@ -113,6 +116,7 @@ impl Table2File {
         for map in &file.maps {
             map.table()?;
         }
+        file.families.iter().try_for_each(AngleFamily::check)?;
         Ok(file)
     }
 

@@ -77,7 +77,17 @@ pub struct Steps {
     stop: f64,
 }
 
-/// Runs that differ in torque only.
+/// Wheel angles: one, or several.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number or a list of numbers")]
+pub enum WheelAngles {
+    /// One angle [°].
+    One(f64),
+    /// The angles [°], in the order of driving.
+    List(Vec<f64>),
+}
+
+/// Runs that differ in torque, and in wheel angle where several are given.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunGroup {
@@ -113,9 +123,10 @@ pub struct RunGroup {
     /// Pause at rest after the run [s]. Default 0.8.
     #[serde(default = "default_pause_s")]
     pub pause_s: f64,
-    /// Wheel angle [°]. Default: the vehicle's test angle.
+    /// Wheel angle [°], or a list of angles, at each of which the group is driven, one angle after the other. Default: the vehicle's test
+    /// angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wheel_angle_deg: Option<f64>,
+    pub wheel_angle_deg: Option<WheelAngles>,
     /// Standard deviation [N·m] of a torque dithered by hand about the level. Default 0.
     #[serde(default)]
     pub dither_nm: f64,
@@ -149,11 +160,13 @@ fn default_pause_s() -> f64 {
     0.8
 }
 
-/// One run: a group's settings at one torque.
+/// One run: a group's settings at one torque and wheel angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunPlan {
     /// The group, from 0.
     pub group: usize,
+    /// Wheel angle [°]; absent for the vehicle's test angle.
+    pub wheel_angle_deg: Option<f64>,
     /// Torque level [N·m], gear frame.
     pub torque_nm: f64,
     /// Everything else.
@@ -195,16 +208,18 @@ impl Campaign {
         for (group, settings) in self.runs.iter().enumerate() {
             settings.check(group + 1)?;
             let levels = settings.torque_nm.levels(group + 1)?;
-            let mut runs: Vec<RunPlan> = (0..settings.repeats)
-                .flat_map(|_| levels.iter().map(|&torque_nm| RunPlan { group, torque_nm, settings: settings.clone() }))
-                .collect();
-            if settings.shuffle {
-                // Fisher-Yates
-                for k in (1..runs.len()).rev() {
-                    runs.swap(k, (random.uniform() * (k + 1) as f64) as usize);
+            for wheel_angle_deg in settings.angles_deg() {
+                let mut runs: Vec<RunPlan> = (0..settings.repeats)
+                    .flat_map(|_| levels.iter().map(|&torque_nm| RunPlan { group, wheel_angle_deg, torque_nm, settings: settings.clone() }))
+                    .collect();
+                if settings.shuffle {
+                    // Fisher-Yates
+                    for k in (1..runs.len()).rev() {
+                        runs.swap(k, (random.uniform() * (k + 1) as f64) as usize);
+                    }
                 }
+                plan.extend(runs);
             }
-            plan.extend(runs);
         }
         if plan.is_empty() { Err(Error::NoRuns) } else { Ok(plan) }
     }
@@ -231,6 +246,15 @@ impl Torques {
 }
 
 impl RunGroup {
+    /// The angles of the group, one of them none where the test angle is meant.
+    fn angles_deg(&self) -> Vec<Option<f64>> {
+        match &self.wheel_angle_deg {
+            None => vec![None],
+            Some(WheelAngles::One(angle)) => vec![Some(*angle)],
+            Some(WheelAngles::List(angles)) => angles.iter().copied().map(Some).collect(),
+        }
+    }
+
     fn check(&self, group: usize) -> Result<()> {
         let within = |field, value: f64, range: std::ops::RangeInclusive<f64>, allowed| {
             if range.contains(&value) { Ok(()) } else { Err(Error::OutOfRange { group, field, value, allowed }) }
@@ -243,7 +267,13 @@ impl RunGroup {
         within("end_speed_mps", self.end_speed_mps, 0.0..=20.0, "0 to 20")?;
         within("stall_s", self.stall_s, 0.1..=600.0, "0.1 to 600")?;
         within("pause_s", self.pause_s, 0.0..=600.0, "0 to 600")?;
-        within("wheel_angle_deg", self.wheel_angle_deg.unwrap_or(0.0), -180.0..=180.0, "-180 to 180")?;
+        let angles = self.angles_deg();
+        if angles.is_empty() {
+            return Err(Error::NoAngles { group });
+        }
+        for angle in angles {
+            within("wheel_angle_deg", angle.unwrap_or(0.0), -180.0..=180.0, "-180 to 180")?;
+        }
         within("dither_nm", self.dither_nm, 0.0..=1e5, "0 to 1e5")?;
         if let Some(event) = &self.event {
             within("event.at_s", event.at_s, 0.0..=600.0, "0 to 600")?;
@@ -271,6 +301,17 @@ mod tests {
     }
 
     #[test]
+    fn a_group_with_several_angles_is_driven_at_one_after_the_other() {
+        let text = "[[runs]]\ntorque_nm = [4, 8]\nrepeats = 2\nwheel_angle_deg = [0, -30.5]\n[[runs]]\ntorque_nm = 20\n[[runs]]\n\
+                    torque_nm = 12\nwheel_angle_deg = 60\n";
+        let plan = Campaign::from_toml(text).unwrap().plan(1).unwrap();
+        let driven: Vec<_> = plan.iter().map(|run| (run.wheel_angle_deg, run.torque_nm)).collect();
+        let (ahead, right) = (Some(0.0), Some(-30.5));
+        assert_eq!(driven[..4], [(ahead, 4.0), (ahead, 8.0), (ahead, 4.0), (ahead, 8.0)]);
+        assert_eq!(driven[4..], [(right, 4.0), (right, 8.0), (right, 4.0), (right, 8.0), (None, 20.0), (Some(60.0), 12.0)]);
+    }
+
+    #[test]
     fn a_shuffled_group_keeps_its_runs_and_repeats_its_order() {
         let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = { start = 4, step = 4, stop = 40 }\nshuffle = true\n").unwrap();
         let order = |seed| campaign.plan(seed).unwrap().iter().map(|run| run.torque_nm as i32).collect::<Vec<_>>();
@@ -289,6 +330,11 @@ mod tests {
         assert!(told("[[runs]]\ntorque_nm = 4\nholds = 2\n").ends_with("did you mean `hold_s`?"));
         assert!(told("start_time = \"noon\"\n[[runs]]\ntorque_nm = 4\n").contains("noon"));
         assert!(told("[[runs]]\ntorque_nm = { start = 8, step = 4, stop = 4 }\n").contains("gives no level"));
+        assert_eq!(told("[[runs]]\ntorque_nm = 4\nwheel_angle_deg = []\n"), "runs entry 1: wheel_angle_deg holds no angle");
+        assert_eq!(
+            told("[[runs]]\ntorque_nm = 4\nwheel_angle_deg = [0, 300]\n"),
+            "runs entry 1: wheel_angle_deg is 300; allowed: -180 to 180"
+        );
         assert!(told("[[runs]]\ntorque_nm = \"much\"\n").contains("expected a number, a list of numbers, or { start, step, stop }"));
         assert!(told("[[runs]]\ntorque_nm = 4\nevent = { kind = \"wet_path\" }\n").ends_with("did you mean `wet_patch`?"));
     }

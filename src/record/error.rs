@@ -20,6 +20,10 @@ pub enum Error {
         "runs entry {group}: torque_nm from {start_nm} to {stop_nm} every {step_nm} gives no level; step must be above 0 and stop not below start"
     )]
     NoTorques { group: usize, start_nm: f64, step_nm: f64, stop_nm: f64 },
+    #[error("runs entry {group}: wheel_angle_deg holds no angle")]
+    NoAngles { group: usize },
+    #[error("runs entry {group}: wheel_angle_deg is {wheel_angle_deg}; the vehicle steers to {limit_deg}° either way")]
+    BeyondSteering { group: usize, wheel_angle_deg: f64, limit_deg: f64 },
     #[error("the campaign is longer than {limit_s} s; split it into several campaigns")]
     TooLong { limit_s: f64 },
     #[error("topic {topic} was opened as {opened} and is written as {written}")]

@@ -37,11 +37,17 @@ pub struct Report {
 /// Drives `campaign` on `vehicle` and writes down what its sensors say. `seed` replaces the campaign's.
 ///
 /// # Errors
-/// A setting out of its range, or a campaign without end.
+/// A setting out of its range, a wheel angle that the vehicle does not steer to, or a campaign without end.
 pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> Result<Recording> {
     let seed = seed.unwrap_or(campaign.seed);
+    let plan = campaign.plan(seed)?;
+    let limit_deg = vehicle.steering.limit_deg;
+    let beyond = plan.iter().find_map(|run| Some((run.group + 1, run.wheel_angle_deg.filter(|angle| angle.abs() > limit_deg)?)));
+    if let Some((group, wheel_angle_deg)) = beyond {
+        return Err(Error::BeyondSteering { group, wheel_angle_deg, limit_deg });
+    }
     let mut world = World::new(&vehicle.settings(), seed)?;
-    let mut runner = Runner::new(campaign.plan(seed)?, &vehicle.vehicle, seed);
+    let mut runner = Runner::new(plan, &vehicle.vehicle, seed);
     let mut topics = Topics::new(&campaign.topics, &vehicle.vehicle, campaign.start_ns()?, seed)?;
     let steps_per_cycle = (CYCLE_S / vehicle.step_s).round().max(1.0) as u64;
     while let Some(command) = runner.decide(&mut world) {
@@ -115,6 +121,13 @@ mod tests {
         let bytes = |seed| record(&vehicle, &campaign, seed).unwrap().bytes;
         assert_eq!(bytes(None), bytes(Some(1)));
         assert_ne!(bytes(None), bytes(Some(2)));
+    }
+
+    #[test]
+    fn an_angle_that_the_vehicle_does_not_steer_to_is_refused_with_its_limit() {
+        let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = 8\n[[runs]]\ntorque_nm = 8\nwheel_angle_deg = [30, -120]\n").unwrap();
+        let error = record(&VehicleFile::from_toml(VEHICLE).unwrap(), &campaign, None).unwrap_err().to_string();
+        assert_eq!(error, "runs entry 2: wheel_angle_deg is -120; the vehicle steers to 100° either way");
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl Runner {
         let run = self.plan.get(self.index)?.clone();
         let sign = run.settings.gear.sign();
         let speed_mps = sign * seen.speed_mps.unwrap_or(0.0);
-        let angle_rad = run.settings.wheel_angle_deg.unwrap_or(self.test_angle_deg) * RAD_PER_DEG;
+        let angle_rad = run.wheel_angle_deg.unwrap_or(self.test_angle_deg) * RAD_PER_DEG;
         let mut command = Command { torque_nm: 0.0, wheel_angle_rad: angle_rad, gear: Some(run.settings.gear) };
         if speed_mps.abs() > AT_REST_MPS {
             self.moved_at_s = now_s;

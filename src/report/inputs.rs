@@ -1,7 +1,7 @@
 //! What a folder of maps holds, and whether its files belong together.
 
 use super::{Error, Result};
-use crate::map::{FitTraces, Table1File, Table2File, sha256_hex};
+use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
 use crate::verify::{ClosedLoop, Verdict};
 use std::path::Path;
 
@@ -24,6 +24,8 @@ pub struct Inputs {
     pub notes: Vec<String>,
     /// Whether the verdict is about these tables.
     pub verdict_is_current: bool,
+    /// Wheel angles [°] of which the files hold maps, too, and which are not shown: the page is about the test angle.
+    pub other_angles_deg: Vec<f64>,
 }
 
 /// Whether a map may be deployed, as far as the files tell.
@@ -123,7 +125,20 @@ impl Inputs {
             }
             same
         });
-        Ok(Self { table1, table2, verdict, fit_traces, closed_loop, files, notes, verdict_is_current })
+        let (mut table1, mut table2) = (table1, table2);
+        let test_angle_deg = table1.vehicle.test_angle_deg;
+        let shown = |angle_deg: f64| (angle_deg - test_angle_deg).abs() < SAME_ANGLE_DEG;
+        let mut other_angles_deg = Vec::new();
+        if table1.maps.iter().any(|m| shown(m.wheel_angle_deg)) {
+            other_angles_deg = table1.maps.iter().map(|m| m.wheel_angle_deg).filter(|a| !shown(*a)).collect();
+            other_angles_deg.sort_unstable_by(f64::total_cmp);
+            other_angles_deg.dedup();
+            table1.maps.retain(|m| shown(m.wheel_angle_deg));
+            if let Some(table2) = &mut table2 {
+                table2.maps.retain(|m| shown(m.wheel_angle_deg));
+            }
+        }
+        Ok(Self { table1, table2, verdict, fit_traces, closed_loop, files, notes, verdict_is_current, other_angles_deg })
     }
 
     /// Whether the map may be deployed.

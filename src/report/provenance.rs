@@ -23,10 +23,12 @@ pub(super) fn provenance(inputs: &Inputs) -> super::Result<Section> {
             .flatten()
             .map(|v| escaped(v))
             .collect();
+    let others: Vec<String> = inputs.other_angles_deg.iter().map(|a| format!("{}°", num(*a, 1))).collect();
+    let others = if others.is_empty() { String::new() } else { format!("; the files hold maps of {}, too", others.join(", ")) };
     let mut rows = vec![
         vec!["wheelbase".to_owned(), format!("{} m", num(vehicle.wheelbase_m, 3))],
         vec!["wheel radius".to_owned(), format!("{} m", num(vehicle.wheel_radius_m, 4))],
-        vec!["wheel angle".to_owned(), format!("{}°, left positive", num(vehicle.test_angle_deg, 1))],
+        vec!["wheel angle".to_owned(), format!("{}°, left positive{others}", num(vehicle.test_angle_deg, 1))],
         vec!["torque limit".to_owned(), limit],
     ];
     for witness in &file.witnesses {

@@ -92,7 +92,8 @@ pub(super) fn round_trip(inputs: &Inputs) -> super::Result<Section> {
             .map(|t| {
                 let worst = t.worst.map_or("–".to_owned(), |w| format!("{} of {}", num(w.error_mps2.abs(), 3), num(w.limit_mps2, 3)));
                 let judged = if t.pass { "pass" } else { "FAIL" };
-                vec![t.gear.to_string(), t.places.to_string(), t.failed.to_string(), worst, judged.to_owned()]
+                let at = t.wheel_angle_deg.map_or(String::new(), |angle| format!(" at {}°", num(angle, 1)));
+                vec![format!("{}{at}", t.gear), t.places.to_string(), t.failed.to_string(), worst, judged.to_owned()]
             })
             .collect();
         section.heading("As the gate judges it, on the CSV itself");

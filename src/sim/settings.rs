@@ -189,6 +189,7 @@ mod tests {
             witnesses: Vec::new(),
             noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.2, run_offset_mps2: 0.0, speed_noise_mps: 0.004 },
             maps: vec![map],
+            families: Vec::new(),
             report: crate::map::Stage1Report::default(),
         }
     }

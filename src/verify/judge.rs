@@ -3,7 +3,7 @@
 use super::draws::{Spread, draws};
 use super::gate::Gate;
 use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law, tuning_runs};
-use super::manoeuvre::{self, Manoeuvre};
+use super::manoeuvre::{self, Manoeuvre, ManoeuvreTorque};
 use super::metric::{Metric, Statistic, Summary, Values};
 use super::plant::Plant;
 use super::region::Region;
@@ -130,7 +130,13 @@ pub fn verify_watched(maps: &Maps, settings: &Settings, done: &(dyn Fn(usize) + 
     let mut scenarios = judge_scenarios(&stage, settings, &varied)?;
     scenarios.extend(manoeuvre::judge(maps, settings)?);
     let comparison = if settings.comparison_draws > 0 { Some(compare(&stage, settings, &varied)?) } else { None };
-    let notes = notes(maps, &trips, &scenarios);
+    let mut notes = notes(maps, &trips, &scenarios);
+    if !maps.angles.is_empty() {
+        notes.push(format!("pivots: the map at the test angle of {}°", maps.table2.vehicle.test_angle_deg));
+    }
+    if !settings.manoeuvres.is_empty() {
+        notes.push(ManoeuvreTorque::what(maps));
+    }
     let good = !trips.is_empty() && trips.iter().all(|t| t.pass) && scenarios.iter().all(|s| s.status != Status::Fail);
     let kind = if matches!(stage.plant.motion, sim::MotionSettings::Physical(_)) { "physical" } else { "identified" };
     Ok(Verdict {
@@ -265,21 +271,21 @@ fn notes(maps: &Maps, trips: &[RoundTrip], scenarios: &[ScenarioVerdict]) -> Vec
         notes.push("no gear has both a Table 1 and a Table 2 at the test angle: no round trip".to_owned());
     }
     for trip in trips {
-        let gear = trip.gear;
+        let map = trip.name();
         if let Some(w) = trip.worst.filter(|_| trip.failed > 0) {
             notes.push(format!(
-                "{gear} gear: {} of {} places do not survive the round trip; worst at {} m/s, {:.3} m/s²: {:.2} N·m instead of {:.2} N·m",
+                "{map}: {} of {} places do not survive the round trip; worst at {} m/s, {:.3} m/s²: {:.2} N·m instead of {:.2} N·m",
                 trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
             ));
         }
         if !trip.failed_rows_mps.is_empty() {
-            notes.push(format!("{gear} gear: whole rows are off, at {:?} m/s", trip.failed_rows_mps));
+            notes.push(format!("{map}: whole rows are off, at {:?} m/s", trip.failed_rows_mps));
         }
         if !trip.starts_at_zero {
-            notes.push(format!("{gear} gear: the speed axis does not start at 0, where every pivot starts"));
+            notes.push(format!("{map}: the speed axis does not start at 0, where every pivot starts"));
         }
         if trip.places == 0 {
-            notes.push(format!("{gear} gear: Table 1 has no measured cell that Table 2 covers"));
+            notes.push(format!("{map}: Table 1 has no measured cell that Table 2 covers"));
         }
     }
     let named = |status: Status| scenarios.iter().filter(|s| s.status == status).map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");

@@ -37,6 +37,7 @@ pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
         witnesses: Vec::new(),
         noise: PlantNoise { disturbance_mps2: 0.03, disturbance_time_s: 0.3, run_offset_mps2: 0.02, speed_noise_mps: 0.006 },
         maps: Vec::new(),
+        families: Vec::new(),
         report: Stage1Report { coverage: 1.0, ..Stage1Report::default() },
     };
     for gear in Gear::ALL {
@@ -56,6 +57,7 @@ pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
         dead_time_s: world.drive.dead_time_s,
         lag_s: world.drive.lag_s,
         maps: Vec::new(),
+        families: Vec::new(),
     };
     for gear in Gear::ALL {
         if let Some(exact) = plant.table(gear) {

@@ -1,11 +1,19 @@
 //! The maps under test: `table2.csv` itself, the artefact that is deployed, with the JSON files that belong to it.
 
 use super::{Error, Result};
-use crate::map::{Gear, LateralTableFile, Matrix, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
+use crate::map::{Gear, LateralTableFile, Matrix, SAME_ANGLE_DEG, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
 use std::path::Path;
 
-/// Tolerance within which two wheel angles are the same one [°].
-const SAME_ANGLE_DEG: f64 = 1.0;
+/// Table 2 of a gear at a wheel angle, as its CSV says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AngleMap {
+    /// Gear.
+    pub gear: Gear,
+    /// Wheel angle [°], left positive.
+    pub wheel_angle_deg: f64,
+    /// The table.
+    pub table: TorqueTable,
+}
 
 /// What is verified, and against which plant.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +26,9 @@ pub struct Maps {
     pub forward: TorqueTable,
     /// Table 2 of reverse gear, as its CSV says; absent when reverse gear was not tested.
     pub reverse: Option<TorqueTable>,
-    /// SHA-256 of the CSV files that were read, forward first.
+    /// Table 2 of every wheel angle, the test angle's among them, where `table2.json` has several; else empty.
+    pub angles: Vec<AngleMap>,
+    /// SHA-256 of the CSV files that were read, those of the test angle first, forward before reverse.
     pub csv_sha256: Vec<String>,
     /// What does not fit together and was let pass.
     pub forced: Vec<String>,
@@ -67,6 +77,18 @@ impl Maps {
         let forward = read(Gear::Forward)?;
         let reverse = read(Gear::Reverse)?;
         let forward = forward.ok_or_else(|| Self::no_forward(&table2))?;
+        let mut angles = Vec::new();
+        for map in table2.maps.iter().filter(|_| has_several_angles(&table2)) {
+            let name = &map.csv.file;
+            let csv = text(name)?;
+            let found = check(name, csv.as_bytes(), &map.csv.sha256)?;
+            if !csv_sha256.contains(&found) {
+                csv_sha256.push(found);
+            }
+            let table = Matrix::from_csv(&csv).and_then(TorqueTable::from_matrix).map_err(|e| at(name, e))?;
+            angles.push(AngleMap { gear: map.gear, wheel_angle_deg: map.wheel_angle_deg, table });
+        }
+        forced.dedup();
         let path = folder.join("lateral_table.json");
         let lateral = if path.exists() {
             let json = text("lateral_table.json")?;
@@ -76,7 +98,7 @@ impl Maps {
         } else {
             None
         };
-        Ok(Self { table1, table2, forward, reverse, csv_sha256, forced, lateral })
+        Ok(Self { table1, table2, forward, reverse, angles, csv_sha256, forced, lateral })
     }
 
     /// Takes over files that are already in memory, the CSV being what `table2` holds.
@@ -89,7 +111,10 @@ impl Maps {
         let forward = map(Gear::Forward).ok_or_else(|| Self::no_forward(&table2))?.table()?;
         let reverse = map(Gear::Reverse).map(TorqueMap::table).transpose()?;
         let csv_sha256 = Gear::ALL.into_iter().filter_map(map).map(|m| m.csv.sha256.clone()).collect();
-        Ok(Self { table1, table2, forward, reverse, csv_sha256, forced: Vec::new(), lateral: None })
+        let several = table2.maps.iter().filter(|_| has_several_angles(&table2));
+        let one = |m: &TorqueMap| Ok(AngleMap { gear: m.gear, wheel_angle_deg: m.wheel_angle_deg, table: m.table()? });
+        let angles = several.map(one).collect::<Result<_>>()?;
+        Ok(Self { table1, table2, forward, reverse, angles, csv_sha256, forced: Vec::new(), lateral: None })
     }
 
     fn no_forward(table2: &Table2File) -> Error {
@@ -117,6 +142,11 @@ impl Maps {
             values.fold(0.0, |largest, v| v.abs().max(largest))
         })
     }
+}
+
+/// Whether a file holds maps of more than the one wheel angle.
+fn has_several_angles(table2: &Table2File) -> bool {
+    table2.maps.iter().any(|m| (m.wheel_angle_deg - table2.maps[0].wheel_angle_deg).abs() > SAME_ANGLE_DEG)
 }
 
 /// `lateral_table.csv` has to be the one that `lateral_table.json` describes.

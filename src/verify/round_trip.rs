@@ -7,7 +7,7 @@
 
 use super::Maps;
 use super::plant::torque_for;
-use crate::map::{AccelMap, AccelTable, CellStatus, Gear, TorqueTable, lookup};
+use crate::map::{AccelMap, AccelTable, CellStatus, Gear, SAME_ANGLE_DEG, TorqueTable, lookup};
 use serde::{Deserialize, Serialize};
 
 /// What the gate allows of |Δa|.
@@ -30,6 +30,9 @@ pub struct RoundTripLimit {
 pub struct RoundTrip {
     /// Gear.
     pub gear: Gear,
+    /// Wheel angle of the map [°], where it is not the test angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_angle_deg: Option<f64>,
     /// Places checked.
     pub places: usize,
     /// Measured cells of Table 1 whose acceleration lies beyond Table 2's axes, which therefore cannot be asked for.
@@ -65,7 +68,14 @@ pub struct Worst {
     pub limit_mps2: f64,
 }
 
-/// The round trip of every gear that Table 2 has.
+impl RoundTrip {
+    /// Which map: `forward gear`, or `forward gear at 30°`.
+    pub fn name(&self) -> String {
+        self.wheel_angle_deg.map_or_else(|| format!("{} gear", self.gear), |angle| format!("{} gear at {angle}°", self.gear))
+    }
+}
+
+/// The round trip of every gear that Table 2 has at the test angle, then of the maps at other wheel angles.
 ///
 /// # Errors
 /// A surface of Table 1 that is not sound.
@@ -77,6 +87,12 @@ pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> super::Result<Vec<Roun
         let holds = maps.table2.map(gear, angle_deg, 1.0).is_some_and(|m| m.zero_row != "moving");
         all.push(of_gear(gear, table2, map1, &map1.surface.table()?, holds, limit));
     }
+    for map in maps.angles.iter().filter(|m| (m.wheel_angle_deg - angle_deg).abs() > SAME_ANGLE_DEG) {
+        let Some(map1) = maps.table1.map(map.gear, map.wheel_angle_deg, SAME_ANGLE_DEG) else { continue };
+        let holds = maps.table2.map(map.gear, map.wheel_angle_deg, SAME_ANGLE_DEG).is_some_and(|m| m.zero_row != "moving");
+        let trip = of_gear(map.gear, &map.table, map1, &map1.surface.table()?, holds, limit);
+        all.push(RoundTrip { wheel_angle_deg: Some(map.wheel_angle_deg), ..trip });
+    }
     Ok(all)
 }
 
@@ -84,6 +100,7 @@ fn of_gear(gear: Gear, table2: &TorqueTable, map1: &AccelMap, surface: &AccelTab
     let starts_at_zero = table2.speed_mps().first() == 0.0;
     let mut out = RoundTrip {
         gear,
+        wheel_angle_deg: None,
         places: 0,
         beyond_axes: 0,
         failed: 0,

@@ -102,8 +102,10 @@ impl Map<'_> {
         if maps.is_empty() {
             findings.push(Finding::whole(Rule::Size, Severity::Error, "the file holds no map"));
         }
+        let several = maps.iter().any(|m| m["wheel_angle_deg"] != maps[0]["wheel_angle_deg"]);
         for map in maps {
-            let of = map["gear"].as_str().map_or(String::new(), |gear| format!("{gear} gear, "));
+            let at = if several { format!(" at {}°", map["wheel_angle_deg"]) } else { String::new() };
+            let of = map["gear"].as_str().map_or(String::new(), |gear| format!("{gear} gear{at}, "));
             let grid = grid_of_json(map, table, &of, &mut findings);
             self.csv_beside(map, &of, &mut findings);
             dead_band(table, map, &of, &mut findings);
@@ -116,7 +118,7 @@ impl Map<'_> {
                 }
             }
             let (rows, columns) = grid.shape();
-            sizes.push(format!("{} {rows} × {columns}", map["gear"].as_str().unwrap_or("gear unknown")));
+            sizes.push(format!("{}{at} {rows} × {columns}", map["gear"].as_str().unwrap_or("gear unknown")));
         }
         if table == Table::Two {
             self.table1_beside(&json, &mut findings);

@@ -41,7 +41,7 @@ pub struct Manoeuvre {
 }
 
 /// What a manoeuvre is run with.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Bench<'a> {
     /// The map, with the compensation table if the folder has one.
     pub(super) maps: &'a Maps,

@@ -1,9 +1,10 @@
-//! Torque for a manoeuvre: Table 2 where its wheel angle is, the exact inverse of the physical plant elsewhere.
+//! Torque for a manoeuvre: the maps under test over the wheel angle; with the map of one angle alone, that one where the wheel is at its
+//! angle, and the exact inverse of the physical plant elsewhere.
 
 use super::super::{Maps, Result};
 use crate::control::manoeuvre::torque_source::TorqueSource;
-use crate::control::{OutsidePolicy, Tables, TorqueMap};
-use crate::map::Gear;
+use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueMap};
+use crate::map::{Gear, SAME_ANGLE_DEG, Side};
 use crate::sim::{self, MotionSettings, Truth};
 use crate::units::RAD_PER_DEG;
 
@@ -54,11 +55,14 @@ impl TorqueSource for ExactTorque {
 /// Nearer than this to the map's wheel angle the map answers [rad]: the tolerance within which the wheel is held during a turn.
 const AT_MAP_RAD: f64 = 3.0 * RAD_PER_DEG;
 
-/// The map under test for turns on the spot, and the exact inverse at every other angle.
-#[derive(Debug, Clone, Copy)]
+/// The maps under test: over the measured wheel angles where there are several, else for turns on the spot; the exact inverse at every other
+/// angle.
+#[derive(Debug, Clone)]
 pub struct ManoeuvreTorque<'a> {
     tables: Option<Tables<'a>>,
     angle_rad: f64,
+    angles: Vec<AngleTable<'a>>,
+    terms: Vec<GearTerms<'a>>,
     exact: ExactTorque,
 }
 
@@ -70,20 +74,54 @@ impl<'a> ManoeuvreTorque<'a> {
     pub fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
         let tables = maps.map(|m| Tables { forward: &m.forward, reverse: m.reverse.as_ref(), policy: OutsidePolicy::Clamp });
         let angle_deg = maps.map_or(90.0, |m| m.table2.vehicle.test_angle_deg);
-        Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, exact: ExactTorque::new(world)? })
+        let angles = maps.iter().flat_map(|m| &m.angles);
+        let angles =
+            angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: &m.table }).collect();
+        let families = maps.iter().flat_map(|m| &m.table2.families);
+        let terms = families.map(|f| GearTerms { gear: f.gear, left: f.side == Side::Left, terms: f.terms() }).collect();
+        Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, angles, terms, exact: ExactTorque::new(world)? })
+    }
+
+    /// By which torque manoeuvres are driven, for people.
+    pub fn what(maps: &Maps) -> String {
+        if maps.angles.is_empty() {
+            let angle_deg = maps.table2.vehicle.test_angle_deg;
+            return format!("manoeuvres: torque by the map at {angle_deg}°, by the exact inverse of the plant at other wheel angles");
+        }
+        let of = |gear: Gear| {
+            let mut angles: Vec<f64> = maps.angles.iter().filter(|m| m.gear == gear).map(|m| m.wheel_angle_deg).collect();
+            angles.sort_unstable_by(f64::total_cmp);
+            let angles: Vec<String> = angles.iter().map(|a| format!("{a}°")).collect();
+            if angles.is_empty() { "no angle".to_owned() } else { angles.join(", ") }
+        };
+        let sided = |left: bool| maps.angles.iter().any(|m| m.wheel_angle_deg.abs() > SAME_ANGLE_DEG && (m.wheel_angle_deg > 0.0) == left);
+        let symmetry = if sided(true) && sided(false) { "" } else { "; the other side's maps are mirrored: symmetry assumed" };
+        format!(
+            "manoeuvres: torque by the maps at {} (forward) and {} (reverse), beyond those angles by the exact inverse of the plant{symmetry}",
+            of(Gear::Forward),
+            of(Gear::Reverse)
+        )
+    }
+
+    /// What the map of the test angle alone says, where the wheel is at its angle.
+    fn at_test_angle(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> Option<f64> {
+        let tables = self.tables.as_ref().filter(|_| (wheel_angle_rad - self.angle_rad).abs() <= AT_MAP_RAD)?;
+        Some(tables.torque(gear, speed_mps, accel_mps2)?.torque_nm)
     }
 }
 
 impl TorqueSource for ManoeuvreTorque<'_> {
     fn torque_nm(&self, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> f64 {
         let gear = if speed_mps.is_sign_negative() { Gear::Reverse } else { Gear::Forward };
-        let found = match &self.tables {
-            Some(tables) if (wheel_angle_rad - self.angle_rad).abs() <= AT_MAP_RAD => {
-                tables.torque(gear, speed_mps.abs(), gear.sign() * accel_mps2)
-            }
-            _ => None,
+        let (speed, accel) = (speed_mps.abs(), gear.sign() * accel_mps2);
+        let found = if self.angles.is_empty() {
+            self.at_test_angle(gear, speed, accel, wheel_angle_rad)
+        } else {
+            // beyond the measured angles a map would be asked for what it does not know
+            let maps = AngleTables { tables: &self.angles, terms: &self.terms };
+            maps.torque_clamped(gear, speed, accel, wheel_angle_rad).filter(|found| !found.beyond_angles).map(|found| found.torque_nm)
         };
-        found.map_or_else(|| self.exact.torque_nm(speed_mps, accel_mps2, wheel_angle_rad), |f| gear.sign() * f.torque_nm)
+        found.map_or_else(|| self.exact.torque_nm(speed_mps, accel_mps2, wheel_angle_rad), |torque_nm| gear.sign() * torque_nm)
     }
 }
 

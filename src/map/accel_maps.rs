@@ -1,0 +1,112 @@
+//! Table 1 over the wheel angle: the maps of a file with what they have in common, asked at any angle.
+//!
+//! Between two measured angles both tables are asked for the same torque, each answer is carried to the angle in between by inertia and
+//! friction ([`AngleFamily`]), and the two are weighted by how near they are. At a measured angle the answer is its table's.
+
+use super::angle_lookup::{Between, between};
+use super::{AccelMap, AccelTable, AngleFamily, Axis, Gear, Result, SAME_ANGLE_DEG, Side};
+use crate::units::RAD_PER_DEG;
+
+/// An acceleration at a wheel angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AccelAtAngle {
+    /// Acceleration [m/s²], gear frame.
+    pub accel_mps2: f64,
+    /// Standard error [m/s²]: at a measured angle its table's; between two that of both, as if their errors went together, and what the
+    /// family does not know, largest half way.
+    pub std_err_mps2: f64,
+    /// Whether the angle lies beyond all measured ones of its side, so that the nearest one answered.
+    pub beyond_angles: bool,
+}
+
+/// Table 1 at every wheel angle.
+#[derive(Debug, Clone)]
+pub struct AccelMaps {
+    maps: Vec<OneAngle>,
+    families: Vec<AngleFamily>,
+}
+
+#[derive(Debug, Clone)]
+struct OneAngle {
+    gear: Gear,
+    angle_deg: f64,
+    surface: AccelTable,
+    std_err: AccelTable,
+}
+
+impl AccelMaps {
+    /// From the maps of a `table1.json` and its families.
+    ///
+    /// # Errors
+    /// As [`Axis::new`] and [`AccelTable::new`].
+    pub fn new<'a>(maps: impl IntoIterator<Item = &'a AccelMap>, families: &[AngleFamily]) -> Result<Self> {
+        let one = |map: &AccelMap| {
+            let speed = Axis::new(super::accel_table::SPEED_AXIS, map.speed_mps.clone())?;
+            let torque = Axis::new(super::accel_table::TORQUE_AXIS, map.torque_nm.clone())?;
+            Ok(OneAngle {
+                gear: map.gear,
+                angle_deg: map.wheel_angle_deg,
+                surface: map.surface.table()?,
+                std_err: AccelTable::new(speed, torque, map.std_err_mps2.concat())?,
+            })
+        };
+        Ok(Self { maps: maps.into_iter().map(one).collect::<Result<_>>()?, families: families.to_vec() })
+    }
+
+    /// Acceleration under a torque at a wheel angle [°]; `None` outside the measured angles of its side and outside a table, and without a
+    /// map of the gear.
+    pub fn accel(&self, gear: Gear, speed_mps: f64, torque_nm: f64, wheel_angle_deg: f64) -> Option<AccelAtAngle> {
+        let (place, side) = self.place(gear, wheel_angle_deg)?;
+        let found = self.at(&place, side, gear, (speed_mps, torque_nm, wheel_angle_deg), AccelTable::accel_from_torque)?;
+        (!found.beyond_angles).then_some(found)
+    }
+
+    /// The same with speed, torque and angle held at the edges of what was measured; `None` for what is no number, and without a map of the
+    /// gear at this side.
+    pub fn accel_clamped(&self, gear: Gear, speed_mps: f64, torque_nm: f64, wheel_angle_deg: f64) -> Option<AccelAtAngle> {
+        let (place, side) = self.place(gear, wheel_angle_deg)?;
+        self.at(&place, side, gear, (speed_mps, torque_nm, wheel_angle_deg), AccelTable::accel_from_torque_clamped)
+    }
+
+    /// Where an angle lies among those of its gear and side.
+    fn place(&self, gear: Gear, angle_deg: f64) -> Option<(Between, Side)> {
+        let side = if angle_deg < 0.0 { Side::Right } else { Side::Left };
+        let own = self.maps.iter().enumerate().filter(|(_, m)| m.gear == gear && side.holds(m.angle_deg));
+        Some((between(own.map(|(k, m)| (k, m.angle_deg)), angle_deg, SAME_ANGLE_DEG)?, side))
+    }
+
+    fn at(
+        &self,
+        place: &Between,
+        side: Side,
+        gear: Gear,
+        (speed_mps, torque_nm, angle_deg): (f64, f64, f64),
+        read: impl Fn(&AccelTable, f64, f64) -> Option<f64>,
+    ) -> Option<AccelAtAngle> {
+        let family = self.families.iter().find(|f| f.gear == gear && f.side == side);
+        // at the edge, within the tolerance or beyond, the nearest table is meant as it is
+        let alone = place.below == place.above;
+        let here = (angle_deg * RAD_PER_DEG).sin();
+        let carried = |k: usize| -> Option<(f64, f64)> {
+            let map = &self.maps[k];
+            let accel = read(&map.surface, speed_mps, torque_nm)?;
+            let error = map.std_err.accel_from_torque_clamped(speed_mps, torque_nm)?;
+            match family.filter(|_| !alone) {
+                Some(family) => {
+                    let (terms, there) = (family.terms(), (map.angle_deg * RAD_PER_DEG).sin());
+                    let scale = terms.inertia(there) / terms.inertia(here);
+                    Some((terms.accel_elsewhere_mps2(speed_mps, accel, there, here), error * scale))
+                }
+                None => Some((accel, error)),
+            }
+        };
+        let (low, high) = (carried(place.below)?, carried(place.above)?);
+        let mix = |low: f64, high: f64| (1.0 - place.share) * low + place.share * high;
+        let departure = family.map_or(0.0, |f| 2.0 * (place.share * (1.0 - place.share)).sqrt() * f.departure_nm / f.terms().inertia(here));
+        Some(AccelAtAngle {
+            accel_mps2: mix(low.0, high.0),
+            std_err_mps2: mix(low.1, high.1).hypot(departure),
+            beyond_angles: place.outside,
+        })
+    }
+}
