@@ -32,7 +32,7 @@ pub use judge::{Settings, replay, verify, verify_watched};
 pub use known::known_maps;
 pub use log::log_of;
 pub use manoeuvre::{
-    Kind, LateralRun, Manoeuvre, ManoeuvreMoment, Mounting, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, replay_manoeuvre,
+    Kind, LateralRun, LoggedReference, Manoeuvre, ManoeuvreMoment, Mounting, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, replay_manoeuvre,
 };
 pub use maps::Maps;
 pub use metric::{Metric, Statistic, Summary, Values};

@@ -167,3 +167,89 @@ fn every_tracking_law_drives_the_polyline_within_the_gate_and_its_run_is_logged(
         run(folder, &["verify", "--scenario", "polyline-lqr", "--vehicle", &repo("data/vehicles/sweeper.toml"), "--draws", "1"]);
     assert!(status == 0 && said.contains("name the map's vehicle with --vehicle"), "{said}");
 }
+
+/// The log of `bytes` again, as JSON with arrays of another shape than ROS has.
+fn as_json(bytes: Vec<u8>, to: &Path) {
+    use pivot_cal::log::{SignalName, Source, VehicleOverrides, read_lateral_bytes};
+    let recording = read_lateral_bytes(bytes, "ros.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
+    let signals = &recording.signals;
+    let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let channel = |writer: &mut mcap::Writer<_>, topic: &str| writer.add_channel(0, topic, "json", &std::collections::BTreeMap::new()).unwrap();
+    let (pose, plan, angle) = (channel(&mut writer, "/pose"), channel(&mut writer, "/plan"), channel(&mut writer, "/angle"));
+    let mut put = |channel_id, time_ns: i64, json: serde_json::Value| {
+        let time = time_ns as u64;
+        let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, json.to_string().as_bytes()).unwrap();
+    };
+    let of = |name| &signals.lateral[&name];
+    for path in &signals.reference_paths {
+        let xs: Vec<f64> = path.points_m.iter().map(|p| p[0]).collect();
+        let ys: Vec<f64> = path.points_m.iter().map(|p| p[1]).collect();
+        put(plan, path.time_ns, serde_json::json!({ "frame": "odom", "xs": xs, "ys": ys }));
+    }
+    let x = of(SignalName::PoseX);
+    for (k, time_ns) in x.time_ns.iter().enumerate() {
+        let [x, y, z, w] = [SignalName::PoseX, SignalName::PoseY, SignalName::YawZ, SignalName::YawW].map(|name| of(name).value[k]);
+        put(pose, *time_ns, serde_json::json!({ "x": x, "y": y, "yaw": 2.0 * z.atan2(w) }));
+    }
+    let compensation = of(SignalName::Compensation);
+    for (time_ns, value) in compensation.time_ns.iter().zip(&compensation.value) {
+        put(angle, *time_ns, serde_json::json!({ "rad": value }));
+    }
+    writer.finish().unwrap();
+    std::fs::write(to, writer.into_inner().into_inner()).unwrap();
+}
+
+#[test]
+fn the_reference_as_a_whole_path_gives_the_table_of_its_matched_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let vehicle = repo("data/vehicles/scrubber.toml");
+    for form in ["point", "path"] {
+        let args = ["lateral", "record", "--vehicle", &vehicle, "-o", form, "--angles-deg", "-1.5,2", "--reference", form, "-q"];
+        assert_eq!(run(folder, &args).0, 0);
+        let (status, _, errors) = run(folder, &["lateral", "fit", form, "--maps", &format!("of_{form}"), "-q"]);
+        assert_eq!(status, 0, "{errors}");
+    }
+    let (point, path) = (table(folder, "of_point"), table(folder, "of_path"));
+    assert_eq!(path.entries.len(), 3);
+    for (a, b) in path.entries.iter().zip(&point.entries) {
+        // the same poses, matched to the polyline and not to the curve between its points: 0.1 mm, far below an entry's standard error
+        assert!(a.angle_rad == b.angle_rad && (a.error_m - b.error_m).abs() < 1e-4, "{a:?} {b:?}");
+        assert!((a.std_err_m - b.std_err_m).abs() < 1e-4 && (a.way_m - b.way_m).abs() <= 1.0, "{a:?} {b:?}");
+    }
+    assert!((path.base.mean_error_m - point.base.mean_error_m).abs() < 1e-4);
+
+    // the same logs as JSON, arrays of numbers, named by a map
+    std::fs::create_dir(folder.join("json")).unwrap();
+    for name in ["base.mcap", "compensation_-1.5deg.mcap", "compensation_+2deg.mcap"] {
+        as_json(std::fs::read(folder.join("path").join(name)).unwrap(), &folder.join("json").join(name));
+    }
+    let map = |x: &str, y: &str| {
+        let text = format!(
+            "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.1\ntest_angle_deg = 90\n[signals]\npose_x = {{ path = '/pose.x' }}\n\
+             pose_y = {{ path = '/pose.y' }}\nyaw = {{ path = '/pose.yaw' }}\nreference_x = {{ path = '{x}' }}\n\
+             reference_y = {{ path = '{y}' }}\ncompensation = {{ path = '/angle.rad' }}\n"
+        );
+        std::fs::write(folder.join("json.toml"), text).unwrap();
+        run(folder, &["lateral", "fit", "json", "--signals", "json.toml", "--maps", "of_json", "-q"])
+    };
+    let (status, _, errors) = map("/plan.xs[:]", "/plan.ys[:]");
+    assert_eq!(status, 0, "{errors}");
+    for (a, b) in table(folder, "of_json").entries.iter().zip(&path.entries) {
+        assert!((a.error_m - b.error_m).abs() < 1e-9, "{a:?} {b:?}");
+    }
+    for (x, y, words) in [
+        ("/plan.xs[:]", "/pose.y", "both must be slices of one topic"),
+        ("/plan.xs[:].a[:]", "/plan.ys[:].a[:]", "neither another one nor a filter"),
+        ("/plan.xs[3:5]", "/plan.ys[9:8]", "gives no value"),
+    ] {
+        let (status, _, errors) = map(x, y);
+        assert!(status == 1 && errors.contains(words), "{errors}");
+    }
+    // one point is no path
+    let (status, _, errors) = map("/plan.xs[2:2]", "/plan.ys[2:2]");
+    assert!(status == 1 && errors.contains("overlap in 0 place(s)"), "{errors}");
+    let (status, _, errors) = map("/plan.xs[0:-100000]", "/plan.ys[:]");
+    assert!(status == 1 && errors.contains("gives no value"), "{errors}");
+}

@@ -36,6 +36,9 @@ pub(super) fn find(layout: &Layout, place: Option<&[Step]>, sample: Option<&[u8]
 
 fn holds(layout: &Layout, steps: &[Step], sample: Option<&[u8]>) -> bool {
     let path = MessagePath::inside(steps.to_vec());
+    if path.is_list() {
+        return false;
+    }
     let Ok(plan) = Plan::compile(layout, &[&path]) else {
         return false;
     };

@@ -17,6 +17,8 @@ const START_NS: u64 = 1_767_225_600_000_000_000;
 pub(super) struct Log {
     log: LogWriter,
     wheel_radius_m: f64,
+    /// Whether the matched point is logged.
+    points: bool,
     last_stage: Option<Stage>,
 }
 
@@ -30,7 +32,12 @@ impl Log {
         ];
         entries.extend(vehicle.torque_limit_nm.map(|limit| ("torque_limit_nm", limit.to_string())));
         log.metadata("pivot-cal/vehicle", entries);
-        Self { log, wheel_radius_m: vehicle.wheel_radius_m, last_stage: None }
+        Self { log, wheel_radius_m: vehicle.wheel_radius_m, points: true, last_stage: None }
+    }
+
+    /// Leaves out the matched point.
+    pub(super) fn without_points(self) -> Self {
+        Self { points: false, ..self }
     }
 
     pub(super) fn metadata<'a>(&mut self, name: &str, entries: impl IntoIterator<Item = (&'a str, String)>) {
@@ -83,8 +90,10 @@ impl Log {
         put("/manoeuvre/wheel_angle_desired", &Message::Float64(command.wheel_angle_rad))?;
         put("/steering/compensation", &Message::Float64(moment.compensation_rad))?;
         if let Some(matched) = &command.matched {
-            let point = PointStamped { stamp, frame_id: "odom", x_m: matched.x_m, y_m: matched.y_m };
-            put("/reference/matched_point", &Message::PointStamped(point))?;
+            if self.points {
+                let point = PointStamped { stamp, frame_id: "odom", x_m: matched.x_m, y_m: matched.y_m };
+                put("/reference/matched_point", &Message::PointStamped(point))?;
+            }
             put("/manoeuvre/lateral_error", &Message::Float64(command.lateral_error_m))?;
         }
         if self.last_stage != Some(command.stage) {
