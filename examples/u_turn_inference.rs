@@ -2,13 +2,13 @@
 //!
 //! Unknown are wheelbase, width and overhangs (taken as equal front and rear: the rear one hardly shows), and what "just clears", "just touches"
 //! and "between" mean. For each reading the four dimensions that leave the least sum of squares of the four answers in metres are looked for by
-//! a pattern search from several starts; lanes and curvature are then told as they come out.
+//! a pattern search from several starts; lanes and curvature are then told as they come out. At last other readings of the two lanes are tried.
 
 #![allow(clippy::print_stdout)] // the table is what this program is for
 
 use pivot_cal::control::manoeuvre::BodyShape;
 use pivot_cal::control::manoeuvre::u_turn::{
-    Answer, Finding, Hypothesis, Method, PublishedCase, Settings, YAW_RATE_RAD_S, largest_difference_m,
+    Answer, Finding, Hypothesis, Lane, Method, PublishedCase, Settings, YAW_RATE_RAD_S, largest_difference_m,
 };
 use std::error::Error;
 
@@ -45,6 +45,36 @@ fn main() -> Outcome<()> {
         let of = |method| PublishedCase::track(body, 11.0, speed, rate, &Settings { method, ..Settings::default() });
         let (along, end) = largest_difference_m(&of(Method::Euler)?, &of(Method::RungeKutta)?);
         println!("Euler beside Runge-Kutta at {speed} m/s and {rate}°/s: {along:.4} m along, {end:.4} m at the end");
+    }
+    lanes(&case, body)
+}
+
+/// Whether any reading lets 6 m/s end nearer with 200°/s than with 400°/s: other wheelbases, the rate at the front wheel instead of the steering
+/// wheel, and accelerations in each of the three phases. Dimensions but the wheelbase do not move the track.
+fn lanes(case: &PublishedCase, body: BodyShape) -> Outcome<()> {
+    println!("\nwidth of the turn at 6 m/s, 200°/s less 400°/s (the published lanes need it below 0):");
+    let accels = [-1.5, -0.75, 0.0, 1.5, 3.0];
+    for (what, at_front) in [("rate of the steering wheel", false), ("rate of the front wheel", true)] {
+        let (mut least, mut tried, mut as_published) = ((f64::INFINITY, String::new()), 0, 0);
+        for wheelbase_m in [1.2, 1.6, 2.0, 2.4, 2.8, 3.4, 4.0] {
+            let car = PublishedCase::car(BodyShape { wheelbase_m, ..body });
+            let rate = |deg_s: f64| if at_front { deg_s * car.steering_ratio } else { deg_s };
+            for turn_accel_mps2 in
+                accels.into_iter().flat_map(|a| accels.into_iter().flat_map(move |b| accels.into_iter().map(move |c| [a, b, c])))
+            {
+                let settings = Settings { turn_accel_mps2, step_s: 0.02, ..Settings::default() };
+                let track = |deg_s| PublishedCase::track(car.body, 11.0, 6.0, rate(deg_s), &settings);
+                let (Ok(slow), Ok(fast)) = (track(200.0), track(400.0)) else { continue };
+                tried += 1;
+                let difference = fast.end().x_m - slow.end().x_m;
+                if difference < least.0 {
+                    least = (difference, format!("wheelbase {wheelbase_m} m, accelerations {turn_accel_mps2:?} m/s²"));
+                }
+                let lane = |track| case.scene.lane(track, 0.0).0;
+                as_published += usize::from(lane(&slow) == Lane::Number(1) && lane(&fast) == Lane::Number(2));
+            }
+        }
+        println!("  {what}: {tried} turns, least {:+.3} m ({}); lanes as published: {as_published}", least.0, least.1);
     }
     Ok(())
 }

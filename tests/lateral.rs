@@ -174,7 +174,8 @@ fn as_json(bytes: Vec<u8>, to: &Path) {
     let recording = read_lateral_bytes(bytes, "ros.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
     let signals = &recording.signals;
     let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
-    let channel = |writer: &mut mcap::Writer<_>, topic: &str| writer.add_channel(0, topic, "json", &std::collections::BTreeMap::new()).unwrap();
+    let channel =
+        |writer: &mut mcap::Writer<_>, topic: &str| writer.add_channel(0, topic, "json", &std::collections::BTreeMap::new()).unwrap();
     let (pose, plan, angle) = (channel(&mut writer, "/pose"), channel(&mut writer, "/plan"), channel(&mut writer, "/angle"));
     let mut put = |channel_id, time_ns: i64, json: serde_json::Value| {
         let time = time_ns as u64;
@@ -247,6 +248,11 @@ fn the_reference_as_a_whole_path_gives_the_table_of_its_matched_points() {
         let (status, _, errors) = map(x, y);
         assert!(status == 1 && errors.contains(words), "{errors}");
     }
+    // any other signal is one number
+    let text = std::fs::read_to_string(folder.join("json.toml")).unwrap().replace("/pose.x", "/plan.xs[0:3]");
+    std::fs::write(folder.join("several.toml"), text).unwrap();
+    let (status, _, errors) = run(folder, &["lateral", "fit", "json", "--signals", "several.toml"]);
+    assert!(status == 1 && errors.contains("pose_x") && errors.contains("it picks several values"), "{errors}");
     // one point is no path
     let (status, _, errors) = map("/plan.xs[2:2]", "/plan.ys[2:2]");
     assert!(status == 1 && errors.contains("overlap in 0 place(s)"), "{errors}");

@@ -12,7 +12,9 @@ pub enum Error {
     NoHeading { log: String },
     #[error("{log}: none of the {found} reference path(s) has two points or more")]
     NoPath { log: String, found: usize },
-    #[error("{log}: pose and reference overlap in {found} place(s); {needed} are needed: are their stamps of one clock, and their places in one frame?")]
+    #[error(
+        "{log}: pose and reference overlap in {found} place(s); {needed} are needed: are their stamps of one clock, and their places in one frame?"
+    )]
     NoOverlap { log: String, found: usize, needed: usize },
     #[error(
         "{log}: the compensation changes from {low_deg:.3}° to {high_deg:.3}°; a run of the calibration has one angle from start to end"

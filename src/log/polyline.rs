@@ -137,7 +137,9 @@ mod tests {
     #[test]
     fn both_coordinates_are_lists_of_one_topic_or_none_is() {
         let named = |x: &str, y: &str| {
-            is_named(&SignalMap::from_toml(&format!("[signals]\nreference_x = {{ path = '{x}' }}\nreference_y = {{ path = '{y}' }}")).unwrap())
+            is_named(
+                &SignalMap::from_toml(&format!("[signals]\nreference_x = {{ path = '{x}' }}\nreference_y = {{ path = '{y}' }}")).unwrap(),
+            )
         };
         assert!(named("/p.poses[:].x", "/p.poses[:].y").unwrap());
         assert!(!named("/p.x", "/p.y").unwrap());

@@ -13,6 +13,7 @@ mod planned;
 mod polyline;
 mod scenario;
 mod torque;
+mod traces;
 
 pub use compensation::CompensationScenario;
 pub use drive::{Moment as ManoeuvreMoment, Mounting, Start, drive};
@@ -24,3 +25,4 @@ pub use planned::{Planned, PlannedTask, parking_scene, u_turn_scene};
 pub use polyline::{DEMO_POINTS, LegResult, polyline_settings};
 pub use scenario::{Kind, Manoeuvre};
 pub use torque::{ExactTorque, ManoeuvreTorque};
+pub use traces::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces, Piece, manoeuvre_traces};

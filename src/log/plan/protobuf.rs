@@ -214,12 +214,10 @@ impl Field {
             });
         }
         let wanted = match pick {
-            Pick::Index(index) if *index < 0 => {
-                match position(*index, count()?) {
-                    Some(index) => Some(index as u64),
-                    None => return Some(()),
-                }
-            }
+            Pick::Index(index) if *index < 0 => match position(*index, count()?) {
+                Some(index) => Some(index as u64),
+                None => return Some(()),
+            },
             Pick::Index(index) => Some(*index as u64),
             Pick::At { register } => match taken.register(*register) {
                 Some(index) => Some(index),

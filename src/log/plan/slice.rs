@@ -45,14 +45,14 @@ mod tests {
         assert_eq!(of(-2, -1), [3, 4]);
         assert_eq!(of(-9, 1), [0, 1]);
         assert_eq!(of(3, 99), [3, 4]);
-        assert_eq!([of(4, 2), of(7, 9), of(0, -6)], [vec![], vec![], vec![]]);
+        assert!([(4, 2), (7, 9), (0, -6)].iter().all(|(first, last)| of(*first, *last).is_empty()));
         assert_eq!(elements(0, -1, 0), 0..0);
         assert_eq!(elements(i64::MIN, i64::MAX, 3), 0..3);
     }
 
     const POINTS: [[f64; 2]; 4] = [[0.0, 1.5], [1.0, 0.0], [2.5, -1.0], [-3.0, 7.0]];
 
-    fn ros(encoding: &str) -> (Layout, Vec<u8>) {
+    fn ros() -> (Layout, Vec<u8>) {
         let text = "string frame\na/Pose[] poses\nfloat32[] widths\n===\nMSG: a/Pose\nstring id\na/Point at\n===\nMSG: a/Point\nfloat64 x\nfloat64 y\n";
         let schema = Schema { name: "a/Path".into(), encoding: "ros2msg".into(), data: text.into() };
         let mut body = Vec::new();
@@ -67,7 +67,7 @@ mod tests {
         }
         w.write_sequence_length(POINTS.len());
         POINTS.iter().for_each(|p| w.write_f32(p[1] as f32));
-        (Layout::parse(encoding, Some(&schema)).unwrap(), body)
+        (Layout::parse("cdr", Some(&schema)).unwrap(), [&[0, 1, 0, 0], &body[..]].concat())
     }
 
     fn json() -> (Layout, Vec<u8>) {
@@ -85,18 +85,14 @@ mod tests {
             type_name: of.map(Into::into),
             ..FieldDescriptorProto::default()
         };
-        let message =
-            |name: &str, field: Vec<_>| DescriptorProto { name: Some(name.into()), field, ..DescriptorProto::default() };
+        let message = |name: &str, field: Vec<_>| DescriptorProto { name: Some(name.into()), field, ..DescriptorProto::default() };
         let (one, many) = (Label::Optional, Label::Repeated);
         let file = FileDescriptorProto {
             name: Some("p.proto".into()),
             package: Some("a".into()),
             syntax: Some("proto3".into()),
             message_type: vec![
-                message("Path", vec![
-                    field("poses", 1, many, Type::Message, Some(".a.Pose")),
-                    field("widths", 2, many, Type::Float, None),
-                ]),
+                message("Path", vec![field("poses", 1, many, Type::Message, Some(".a.Pose")), field("widths", 2, many, Type::Float, None)]),
                 message("Pose", vec![field("at", 3, one, Type::Message, Some(".a.Point"))]),
                 message("Point", vec![field("x", 1, one, Type::Double, None), field("y", 2, one, Type::Double, None)]),
             ],
@@ -137,7 +133,7 @@ mod tests {
     fn every_encoding_gives_the_elements_of_a_slice_in_their_order() {
         let [xs, ys] = [0, 1].map(|k| POINTS.map(|p| p[k]).to_vec());
         let paths = [".poses[:].at.x", ".poses[:].at.y", ".widths[:]", ".poses[1:-2].at.y", ".widths[-2:]"];
-        for (layout, payload) in [ros("cdr"), json(), protobuf()] {
+        for (layout, payload) in [ros(), json(), protobuf()] {
             let found = lists(&layout, &payload, &paths);
             assert_eq!(found, [xs.clone(), ys.clone(), ys.clone(), ys[1..=2].to_vec(), ys[2..].to_vec()], "{layout:?}");
             // one slice alone: JSON then reads it without building the array
@@ -151,7 +147,7 @@ mod tests {
 
     #[test]
     fn an_empty_array_after_a_full_one_gives_nothing() {
-        let (layout, payload) = ros("cdr");
+        let (layout, payload) = ros();
         let path: MessagePath = "/t.poses[:].at.x".parse().unwrap();
         let plan = Plan::compile(&layout, &[&path]).unwrap();
         let empty = [0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
@@ -164,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_slice_within_a_slice_and_a_filter_behind_one_are_refused() {
-        let (layout, _) = ros("cdr");
+        let (layout, _) = ros();
         for path in ["/t.poses[:].at[:].x", "/t.poses[:]{id==\"a\"}[:].at.x", "/t.poses[1:2].at{x>1}.y"] {
             let path: MessagePath = path.parse().unwrap();
             let refused = Plan::compile(&layout, &[&path]).unwrap_err().1;

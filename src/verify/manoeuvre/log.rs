@@ -1,17 +1,14 @@
 //! A manoeuvre as a log of standard ROS 2 messages: pose as navigated and as true, commands, reference path and matched point.
 
+use super::super::vehicle_log::{START_NS, log_time_ns, write_vehicle};
 use super::super::{Maps, Result};
 use super::drive::Moment;
 use super::judge::replay;
 use super::scenario::Manoeuvre;
 use crate::control::manoeuvre::path::PosePath;
 use crate::control::route::follower::Stage;
-use crate::map::{Gear, Vehicle};
-use crate::record::{JointState, LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
-use crate::units::NS_PER_S;
-
-/// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
-const START_NS: u64 = 1_767_225_600_000_000_000;
+use crate::map::Vehicle;
+use crate::record::{LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
 
 /// A log under construction.
 pub(super) struct Log {
@@ -53,21 +50,11 @@ impl Log {
 
     pub(super) fn write(&mut self, moment: &Moment) -> Result<()> {
         let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
-        let ns = START_NS + (state.t_s * NS_PER_S).round() as u64;
+        write_vehicle(&mut self.log, self.wheel_radius_m, state, seen, command.torque_nm, command.gear)?;
+        let ns = log_time_ns(state.t_s);
         let stamp = Stamp { ns };
         let log = &mut self.log;
         let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
-        put(
-            "/joint_states",
-            &Message::JointState(JointState {
-                stamp,
-                frame_id: "base_link",
-                names: &["front_steer_joint", "front_drive_joint"],
-                positions: &[seen.wheel_angle_rad, f64::NAN],
-                velocities: &[f64::NAN, seen.speed_mps.map_or(f64::NAN, |v| v / self.wheel_radius_m)],
-                efforts: &[f64::NAN, state.torque_nm],
-            }),
-        )?;
         let speed_mps = state.speed_mps * state.wheel_angle_rad.cos();
         for (topic, x_m, y_m, heading_rad) in
             [("/odom", seen.x_m, seen.y_m, seen.heading_rad), ("/ground_truth/odom", state.x_m, state.y_m, state.heading_rad)]
@@ -76,14 +63,6 @@ impl Log {
             put(topic, &Message::Odometry(Odometry { stamp, frame_id, child_frame_id, x_m, y_m, heading_rad, speed_mps, yaw_rate_rad_s }))?;
         }
         put("/navigation/yaw", &Message::Float64(seen.heading_rad))?;
-        put("/drive/torque_command", &Message::Float64(command.torque_nm))?;
-        let gear = match command.gear {
-            None => 0,
-            Some(Gear::Forward) => 1,
-            Some(Gear::Reverse) => 2,
-        };
-        put("/drive/gear", &Message::Int8(gear))?;
-        put("/safety/estop", &Message::Bool(seen.estop))?;
         put("/manoeuvre/speed_actual", &Message::Float64(state.speed_mps))?;
         put("/manoeuvre/speed_desired", &Message::Float64(command.target_speed_mps))?;
         put("/manoeuvre/accel_desired", &Message::Float64(command.accel_mps2))?;

@@ -5,7 +5,7 @@ use super::super::scenario::Class;
 use super::super::{Error, Maps, Result};
 use super::compensation::CompensationScenario;
 use super::drive::Moment;
-use super::planned::{self, PlannedTask};
+use super::planned::{self, Planned, PlannedTask};
 use super::polyline::{self, DEMO_POINTS};
 use super::torque::ManoeuvreTorque;
 use crate::control::manoeuvre::path::PosePath;
@@ -49,6 +49,8 @@ pub(super) struct Bench<'a> {
     pub(super) torque: ManoeuvreTorque<'a>,
     /// Wheelbase [m].
     pub(super) wheelbase_m: f64,
+    /// The plan of a planned task, made once for all of its runs.
+    pub(super) planned: Option<&'a Planned>,
 }
 
 impl Manoeuvre {
@@ -71,16 +73,17 @@ impl Manoeuvre {
                 kind: Kind::Compensation(CompensationScenario::new(direction)),
             });
         }
-        let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool| Self {
+        let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool, nose_in: bool| Self {
             name: name.to_owned(),
             what: what.to_owned(),
             class: Class::Parking,
-            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right }),
+            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right, nose_in }),
         };
-        all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true));
-        all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false));
-        all.push(parking("parking-60", "backing into a slot slanted by 60° against the row", 60.0, true));
-        all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true));
+        all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true, false));
+        all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false, false));
+        all.push(parking("parking-60", "backing into a slot slanted by 60° against the row", 60.0, true, false));
+        all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true, false));
+        all.push(parking("parking-nose-in", "forward into a slot slanted by 120° against the row", 120.0, true, true));
         all.push(Self {
             name: "u-turn".to_owned(),
             what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
@@ -120,12 +123,23 @@ impl Manoeuvre {
         }
     }
 
+    /// Its plan, if it is a task that is planned beforehand.
+    pub(super) fn plan(&self, wheelbase_m: f64) -> Result<Option<Planned>> {
+        match &self.kind {
+            Kind::Planned(task) => task.plan(wheelbase_m).map(Some),
+            Kind::Polyline(_) | Kind::Compensation(_) => Ok(None),
+        }
+    }
+
     /// Runs it on `plant`; `record` sees every period.
     pub(super) fn run(&self, bench: &Bench<'_>, plant: &sim::Settings, seed: u64, record: impl FnMut(&Moment)) -> Result<Values> {
         match &self.kind {
             Kind::Polyline(law) => polyline::run(bench, *law, plant, seed, record),
             Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
-            Kind::Planned(task) => planned::run(bench, *task, plant, seed, record),
+            Kind::Planned(task) => match bench.planned {
+                Some(planned) => planned::run(bench, planned, plant, seed, record),
+                None => planned::run(bench, &task.plan(bench.wheelbase_m)?, plant, seed, record),
+            },
         }
     }
 }
