@@ -259,3 +259,49 @@ fn the_reference_as_a_whole_path_gives_the_table_of_its_matched_points() {
     let (status, _, errors) = map("/plan.xs[0:-100000]", "/plan.ys[:]");
     assert!(status == 1 && errors.contains("gives no value"), "{errors}");
 }
+
+#[test]
+fn a_polyline_of_ones_own_is_driven_and_what_is_none_is_refused_with_what_would_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    maps(folder);
+    let verify = |points: &str, more: &[&str]| {
+        std::fs::write(folder.join("points.csv"), points).unwrap();
+        run(folder, &[&["verify", "--scenario", "polyline-lqr", "--draws", "1", "--points", "points.csv"], more].concat())
+    };
+    // off the origin, first to the north, a corner to the left, one back by more than 90° (in reverse)
+    let (status, said, errors) = verify("x_m,y_m\n20,10\n20,14\n16,14\n18,12.5\n", &["--json"]);
+    assert_eq!(status, 0, "{errors}");
+    let verdict: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let scenario = &verdict["scenarios"][0];
+    assert_eq!((scenario["name"].as_str(), scenario["status"].as_str()), (Some("polyline-lqr"), Some("pass")), "{scenario}");
+    assert!(scenario["what"].as_str().unwrap().starts_with("3 segments of one's own"), "{scenario}");
+    let traces: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("maps/manoeuvre_traces.json")).unwrap()).unwrap();
+    let driven = traces["manoeuvres"][0]["driven_m"].as_array().unwrap();
+    let end = |k: usize| [0, 1].map(|c| driven[k][c].as_f64().unwrap());
+    let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 0.03;
+    assert!(near(end(0), [20.0, 10.0]) && near(end(driven.len() - 1), [18.0, 12.5]), "{:?} {:?}", end(0), end(driven.len() - 1));
+
+    std::fs::remove_file(folder.join("maps/verify.json")).unwrap();
+    for (points, words) in [
+        ("3,4\n", "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first"),
+        ("", "at least 2 points, 0 found"),
+        (
+            "0,0\n5,0\n5,0\n5,5\n",
+            "points 2 and 3 are 0 m apart, at (5, 0); the least is 0.1 m: leave out point 3, or move it by at least 0.1 m",
+        ),
+        ("0,0\n5,nan\n", "point 2 is not a pair of finite numbers"),
+        ("0,0\n5;zwei\n", "line 2"),
+    ] {
+        let (status, _, errors) = verify(points, &[]);
+        assert!(status == 1 && errors.contains("points.csv") && errors.contains(words), "{points:?}: {errors}");
+        assert!(!folder.join("maps/verify.json").exists());
+    }
+    let (status, _, errors) = run(folder, &["verify", "--scenario", "left-90", "--points", "points.csv"]);
+    assert!(status == 1 && errors.contains("--points needs a polyline"), "{errors}");
+    for (found, nearest) in [("uturn", "u-turn"), ("lateral", "lateral-forward"), ("parkin-60", "parking-60"), ("left90", "left-90")] {
+        let (status, _, errors) = run(folder, &["verify", "--scenario", found]);
+        assert!(status == 1 && errors.contains(&format!("nearest: {nearest} ")), "{errors}");
+    }
+}

@@ -1,7 +1,7 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
 use super::logs::LogArguments;
-use super::{Outcome, Ui};
+use super::{Outcome, Ui, points};
 use crate::log::Preset;
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
@@ -10,7 +10,7 @@ use crate::verify::{
     Check, Class, Comparison, Error, Gate, Manoeuvre, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status,
     Verdict, closed_loop, log_of, log_of_manoeuvre, manoeuvre_traces, replayed, verify_watched,
 };
-use anyhow::Context;
+use anyhow::{Context, bail};
 use comfy_table::{ContentArrangement, Table, presets};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +21,7 @@ Examples:
   pivot-cal verify                            all pivots on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
+  pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along points of your own
   pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
   pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
 
@@ -54,6 +55,9 @@ pub(super) struct Arguments {
     /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
     #[arg(long, value_name = "NAME", requires = "replay")]
     preset: Option<Preset>,
+    /// Points that the polyline manoeuvres drive instead of their own (CSV: x and y in metres, a line each)
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
     /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
     #[arg(long, value_name = "FILE")]
     vehicle: Option<PathBuf>,
@@ -72,7 +76,15 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
     let defaults = Settings::new()?;
-    let (scenarios, manoeuvres) = chosen(&arguments.scenario)?;
+    let (scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
+    if let Some(path) = &arguments.points {
+        if manoeuvres.iter().all(|m| m.class != Class::Polyline) {
+            bail!("--points needs a polyline to drive them, as --scenario polyline-lqr");
+        }
+        let points = points::read(path)?;
+        manoeuvres =
+            manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| path.display().to_string())?;
+    }
     let settings = Settings {
         scenarios,
         manoeuvres,

@@ -61,7 +61,7 @@ fn polyline(section: &mut Section, first: &ManoeuvreTrace, all: &[&ManoeuvreTrac
     section.paragraph(
         "Corners are turned on the spot about the rear axle's middle. Below: the lateral error of each tracking law while it drives.",
     );
-    section.svg(overhead(first, "manoeuvre-polyline", &format!("the eight segments, driven by {}", law(first)), 1010.0));
+    section.svg(overhead(first, "manoeuvre-polyline", &format!("the segments, driven by {}", law(first)), 1010.0));
     let panel = |trace: &&ManoeuvreTrace| Panel {
         title: format!("{}: lateral error [mm]", law(trace)),
         lines: trace

@@ -20,7 +20,12 @@ use serde::Serialize;
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// A polyline with turns on the spot, its segments tracked by a law.
-    Polyline(LawName),
+    Polyline {
+        /// The law.
+        law: LawName,
+        /// The points [m].
+        points_m: Vec<[f64; 2]>,
+    },
     /// A path with mounting errors, without and with compensation.
     Compensation(CompensationScenario),
     /// A path that is planned beforehand: parking, the U-turn.
@@ -62,7 +67,7 @@ impl Manoeuvre {
                 name: format!("polyline-{}", law.name()),
                 what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
                 class: Class::Polyline,
-                kind: Kind::Polyline(law),
+                kind: Kind::Polyline { law, points_m: DEMO_POINTS.to_vec() },
             })
             .collect();
         for direction in Gear::ALL {
@@ -93,6 +98,19 @@ impl Manoeuvre {
         all
     }
 
+    /// The same along other points [m], if it is a polyline.
+    ///
+    /// # Errors
+    /// Points that are no path, with the nearest that would be.
+    pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
+        if let Kind::Polyline { law, points_m: own } = &mut self.kind {
+            let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+            self.what = format!("{} segments of one's own with turns on the spot, tracked by {}", plan.segments.len(), law.title());
+            *own = points_m.to_vec();
+        }
+        Ok(self)
+    }
+
     /// Why it cannot be run, if it cannot.
     pub(super) fn hindrance(&self, maps: &Maps, plant: &sim::Settings) -> Option<String> {
         let (map_m, plant_m) = (maps.table2.vehicle.wheelbase_m, plant.vehicle.wheelbase_m);
@@ -102,7 +120,7 @@ impl Manoeuvre {
             ));
         }
         match &self.kind {
-            Kind::Polyline(_) | Kind::Planned(_) => None,
+            Kind::Polyline { .. } | Kind::Planned(_) => None,
             Kind::Compensation(_) if maps.lateral.is_some() => None,
             Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
         }
@@ -114,8 +132,8 @@ impl Manoeuvre {
     /// Points that are no path.
     pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
         match &self.kind {
-            Kind::Polyline(_) => {
-                let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default()).map_err(Error::Polyline)?;
+            Kind::Polyline { points_m, .. } => {
+                let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
                 Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
             }
             Kind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
@@ -127,14 +145,14 @@ impl Manoeuvre {
     pub(super) fn plan(&self, wheelbase_m: f64) -> Result<Option<Planned>> {
         match &self.kind {
             Kind::Planned(task) => task.plan(wheelbase_m).map(Some),
-            Kind::Polyline(_) | Kind::Compensation(_) => Ok(None),
+            Kind::Polyline { .. } | Kind::Compensation(_) => Ok(None),
         }
     }
 
     /// Runs it on `plant`; `record` sees every period.
     pub(super) fn run(&self, bench: &Bench<'_>, plant: &sim::Settings, seed: u64, record: impl FnMut(&Moment)) -> Result<Values> {
         match &self.kind {
-            Kind::Polyline(law) => polyline::run(bench, *law, plant, seed, record),
+            Kind::Polyline { law, points_m } => polyline::run(bench, *law, points_m, plant, seed, record),
             Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
             Kind::Planned(task) => match bench.planned {
                 Some(planned) => planned::run(bench, planned, plant, seed, record),

@@ -159,7 +159,7 @@ fn trace(maps: &Maps, settings: &Settings, manoeuvre: &Manoeuvre, verdict: &Scen
     }
     match &manoeuvre.kind {
         Kind::Planned(_) => {}
-        Kind::Polyline(_) => found.errors = seen(&moments),
+        Kind::Polyline { .. } => found.errors = seen(&moments),
         Kind::Compensation(_) => {
             let mut without = Vec::new();
             replay(&Maps { lateral: None, ..maps.clone() }, settings, manoeuvre, |moment| without.push(*moment))?;
