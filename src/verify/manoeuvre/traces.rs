@@ -185,13 +185,12 @@ fn pieces(path: &PosePath) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     for (k, pose) in poses.iter().enumerate() {
         let point = [short(pose.x_m), short(pose.y_m)];
-        match pieces.last_mut().filter(|p| p.gear == pose.direction) {
-            Some(piece) => piece.points_m.push(point),
+        if let Some(piece) = pieces.last_mut().filter(|p| p.gear == pose.direction) {
+            piece.points_m.push(point);
+        } else {
             // the new piece begins where the last one ends
-            None => {
-                let before = k.checked_sub(1).map(|b| [short(poses[b].x_m), short(poses[b].y_m)]);
-                pieces.push(Piece { gear: pose.direction, points_m: before.into_iter().chain([point]).collect() });
-            }
+            let before = k.checked_sub(1).map(|b| [short(poses[b].x_m), short(poses[b].y_m)]);
+            pieces.push(Piece { gear: pose.direction, points_m: before.into_iter().chain([point]).collect() });
         }
     }
     pieces.into_iter().map(|p| Piece { gear: p.gear, points_m: thinned(&p.points_m) }).collect()
@@ -256,18 +255,19 @@ fn truly(path: &PosePath, moments: &[Moment], compensated: bool) -> ErrorTrace {
     let mut trace = ErrorTrace::new(compensated);
     let Some(leg) = Leg::first(&path.poses) else { return trace };
     let mut index = 0;
-    let places: Vec<(f64, f64, f64, f64)> = moments
+    // time, way, error, compensation
+    let places: Vec<[f64; 4]> = moments
         .iter()
         .map(|m| {
             let pose = Pose { x_m: m.state.x_m, y_m: m.state.y_m, heading_rad: m.state.heading_rad };
             let (matched, found) = leg.nearest(pose.x_m, pose.y_m, index);
             index = found;
-            (m.state.t_s, matched.s_m, lateral_error_m(pose, matched.x_m, matched.y_m), m.compensation_rad)
+            [m.state.t_s, matched.s_m, lateral_error_m(pose, matched.x_m, matched.y_m), m.compensation_rad]
         })
         .collect();
     for chunk in places.chunks(2 * PERIODS) {
-        let mean = |of: &dyn Fn(&(f64, f64, f64, f64)) -> f64| chunk.iter().map(of).sum::<f64>() / chunk.len() as f64;
-        trace.push(chunk[0].0, mean(&|p| p.1), mean(&|p| p.2), mean(&|p| p.3));
+        let mean = |of: fn(&[f64; 4]) -> f64| chunk.iter().map(of).sum::<f64>() / chunk.len() as f64;
+        trace.push(chunk[0][0], mean(|p| p[1]), mean(|p| p[2]), mean(|p| p[3]));
     }
     trace
 }
