@@ -156,7 +156,9 @@ fn drive_manoeuvres(maps: &Path) {
     }
     let (status, _, errors) = pivot_cal(&args);
     assert_eq!(status, 0, "{errors}");
-    kept.iter().for_each(|(path, bytes)| std::fs::write(path, bytes).unwrap());
+    for (path, bytes) in kept {
+        std::fs::write(path, bytes).unwrap();
+    }
     let run = serde_json::json!({ "gear": "reverse", "torque_nm": -24.0, "start_speed_mps": 0.7, "spin_up_nm": 40.0, "repeats": 2,
         "seconds": 1.6, "gain_nm": 0.0014, "gain_percent": 1.04, "reason": "cells at -24 to 40 N·m <are> known to ±0.22 N·m only" });
     let plan = serde_json::json!({ "seconds": 299.0, "runs": 111, "std_err_nm": 0.134, "std_err_after_nm": 0.087, "entries": [run] });
@@ -310,6 +312,7 @@ fn a_browser_shows_every_figure_fetches_nothing_and_answers_the_pointer() {
         assert!(figures.iter().any(|f| f["id"] == format!("manoeuvre-{name}")), "{name} has no picture");
     }
     assert_eq!(found["overlaps"], serde_json::json!([]), "names and numbers lie over each other");
+    assert_eq!(found["clipped"], serde_json::json!([]), "names and numbers are cut off");
     for figure in figures {
         let large = |key: &str, least: f64| figure[key].as_f64().unwrap() > least;
         assert!(large("shapes", 10.0) && large("width", 200.0) && large("height", 100.0), "{figure} is not drawn");

@@ -23,7 +23,7 @@ pub(super) fn overhead(trace: &ManoeuvreTrace, id: &str, title: &str, width: f64
     let [left, right, low, high] = view;
     let scale = ((width - LEFT - RIGHT) / (right - left)).min(TALLEST / (high - low));
     // the names of the lines need their room
-    let width = (LEFT + RIGHT + scale * (right - left)).max(330.0);
+    let width = (LEFT + RIGHT + scale * (right - left)).max(350.0);
     let right = left + (width - LEFT - RIGHT) / scale;
     let view = [left, right, low, high];
     let height = TOP + scale * (high - low) + BELOW;
@@ -80,7 +80,7 @@ fn key(svg: &mut Svg, planned: &[Piece], y: f64) {
     for (class, text) in lines.chain([("l k d thin".to_owned(), "driven (dot: start)".to_owned())]) {
         svg.line((x, y - 4.0), (x + 22.0, y - 4.0), &class);
         svg.text(x + 28.0, y, "m", &text);
-        x += 28.0 + 6.6 * text.chars().count() as f64 + 18.0;
+        x += 28.0 + 6.3 * text.chars().count() as f64 + 12.0;
     }
 }
 

@@ -34,6 +34,15 @@ OVERLAPS = """
     .map(([b]) => `${svg.id || svg.dataset.of}: ${a} / ${b}`));
 }))()
 """
+# what sticks out of its figure, and is cut off
+CLIPPED = """
+(() => [...document.querySelectorAll('figure svg')].flatMap(svg => {
+  const box = svg.getBoundingClientRect();
+  return [...svg.querySelectorAll('text')].filter(n => { const b = n.getBoundingClientRect();
+    return b.left < box.left - 1 || b.right > box.right + 1 || b.top < box.top - 1 || b.bottom > box.bottom + 1; })
+    .map(n => `${svg.id || svg.dataset.of}: ${n.textContent}`);
+}))()
+"""
 CENTRE = "(() => { const b = (%s).getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()"
 
 
@@ -108,6 +117,7 @@ def look(browser, url):
     found["sections"] = browser.evaluate("[...document.querySelectorAll('main section')].map(s => s.id)")
     found["verdict"] = browser.evaluate("document.querySelector('.verdict strong').textContent")
     found["overlaps"] = browser.evaluate(OVERLAPS)
+    found["clipped"] = browser.evaluate(CLIPPED)
     found["overflow"] = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
 
     # hover: the tip tells the cell's value
