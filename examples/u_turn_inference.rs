@@ -2,13 +2,13 @@
 //!
 //! Unknown are wheelbase, width and overhangs (taken as equal front and rear: the rear one hardly shows), and what "just clears", "just touches"
 //! and "between" mean. For each reading the four dimensions that leave the least sum of squares of the four answers in metres are looked for by
-//! a pattern search from several starts; lanes and curvature are then told as they come out.
+//! a pattern search from several starts; lanes and curvature are then told as they come out. At last other readings of the two lanes are tried.
 
 #![allow(clippy::print_stdout)] // the table is what this program is for
 
 use pivot_cal::control::manoeuvre::BodyShape;
 use pivot_cal::control::manoeuvre::u_turn::{
-    Answer, Finding, Hypothesis, Method, PublishedCase, Settings, YAW_RATE_RAD_S, largest_difference_m,
+    Answer, Finding, Hypothesis, Lane, Method, PublishedCase, Settings, Turn, YAW_RATE_RAD_S, drive, largest_difference_m,
 };
 use std::error::Error;
 
@@ -46,7 +46,39 @@ fn main() -> Outcome<()> {
         let (along, end) = largest_difference_m(&of(Method::Euler)?, &of(Method::RungeKutta)?);
         println!("Euler beside Runge-Kutta at {speed} m/s and {rate}°/s: {along:.4} m along, {end:.4} m at the end");
     }
+    lanes(&case, body);
     Ok(())
+}
+
+/// Whether any reading lets 6 m/s end nearer with 200°/s than with 400°/s: other wheelbases, the rate at the front wheel instead of the steering
+/// wheel, and accelerations in each of the three phases. Dimensions but the wheelbase do not move the track.
+fn lanes(case: &PublishedCase, body: BodyShape) {
+    println!("\nwidth of the turn at 6 m/s, 200°/s less 400°/s (the published lanes need it below 0):");
+    let accels = [-1.5, -0.75, 0.0, 1.5, 3.0];
+    for (what, at_front) in [("rate of the steering wheel", false), ("rate of the front wheel", true)] {
+        let (mut least, mut tried, mut as_published) = ((f64::INFINITY, String::new()), 0, 0);
+        for wheelbase_m in [1.2, 2.1, 3.0, 4.0] {
+            let mut car = PublishedCase::car(BodyShape { wheelbase_m, ..body });
+            if at_front {
+                (car.steering_limit_rad, car.steering_ratio) = (car.wheel_limit_rad(), 1.0);
+            }
+            let three = accels.into_iter().flat_map(|a| accels.into_iter().flat_map(move |b| accels.into_iter().map(move |c| [a, b, c])));
+            for turn_accel_mps2 in three {
+                let settings = Settings { turn_accel_mps2, step_s: 0.02, ..Settings::default() };
+                let track =
+                    |deg_s: f64| drive(&car, &Turn { run_up_m: 11.0, speed_mps: 6.0, steering_rate_rad_s: deg_s.to_radians() }, &settings);
+                let (Ok(slow), Ok(fast)) = (track(200.0), track(400.0)) else { continue };
+                tried += 1;
+                let difference = fast.end().x_m - slow.end().x_m;
+                if difference < least.0 {
+                    least = (difference, format!("wheelbase {wheelbase_m} m, accelerations {turn_accel_mps2:?} m/s²"));
+                }
+                let lane = |track| case.scene.lane(track, 0.0).0;
+                as_published += usize::from(lane(&slow) == Lane::Number(1) && lane(&fast) == Lane::Number(2));
+            }
+        }
+        println!("  {what}: {tried} turns, least {:+.3} m ({}); lanes as published: {as_published}", least.0, least.1);
+    }
 }
 
 /// Which law the two pairs of entry speed and curvature follow.

@@ -16,6 +16,7 @@ mod invert;
 mod lateral;
 mod logs;
 mod plan;
+mod points;
 mod record;
 mod report;
 mod ui;

@@ -8,6 +8,7 @@ mod bins;
 mod error;
 mod fit;
 mod isotonic;
+mod nearest;
 mod newey_west;
 
 pub use bins::{Bin, LateralRun};

@@ -18,6 +18,7 @@ mod gear;
 mod json_text;
 mod lateral_table_file;
 pub mod lookup;
+mod plan_file;
 mod save;
 mod table1_file;
 mod table2_file;
@@ -35,6 +36,7 @@ pub use error::{Error, Result};
 pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
+pub use plan_file::{PlanFile, PlannedRun, Proposal};
 pub use save::{sha256_hex, write_whole};
 pub(crate) use table1_file::expect_format;
 pub use table1_file::{

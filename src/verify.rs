@@ -21,6 +21,7 @@ mod replayed;
 mod round_trip;
 mod run;
 mod scenario;
+mod vehicle_log;
 mod verdict;
 mod watch;
 
@@ -32,7 +33,8 @@ pub use judge::{Settings, replay, verify, verify_watched};
 pub use known::known_maps;
 pub use log::log_of;
 pub use manoeuvre::{
-    Kind, LateralRun, Manoeuvre, ManoeuvreMoment, Mounting, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, replay_manoeuvre,
+    ErrorTrace, Kind, LateralRun, LoggedReference, Manoeuvre, ManoeuvreMoment, ManoeuvreTrace, ManoeuvreTraces, Mounting, Piece,
+    bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, manoeuvre_traces, replay_manoeuvre,
 };
 pub use maps::{AngleMap, Maps};
 pub use metric::{Metric, Statistic, Summary, Values};

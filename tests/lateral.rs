@@ -167,3 +167,141 @@ fn every_tracking_law_drives_the_polyline_within_the_gate_and_its_run_is_logged(
         run(folder, &["verify", "--scenario", "polyline-lqr", "--vehicle", &repo("data/vehicles/sweeper.toml"), "--draws", "1"]);
     assert!(status == 0 && said.contains("name the map's vehicle with --vehicle"), "{said}");
 }
+
+/// The log of `bytes` again, as JSON with arrays of another shape than ROS has.
+fn as_json(bytes: Vec<u8>, to: &Path) {
+    use pivot_cal::log::{SignalName, Source, VehicleOverrides, read_lateral_bytes};
+    let recording = read_lateral_bytes(bytes, "ros.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
+    let signals = &recording.signals;
+    let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let channel =
+        |writer: &mut mcap::Writer<_>, topic: &str| writer.add_channel(0, topic, "json", &std::collections::BTreeMap::new()).unwrap();
+    let (pose, plan, angle) = (channel(&mut writer, "/pose"), channel(&mut writer, "/plan"), channel(&mut writer, "/angle"));
+    let mut put = |channel_id, time_ns: i64, json: serde_json::Value| {
+        let time = time_ns as u64;
+        let header = mcap::records::MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, json.to_string().as_bytes()).unwrap();
+    };
+    let of = |name| &signals.lateral[&name];
+    for path in &signals.reference_paths {
+        let xs: Vec<f64> = path.points_m.iter().map(|p| p[0]).collect();
+        let ys: Vec<f64> = path.points_m.iter().map(|p| p[1]).collect();
+        put(plan, path.time_ns, serde_json::json!({ "frame": "odom", "xs": xs, "ys": ys }));
+    }
+    let x = of(SignalName::PoseX);
+    for (k, time_ns) in x.time_ns.iter().enumerate() {
+        let [x, y, z, w] = [SignalName::PoseX, SignalName::PoseY, SignalName::YawZ, SignalName::YawW].map(|name| of(name).value[k]);
+        put(pose, *time_ns, serde_json::json!({ "x": x, "y": y, "yaw": 2.0 * z.atan2(w) }));
+    }
+    let compensation = of(SignalName::Compensation);
+    for (time_ns, value) in compensation.time_ns.iter().zip(&compensation.value) {
+        put(angle, *time_ns, serde_json::json!({ "rad": value }));
+    }
+    writer.finish().unwrap();
+    std::fs::write(to, writer.into_inner().into_inner()).unwrap();
+}
+
+#[test]
+fn the_reference_as_a_whole_path_gives_the_table_of_its_matched_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let vehicle = repo("data/vehicles/scrubber.toml");
+    for form in ["point", "path"] {
+        let args = ["lateral", "record", "--vehicle", &vehicle, "-o", form, "--angles-deg", "-1.5,2", "--reference", form, "-q"];
+        assert_eq!(run(folder, &args).0, 0);
+        let (status, _, errors) = run(folder, &["lateral", "fit", form, "--maps", &format!("of_{form}"), "-q"]);
+        assert_eq!(status, 0, "{errors}");
+    }
+    let (point, path) = (table(folder, "of_point"), table(folder, "of_path"));
+    assert_eq!(path.entries.len(), 3);
+    for (a, b) in path.entries.iter().zip(&point.entries) {
+        // the same poses, matched to the polyline and not to the curve between its points: 0.1 mm, far below an entry's standard error
+        assert!(a.angle_rad == b.angle_rad && (a.error_m - b.error_m).abs() < 1e-4, "{a:?} {b:?}");
+        assert!((a.std_err_m - b.std_err_m).abs() < 1e-4 && (a.way_m - b.way_m).abs() <= 1.0, "{a:?} {b:?}");
+    }
+    assert!((path.base.mean_error_m - point.base.mean_error_m).abs() < 1e-4);
+
+    // the same logs as JSON, arrays of numbers, named by a map
+    std::fs::create_dir(folder.join("json")).unwrap();
+    for name in ["base.mcap", "compensation_-1.5deg.mcap", "compensation_+2deg.mcap"] {
+        as_json(std::fs::read(folder.join("path").join(name)).unwrap(), &folder.join("json").join(name));
+    }
+    let map = |x: &str, y: &str| {
+        let text = format!(
+            "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.1\ntest_angle_deg = 90\n[signals]\npose_x = {{ path = '/pose.x' }}\n\
+             pose_y = {{ path = '/pose.y' }}\nyaw = {{ path = '/pose.yaw' }}\nreference_x = {{ path = '{x}' }}\n\
+             reference_y = {{ path = '{y}' }}\ncompensation = {{ path = '/angle.rad' }}\n"
+        );
+        std::fs::write(folder.join("json.toml"), text).unwrap();
+        run(folder, &["lateral", "fit", "json", "--signals", "json.toml", "--maps", "of_json", "-q"])
+    };
+    let (status, _, errors) = map("/plan.xs[:]", "/plan.ys[:]");
+    assert_eq!(status, 0, "{errors}");
+    for (a, b) in table(folder, "of_json").entries.iter().zip(&path.entries) {
+        assert!((a.error_m - b.error_m).abs() < 1e-9, "{a:?} {b:?}");
+    }
+    for (x, y, words) in [
+        ("/plan.xs[:]", "/pose.y", "both must be slices of one topic"),
+        ("/plan.xs[:].a[:]", "/plan.ys[:].a[:]", "neither another one nor a filter"),
+        ("/plan.xs[3:5]", "/plan.ys[9:8]", "gives no value"),
+    ] {
+        let (status, _, errors) = map(x, y);
+        assert!(status == 1 && errors.contains(words), "{errors}");
+    }
+    // any other signal is one number
+    let text = std::fs::read_to_string(folder.join("json.toml")).unwrap().replace("/pose.x", "/plan.xs[0:3]");
+    std::fs::write(folder.join("several.toml"), text).unwrap();
+    let (status, _, errors) = run(folder, &["lateral", "fit", "json", "--signals", "several.toml"]);
+    assert!(status == 1 && errors.contains("pose_x") && errors.contains("it picks several values"), "{errors}");
+    // one point is no path
+    let (status, _, errors) = map("/plan.xs[2:2]", "/plan.ys[2:2]");
+    assert!(status == 1 && errors.contains("overlap in 0 place(s)"), "{errors}");
+    let (status, _, errors) = map("/plan.xs[0:-100000]", "/plan.ys[:]");
+    assert!(status == 1 && errors.contains("gives no value"), "{errors}");
+}
+
+#[test]
+fn a_polyline_of_ones_own_is_driven_and_what_is_none_is_refused_with_what_would_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    maps(folder);
+    let verify = |points: &str, more: &[&str]| {
+        std::fs::write(folder.join("points.csv"), points).unwrap();
+        run(folder, &[&["verify", "--scenario", "polyline-lqr", "--draws", "1", "--points", "points.csv"], more].concat())
+    };
+    // off the origin, first to the north, a corner to the left, one back by more than 90° (in reverse)
+    let (status, said, errors) = verify("x_m,y_m\n20,10\n20,14\n16,14\n18,12.5\n", &["--json"]);
+    assert_eq!(status, 0, "{errors}");
+    let verdict: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let scenario = &verdict["scenarios"][0];
+    assert_eq!((scenario["name"].as_str(), scenario["status"].as_str()), (Some("polyline-lqr"), Some("pass")), "{scenario}");
+    assert!(scenario["what"].as_str().unwrap().starts_with("3 segments of one's own"), "{scenario}");
+    let traces: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("maps/manoeuvre_traces.json")).unwrap()).unwrap();
+    let driven = traces["manoeuvres"][0]["driven_m"].as_array().unwrap();
+    let end = |k: usize| [0, 1].map(|c| driven[k][c].as_f64().unwrap());
+    let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 0.03;
+    assert!(near(end(0), [20.0, 10.0]) && near(end(driven.len() - 1), [18.0, 12.5]), "{:?} {:?}", end(0), end(driven.len() - 1));
+
+    std::fs::remove_file(folder.join("maps/verify.json")).unwrap();
+    for (points, words) in [
+        ("3,4\n", "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first"),
+        ("", "at least 2 points, 0 found"),
+        (
+            "0,0\n5,0\n5,0\n5,5\n",
+            "points 2 and 3 are 0 m apart, at (5, 0); the least is 0.1 m: leave out point 3, or move it by at least 0.1 m",
+        ),
+        ("0,0\n5,nan\n", "point 2 is not a pair of finite numbers"),
+        ("0,0\n5;zwei\n", "line 2"),
+    ] {
+        let (status, _, errors) = verify(points, &[]);
+        assert!(status == 1 && errors.contains("points.csv") && errors.contains(words), "{points:?}: {errors}");
+        assert!(!folder.join("maps/verify.json").exists());
+    }
+    let (status, _, errors) = run(folder, &["verify", "--scenario", "left-90", "--points", "points.csv"]);
+    assert!(status == 1 && errors.contains("--points needs a polyline"), "{errors}");
+    for (found, nearest) in [("uturn", "u-turn"), ("lateral", "lateral-forward"), ("parkin-60", "parking-60"), ("left90", "left-90")] {
+        let (status, _, errors) = run(folder, &["verify", "--scenario", found]);
+        assert!(status == 1 && errors.contains(&format!("nearest: {nearest} ")), "{errors}");
+    }
+}

@@ -26,6 +26,62 @@ fn detected(log: &Path) -> Recording {
     read(log, &Source::Detect, &VehicleOverrides::default(), &|_| {}).unwrap()
 }
 
+/// What two packages found in a log: of every topic the schema, and the same messages with the same numbers.
+#[track_caller]
+fn expect_same(found: &serde_json::Value, schemas: &[(&str, &str)]) {
+    let (mcap, rosbags) = (found["mcap"].as_object().unwrap(), found["rosbags"].as_object().unwrap());
+    assert_eq!((mcap.len(), rosbags.len()), (schemas.len(), schemas.len()), "{found}");
+    for (topic, schema) in schemas {
+        let (a, b) = (&mcap[*topic], &rosbags[*topic]);
+        assert_eq!(a["schema"], *schema, "{topic}");
+        for key in ["schema", "messages", "numbers", "first_ns", "last_ns"] {
+            assert_eq!(a[key], b[key], "{topic}: {key}");
+        }
+        let (a, b) = (a["sum"].as_f64().unwrap(), b["sum"].as_f64().unwrap());
+        assert!((a - b).abs() <= 1e-9 * a.abs().max(1.0), "{topic}: {a} and {b}");
+    }
+}
+
+#[test]
+fn the_log_of_a_manoeuvre_with_its_reference_path_is_the_same_to_both() {
+    let what = "a log of the lateral calibration read by mcap, mcap-ros2-support and rosbags";
+    let Some(python) = readers::python(&["mcap", "mcap_ros2", "rosbags"], what) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::cargo_bin("pivot-cal").unwrap();
+    command
+        .args(["lateral", "record", "--angles-deg", "0", "--vehicle"])
+        .arg(repo("data/vehicles/scrubber.toml"))
+        .arg("-o")
+        .arg(folder.path());
+    command.assert().success();
+    let found = readers::read_with(&python, "ros2_log.py", &[&folder.path().join("base.mcap")], "");
+    let float = |topic| (topic, "std_msgs/msg/Float64");
+    expect_same(
+        &found,
+        &[
+            ("/joint_states", "sensor_msgs/msg/JointState"),
+            ("/odom", "nav_msgs/msg/Odometry"),
+            ("/ground_truth/odom", "nav_msgs/msg/Odometry"),
+            ("/reference/path", "nav_msgs/msg/Path"),
+            ("/reference/matched_point", "geometry_msgs/msg/PointStamped"),
+            ("/safety/estop", "std_msgs/msg/Bool"),
+            ("/drive/gear", "std_msgs/msg/Int8"),
+            ("/manoeuvre/stage", "std_msgs/msg/String"),
+            float("/drive/torque_command"),
+            float("/navigation/yaw"),
+            float("/steering/compensation"),
+            float("/manoeuvre/speed_actual"),
+            float("/manoeuvre/speed_desired"),
+            float("/manoeuvre/accel_desired"),
+            float("/manoeuvre/wheel_angle_desired"),
+            float("/manoeuvre/lateral_error"),
+        ],
+    );
+    assert_eq!(found["mcap"]["/reference/path"]["messages"], 1);
+    // x, y, z and the quaternion's four of every pose
+    assert!(found["mcap"]["/reference/path"]["numbers"].as_u64().unwrap() > 7 * 100, "{}", found["mcap"]["/reference/path"]);
+}
+
 #[test]
 fn a_recorded_log_is_the_same_to_mcap_ros2_support_and_to_rosbags() {
     let what = "a recorded log read by mcap, mcap-ros2-support and rosbags";
@@ -33,7 +89,6 @@ fn a_recorded_log_is_the_same_to_mcap_ros2_support_and_to_rosbags() {
     let folder = tempfile::tempdir().unwrap();
     let log = recorded(folder.path());
     let found = readers::read_with(&python, "ros2_log.py", &[&log], "");
-    let (mcap, rosbags) = (found["mcap"].as_object().unwrap(), found["rosbags"].as_object().unwrap());
     let schemas = [
         ("/drive/gear", "std_msgs/msg/Int8"),
         ("/drive/torque_command", "std_msgs/msg/Float64"),
@@ -44,21 +99,12 @@ fn a_recorded_log_is_the_same_to_mcap_ros2_support_and_to_rosbags() {
         ("/odom", "nav_msgs/msg/Odometry"),
         ("/safety/estop", "std_msgs/msg/Bool"),
     ];
-    assert_eq!((mcap.len(), rosbags.len()), (schemas.len(), schemas.len()), "{found}");
-    for (topic, schema) in schemas {
-        let (a, b) = (&mcap[topic], &rosbags[topic]);
-        assert_eq!(a["schema"], schema, "{topic}");
-        for key in ["schema", "messages", "numbers", "first_ns", "last_ns"] {
-            assert_eq!(a[key], b[key], "{topic}: {key}");
-        }
-        let (a, b) = (a["sum"].as_f64().unwrap(), b["sum"].as_f64().unwrap());
-        assert!((a - b).abs() <= 1e-9 * a.abs().max(1.0), "{topic}: {a} and {b}");
-    }
+    expect_same(&found, &schemas);
     // and they see what this program sees
     let own = detected(&log);
     let same = |topic: &str, signal: &Signal| {
         let sum: f64 = signal.value.iter().sum();
-        let theirs = &rosbags[topic];
+        let theirs = &found["rosbags"][topic];
         assert_eq!(theirs["messages"].as_u64().unwrap(), signal.value.len() as u64, "{topic}");
         // sums of the same numbers in the same order, one of them by Python
         assert!((theirs["sum"].as_f64().unwrap() - sum).abs() <= 1e-9 * sum.abs().max(1.0), "{topic}: {theirs} and {sum}");

@@ -5,6 +5,7 @@
 mod readers;
 
 use assert_cmd::Command;
+use pivot_cal::map::PlanFile;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -54,8 +55,20 @@ fn the_demo_map_is_told_to_pass_on_one_page_below_3_mb_that_fetches_nothing() {
     assert!(!page.replace(namespace, "").contains("http") && !page.contains("@import") && !page.contains("url(\""), "something is fetched");
     let drawn = page.split("<script").next().unwrap();
     assert!(!drawn.contains("NaN") && !drawn.contains("Infinity") && !drawn.contains(">inf"));
-    for id in ["table1", "table2", "coverage", "runs", "delay", "residuals", "friction", "round-trip", "closed-loop", "next", "provenance"]
-    {
+    for id in [
+        "table1",
+        "table2",
+        "coverage",
+        "runs",
+        "delay",
+        "residuals",
+        "friction",
+        "round-trip",
+        "closed-loop",
+        "manoeuvres",
+        "next",
+        "provenance",
+    ] {
         assert!(page.contains(&format!("<section id=\"{id}\">")), "{id} is missing");
     }
     let table1: Value = serde_json::from_str(&std::fs::read_to_string(maps.join("table1.json")).unwrap()).unwrap();
@@ -120,6 +133,90 @@ fn a_verdict_on_another_table_judges_nothing() {
     std::fs::write(&csv, text).unwrap();
     edit(&maps.join("verify.json"), |v| v["table2_csv_sha256"][0] = "0".repeat(64).into());
     assert_eq!(report(&maps).1["judgement"], "not_judged");
+}
+
+#[test]
+fn a_verdict_on_chosen_scenarios_alone_judges_no_map_unless_it_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let maps = maps(folder.path());
+    edit(&maps.join("verify.json"), |v| v["scenarios"].as_array_mut().unwrap().truncate(2));
+    let (page, document) = report(&maps);
+    assert_eq!(document["judgement"], "not_judged");
+    assert!(page.contains("verify.json leaves out 23 of the pivots"), "{}", document["notes"]);
+    edit(&maps.join("verify.json"), |v| v["status"] = "fail".into());
+    assert_eq!(report(&maps).1["judgement"], "fail");
+}
+
+/// Some of each kind of manoeuvre driven with the maps, and a plan beside them; the verdict stays the one on the pivots.
+fn drive_manoeuvres(maps: &Path) {
+    let kept = ["verify.json", "verify_traces.json"].map(|name| (maps.join(name), std::fs::read(maps.join(name)).unwrap()));
+    let mut args = vec!["verify", "--maps", maps.to_str().unwrap(), "--draws", "1", "-q"];
+    for name in ["polyline-pure-pursuit", "polyline-lqr", "lateral-forward", "parking", "parking-nose-in", "u-turn"] {
+        args.extend(["--scenario", name]);
+    }
+    let (status, _, errors) = pivot_cal(&args);
+    assert_eq!(status, 0, "{errors}");
+    for (path, bytes) in kept {
+        std::fs::write(path, bytes).unwrap();
+    }
+    let run = serde_json::json!({ "gear": "reverse", "torque_nm": -24.0, "start_speed_mps": 0.7, "spin_up_nm": 40.0, "repeats": 2,
+        "seconds": 1.6, "gain_nm": 0.0014, "gain_percent": 1.04, "reason": "cells at -24 to 40 N·m <are> known to ±0.22 N·m only" });
+    let plan = serde_json::json!({ "seconds": 299.0, "runs": 111, "std_err_nm": 0.134, "std_err_after_nm": 0.087, "entries": [run] });
+    let sha256 = pivot_cal::map::sha256_hex(&std::fs::read(maps.join("table1.json")).unwrap());
+    std::fs::write(maps.join("plan.json"), PlanFile::new(sha256, plan).unwrap().to_json().unwrap()).unwrap();
+}
+
+#[test]
+fn manoeuvres_and_the_plan_are_shown_with_the_tables_that_they_belong_to_and_only_then() {
+    let folder = tempfile::tempdir().unwrap();
+    let maps = maps(folder.path());
+    let (page, _) = report(&maps);
+    assert!(page.contains("No manoeuvre was driven with this Table 2") && page.contains("No runs are planned yet"));
+    drive_manoeuvres(&maps);
+    let (page, document) = report(&maps);
+    assert_eq!((&document["judgement"], &document["notes"]), (&"pass".into(), &serde_json::json!([])));
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    assert!(page.contains("25 <small>of 25 scenarios"), "manoeuvres are no pivots");
+    assert!(page.contains("111 runs in 4 min 59 s") && page.contains("from 0.70 m/s reached with 40.0 N·m"));
+    assert!(page.contains("cells at −24 to 40 N·m &lt;are&gt; known"));
+    let traces: Value = serde_json::from_str(&std::fs::read_to_string(maps.join("manoeuvre_traces.json")).unwrap()).unwrap();
+    let nominal = |manoeuvre: &str, metric: &str| {
+        let all = traces["manoeuvres"].as_array().unwrap().iter();
+        let metrics = all.map(|m| &m["verdict"]).find(|v| v["name"] == manoeuvre).unwrap()["metrics"].as_array().unwrap();
+        metrics.iter().find(|m| m["metric"] == metric).unwrap()["nominal"].as_f64().unwrap()
+    };
+    for (manoeuvre, metric) in
+        [("polyline-lqr", "corner_error_m"), ("lateral-forward", "lateral_before_m"), ("parking", "final_position_m")]
+    {
+        let shown = format!("<td>{:.1} (", 1e3 * nominal(manoeuvre, metric));
+        assert!(page.contains(&shown), "{manoeuvre}: {shown}");
+    }
+    // the driven path ends where the metric says
+    let parking = traces["manoeuvres"].as_array().unwrap().iter().find(|m| m["verdict"]["name"] == "parking").unwrap();
+    let last = |points: &Value| {
+        points.as_array().unwrap().last().unwrap().as_array().unwrap().iter().map(|c| c.as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let (driven, goal) = (last(&parking["driven_m"]), last(&parking["planned"].as_array().unwrap().last().unwrap()["points_m"]));
+    let apart_m = (driven[0] - goal[0]).hypot(driven[1] - goal[1]);
+    // both are told to a tenth of a millimetre
+    assert!((apart_m - nominal("parking", "final_position_m")).abs() < 2e-4, "{apart_m}");
+    let errors = traces["manoeuvres"].as_array().unwrap().iter().find(|m| m["verdict"]["name"] == "lateral-forward").unwrap();
+    let mean_m = |k: usize| {
+        let values: Vec<f64> = errors["errors"][k]["error_m"].as_array().unwrap().iter().map(|e| e.as_f64().unwrap()).collect();
+        values[values.len() * 3 / 4..].iter().sum::<f64>() / (values.len() - values.len() * 3 / 4) as f64
+    };
+    assert!((mean_m(0).abs() - 0.046).abs() < 0.004 && mean_m(1).abs() < 0.004, "before {} and after {}", mean_m(0), mean_m(1));
+
+    // of other tables they are left out, and that is told
+    edit(&maps.join("manoeuvre_traces.json"), |v| v["table2_csv_sha256"][0] = "0".repeat(64).into());
+    edit(&maps.join("plan.json"), |v| v["table1_sha256"] = "0".repeat(64).into());
+    let (page, document) = report(&maps);
+    assert!(page.contains("No manoeuvre was driven with this Table 2") && page.contains("No runs are planned yet"));
+    let notes = document["notes"].to_string();
+    assert!(
+        notes.contains("manoeuvre_traces.json belongs to another Table 2") && notes.contains("plan.json was made from another"),
+        "{notes}"
+    );
 }
 
 #[test]
@@ -204,12 +301,18 @@ fn a_browser_shows_every_figure_fetches_nothing_and_answers_the_pointer() {
     let Some(python) = readers::python(&["websocket"], "the report in a browser") else { return };
     let folder = tempfile::tempdir().unwrap();
     let maps = maps(folder.path());
+    drive_manoeuvres(&maps);
     report(&maps);
     let found = readers::read_with(&python, "page.py", &[&browser, &maps.join("report.html")], "");
     assert_eq!(found["requests"], serde_json::json!([]), "nothing but the page itself is loaded");
     assert_eq!(found["errors"], serde_json::json!([]), "the console is silent");
     let figures = found["figures"].as_array().unwrap();
-    assert!(figures.len() >= 19, "{} figures", figures.len());
+    assert!(figures.len() >= 25, "{} figures", figures.len());
+    for name in ["polyline", "polyline-errors", "lateral", "parking", "parking-nose-in", "u-turn"] {
+        assert!(figures.iter().any(|f| f["id"] == format!("manoeuvre-{name}")), "{name} has no picture");
+    }
+    assert_eq!(found["overlaps"], serde_json::json!([]), "names and numbers lie over each other");
+    assert_eq!(found["clipped"], serde_json::json!([]), "names and numbers are cut off");
     for figure in figures {
         let large = |key: &str, least: f64| figure[key].as_f64().unwrap() > least;
         assert!(large("shapes", 10.0) && large("width", 200.0) && large("height", 100.0), "{figure} is not drawn");
@@ -237,5 +340,6 @@ fn a_browser_shows_every_figure_fetches_nothing_and_answers_the_pointer() {
     assert!(sorted.is_sorted(), "a click on a heading sorts");
     assert_ne!(found["background"], found["dark_background"], "light and dark");
     assert!(found["overflow"].as_f64().unwrap() <= 0.0, "nothing sticks out to the side");
+    assert!(found["narrow_overflow"].as_f64().unwrap() <= 0.0, "nor in a narrow window");
     assert!(found["pdf_bytes"].as_u64().unwrap() > 50_000, "it prints");
 }

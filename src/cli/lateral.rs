@@ -9,7 +9,7 @@ use crate::log::{Recording, SignalName, find_logs, read_lateral};
 use crate::map::{LateralTableFile, write_whole};
 use crate::sim::VehicleFile;
 use crate::units::RAD_PER_DEG;
-use crate::verify::{LateralRun, Mounting, lateral_log};
+use crate::verify::{LateralRun, LoggedReference, Mounting, lateral_log};
 use anyhow::{Context, bail};
 use comfy_table::{ContentArrangement, Table, presets};
 use std::path::PathBuf;
@@ -44,6 +44,10 @@ Example: signals.toml names pose, reference and compensation
   reference_x  = { path = \"/reference/matched_point.point.x\" }
   reference_y  = { path = \"/reference/matched_point.point.y\" }
   compensation = { path = \"/steering/compensation.data\", unit = \"rad\" }
+
+The reference may also be a whole path (nav_msgs/Path, or arrays of another message); its nearest point is then found here:
+  reference_x  = { path = \"/reference/path.poses[:].pose.position.x\" }
+  reference_y  = { path = \"/reference/path.poses[:].pose.position.y\" }
 
   pivot-cal lateral fit base.mcap plus_1deg.mcap minus_1deg.mcap --signals signals.toml
 
@@ -88,9 +92,19 @@ struct RecordArguments {
     /// True wheel angle minus the one that the steering takes it for [°]
     #[arg(long, value_name = "DEG", default_value_t = -0.8, allow_negative_numbers = true)]
     steering_zero_deg: f64,
+    /// How the log holds the reference: its matched point every period, the whole path once, or both
+    #[arg(long, value_enum, value_name = "FORM", default_value_t = Reference::Both)]
+    reference: Reference,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Reference {
+    Point,
+    Path,
+    Both,
 }
 
 pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
@@ -184,6 +198,11 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
     angles_deg.sort_by(f64::total_cmp);
     angles_deg.dedup();
     let mounting = Mounting { yaw_rad: arguments.yaw_deg * RAD_PER_DEG, steering_zero_rad: arguments.steering_zero_deg * RAD_PER_DEG };
+    let reference = match arguments.reference {
+        Reference::Point => LoggedReference::Point,
+        Reference::Path => LoggedReference::Path,
+        Reference::Both => LoggedReference::Both,
+    };
     let mut written = Vec::new();
     for (k, angle_deg) in angles_deg.iter().enumerate() {
         let run = LateralRun {
@@ -192,7 +211,7 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
             mounting,
             seed: arguments.seed.wrapping_mul(1000).wrapping_add(k as u64),
         };
-        let (bytes, stage) = lateral_log(&vehicle, &run)?;
+        let (bytes, stage) = lateral_log(&vehicle, &run, reference)?;
         if stage != Stage::Arrived {
             bail!("with a compensation of {angle_deg}° the vehicle does not reach the end of the task ({stage:?}); drive smaller angles");
         }

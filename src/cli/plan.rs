@@ -2,7 +2,7 @@
 
 use super::{Outcome, Ui};
 use crate::fit::{Plan, PlanSettings, plan};
-use crate::map::{SAME_ANGLE_DEG, Table1File, write_whole};
+use crate::map::{PlanFile, SAME_ANGLE_DEG, Table1File, sha256_hex, write_whole};
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ Examples:
   pivot-cal plan                           what to drive next, as a table
   pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
 
-Reads table1.json. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
+Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
 table, by the estimator's own information matrix.")]
 pub(super) struct Arguments {
     /// Folder with table1.json
@@ -45,6 +45,11 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let steered = (angle_deg - file.vehicle.test_angle_deg).abs() >= SAME_ANGLE_DEG;
     let file = super::angles::at(file, angle_deg, ui).with_context(|| path.display().to_string())?;
     let plan = plan(&file, &PlanSettings { budget_s: 60.0 * arguments.minutes }).with_context(|| path.display().to_string())?;
+    // for the report
+    let for_page = PlanFile::new(sha256_hex(text.as_bytes()), serde_json::to_value(&plan)?)?;
+    if let Err(error) = write_whole(&arguments.maps.join("plan.json"), for_page.to_json()?.as_bytes()) {
+        ui.warn(format!("the page will not show the plan: {error}"));
+    }
     if let Some(output) = &arguments.output {
         let text = plan.to_toml();
         let text = if steered { text.replace("[[runs]]\n", &format!("[[runs]]\nwheel_angle_deg = {angle_deg:?}\n")) } else { text };

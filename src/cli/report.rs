@@ -13,8 +13,8 @@ Examples:
   pivot-cal report --svg figures              the figures as SVG files, too
   pivot-cal report --maps maps/monday -o monday.html
 
-Reads table1.json and, where they are there, table2.json, verify.json, fit_traces.json and verify_traces.json. The page is one file that
-needs no network; it says what is missing. The exit status is that of the writing, not of the map: 0 written, 1 error.")]
+Reads table1.json and, where they are there, table2.json, verify.json, fit_traces.json, verify_traces.json,
+manoeuvre_traces.json (of verify --scenario manoeuvres) and plan.json (of plan). The page is one file that needs no network; it says what is missing. The exit status is that of the writing, not of the map: 0 written, 1 error.")]
 pub(super) struct Arguments {
     /// Folder with the files of the map
     #[arg(long, value_name = "DIR", default_value = "maps")]

@@ -1,15 +1,16 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
 use super::logs::LogArguments;
-use super::{Outcome, Ui};
+use super::{Outcome, Ui, points};
 use crate::log::Preset;
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
+use crate::spelling::edits;
 use crate::verify::{
     Check, Class, Comparison, Error, Gate, Manoeuvre, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status,
-    Verdict, closed_loop, log_of, log_of_manoeuvre, replayed, verify_watched,
+    Verdict, closed_loop, log_of, log_of_manoeuvre, manoeuvre_traces, replayed, verify_watched,
 };
-use anyhow::Context;
+use anyhow::{Context, bail};
 use comfy_table::{ContentArrangement, Table, presets};
 use std::path::{Path, PathBuf};
 
@@ -20,6 +21,7 @@ Examples:
   pivot-cal verify                            all pivots on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
+  pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along points of your own
   pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
   pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
 
@@ -53,6 +55,9 @@ pub(super) struct Arguments {
     /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
     #[arg(long, value_name = "NAME", requires = "replay")]
     preset: Option<Preset>,
+    /// Points that the polyline manoeuvres drive instead of their own (CSV: x and y in metres, a line each)
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
     /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
     #[arg(long, value_name = "FILE")]
     vehicle: Option<PathBuf>,
@@ -71,7 +76,15 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
     let defaults = Settings::new()?;
-    let (scenarios, manoeuvres) = chosen(&arguments.scenario)?;
+    let (scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
+    if let Some(path) = &arguments.points {
+        if manoeuvres.iter().all(|m| m.class != Class::Polyline) {
+            bail!("--points needs a polyline to drive them, as --scenario polyline-lqr");
+        }
+        let points = points::read(path)?;
+        manoeuvres =
+            manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| path.display().to_string())?;
+    }
     let settings = Settings {
         scenarios,
         manoeuvres,
@@ -138,7 +151,7 @@ fn watched(maps: &Maps, settings: &Settings, ui: Ui) -> anyhow::Result<Verdict> 
     Ok(verdict)
 }
 
-/// Writes `verify.json`, and the traces of the comparison beside it for the report.
+/// Writes `verify.json`, and the traces of the comparison and of the manoeuvres beside it for the report.
 fn save(maps: &Maps, settings: &Settings, verdict: &Verdict, folder: &Path) -> anyhow::Result<()> {
     write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
     let path = folder.join("verify_traces.json");
@@ -147,6 +160,10 @@ fn save(maps: &Maps, settings: &Settings, verdict: &Verdict, folder: &Path) -> a
         // those of an earlier verdict would pass for its own
         None if path.exists() => fs_err::remove_file(path)?,
         None => {}
+    }
+    // those of an earlier verdict stay: they name the Table 2 that they belong to
+    if let Some(traces) = manoeuvre_traces(maps, settings, verdict)? {
+        write_whole(&folder.join("manoeuvre_traces.json"), traces.to_json()?.as_bytes())?;
     }
     Ok(())
 }
@@ -174,7 +191,7 @@ fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
     let known: Vec<&str> =
         groups.into_iter().chain(all.iter().map(|s| s.name.as_str())).chain(all_manoeuvres.iter().map(|m| m.name.as_str())).collect();
     if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
-        let nearest = known.iter().min_by_key(|known| differing(known, name)).map(|known| (*known).to_owned()).unwrap_or_default();
+        let nearest = known.iter().min_by_key(|known| apart(known, name)).map(|known| (*known).to_owned()).unwrap_or_default();
         return Err(Error::NoScenario { found: name.clone(), nearest });
     }
     let (mut scenarios, mut manoeuvres): (Vec<Scenario>, Vec<Manoeuvre>) = (Vec::new(), Vec::new());
@@ -194,10 +211,9 @@ fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
     Ok((scenarios, manoeuvres))
 }
 
-/// How many letters of the longer name are not in the same place of both, counted from the start.
-fn differing(a: &str, b: &str) -> usize {
-    let same = a.chars().zip(b.chars()).take_while(|(x, y)| x == y).count();
-    a.chars().count().max(b.chars().count()) - same
+/// How far a known name is from one that was given: none if it begins with it, else the letters to change.
+fn apart(known: &str, given: &str) -> usize {
+    if !given.is_empty() && known.starts_with(given) { 0 } else { edits(known, given) }
 }
 
 fn list(ui: Ui) -> anyhow::Result<()> {

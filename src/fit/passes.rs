@@ -8,6 +8,7 @@ use super::regressors::{Free, whitened};
 use super::segment::Segment;
 use crate::map::Gear;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Noise that lets the speed go where the readings say: for the first smoothing, before there is a surface.
 const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01] };
@@ -56,15 +57,8 @@ impl Pass<'_> {
             .enumerate()
             .map(|(k, course)| {
                 let s = course.segment;
-                let from_readings;
-                let speed = match known {
-                    Some(known) => &known[k],
-                    None => {
-                        from_readings = wide_speed(s);
-                        &from_readings
-                    }
-                };
-                let model = course.predicted(speed, surface_of(self.surfaces, s));
+                let speed = known.map_or_else(|| Cow::Owned(wide_speed(s)), |known| Cow::Borrowed(&known[k]));
+                let model = course.predicted(&speed, surface_of(self.surfaces, s));
                 let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
                 let deviation = smooth(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps);
                 let speed = model.iter().zip(&deviation.speed_mps).map(|(m, d)| (m + d).max(0.0)).collect();

@@ -1,9 +1,12 @@
 //! From a log to lateral errors over the way: e = cos θ·(y_m − y) − sin θ·(x_m − x) at every matched point, averaged over pieces of the way.
 //!
+//! The matched points are logged, or found on the reference path that is logged whole.
+//!
 //! The way is that of the matched point along its path, so that runs of one task can be compared piece by piece. What lies within the settling
 //! way after a start or a standstill is left out: there the tracking law still draws the vehicle onto the path.
 
 use super::fit::Settings;
+use super::nearest::Nearest;
 use super::{Error, Result};
 use crate::log::{Recording, Signal, SignalName};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
@@ -57,31 +60,57 @@ impl LateralRun {
     /// No heading, signals that do not overlap, a compensation that changes.
     pub fn new(recording: &Recording, settings: &Settings) -> Result<Self> {
         let log = recording.source.file.clone();
-        let signal = |name| recording.signals.lateral.get(&name);
         let heading = heading(recording).ok_or_else(|| Error::NoHeading { log: log.clone() })?;
-        let none = Signal::default();
-        let read = |name| signal(name).unwrap_or(&none);
-        let (x, y) = (read(SignalName::PoseX), read(SignalName::PoseY));
-        let (reference_x, reference_y) = (read(SignalName::ReferenceX), read(SignalName::ReferenceY));
-        let mut errors = Vec::new();
-        let mut cursors = [Cursor::default(); 4];
-        for (&time_ns, &x_m) in reference_x.time_ns.iter().zip(&reference_x.value) {
-            let [c0, c1, c2, c3] = &mut cursors;
-            let (Some(y_m), Some(px), Some(py), Some(yaw)) =
-                (c0.at(reference_y, time_ns, false), c1.at(x, time_ns, false), c2.at(y, time_ns, false), c3.at(&heading, time_ns, true))
-            else {
-                continue;
-            };
-            let (sin, cos) = yaw.sin_cos();
-            errors.push((time_ns, x_m, y_m, cos * (y_m - py) - sin * (x_m - px)));
+        let paths = &recording.signals.reference_paths;
+        if !paths.is_empty() && paths.iter().all(|path| path.points_m.len() < 2) {
+            return Err(Error::NoPath { log, found: paths.len() });
         }
+        let errors = if paths.is_empty() { from_points(recording, &heading) } else { from_paths(recording, &heading) };
         if errors.len() < LEAST {
             return Err(Error::NoOverlap { log, found: errors.len(), needed: LEAST });
         }
-        let angle_rad = angle(signal(SignalName::Compensation), &log)?;
+        let angle_rad = angle(recording.signals.lateral.get(&SignalName::Compensation), &log)?;
         let (way_m, bins) = binned(&errors, settings);
         Ok(Self { log, angle_rad, way_m, bins })
     }
+}
+
+/// Time, matched point and error of one place.
+type Place = (i64, f64, f64, f64);
+
+fn place(time_ns: i64, [x_m, y_m]: [f64; 2], [x, y, yaw_rad]: [f64; 3]) -> Place {
+    let (sin, cos) = yaw_rad.sin_cos();
+    (time_ns, x_m, y_m, cos * (y_m - y) - sin * (x_m - x))
+}
+
+/// At every matched point that is logged, the pose between its readings.
+fn from_points(recording: &Recording, heading: &Signal) -> Vec<Place> {
+    let none = Signal::default();
+    let read = |name| recording.signals.lateral.get(&name).unwrap_or(&none);
+    let (x, y) = (read(SignalName::PoseX), read(SignalName::PoseY));
+    let (reference_x, reference_y) = (read(SignalName::ReferenceX), read(SignalName::ReferenceY));
+    let mut cursors = [Cursor::default(); 4];
+    let places = reference_x.time_ns.iter().zip(&reference_x.value).filter_map(|(&time_ns, &x_m)| {
+        let [c0, c1, c2, c3] = &mut cursors;
+        let y_m = c0.at(reference_y, time_ns, false)?;
+        Some(place(time_ns, [x_m, y_m], [c1.at(x, time_ns, false)?, c2.at(y, time_ns, false)?, c3.at(heading, time_ns, true)?]))
+    });
+    places.collect()
+}
+
+/// At every pose, the nearest point of the path in force.
+fn from_paths(recording: &Recording, heading: &Signal) -> Vec<Place> {
+    let none = Signal::default();
+    let read = |name| recording.signals.lateral.get(&name).unwrap_or(&none);
+    let (x, y) = (read(SignalName::PoseX), read(SignalName::PoseY));
+    let mut nearest = Nearest::new(&recording.signals.reference_paths);
+    let mut cursors = [Cursor::default(); 2];
+    let places = x.time_ns.iter().zip(&x.value).filter_map(|(&time_ns, &x_m)| {
+        let [c0, c1] = &mut cursors;
+        let (y_m, yaw_rad) = (c0.at(y, time_ns, false)?, c1.at(heading, time_ns, true)?);
+        Some(place(time_ns, nearest.at(time_ns, [x_m, y_m], yaw_rad)?, [x_m, y_m, yaw_rad]))
+    });
+    places.collect()
 }
 
 /// The heading: as logged, or from its quaternion: θ = 2·atan2(z, w) on level ground.
@@ -115,7 +144,7 @@ fn angle(signal: Option<&Signal>, log: &str) -> Result<f64> {
 }
 
 /// Whole way, and the pieces that count.
-fn binned(errors: &[(i64, f64, f64, f64)], settings: &Settings) -> (f64, BTreeMap<u32, Bin>) {
+fn binned(errors: &[Place], settings: &Settings) -> (f64, BTreeMap<u32, Bin>) {
     let mut bins: BTreeMap<u32, Bin> = BTreeMap::new();
     let (mut way_m, mut since_start_m) = (0.0, 0.0);
     let mut pending = Bin::default();

@@ -10,7 +10,11 @@ pub type Result<T> = std::result::Result<T, Error>;
 pub enum Error {
     #[error("{log}: the heading is missing: name `yaw`, or `yaw_z` and `yaw_w` of its quaternion, in the signal map")]
     NoHeading { log: String },
-    #[error("{log}: pose and reference overlap in {found} place(s); {needed} are needed: are their stamps of one clock?")]
+    #[error("{log}: none of the {found} reference path(s) has two points or more")]
+    NoPath { log: String, found: usize },
+    #[error(
+        "{log}: pose and reference overlap in {found} place(s); {needed} are needed: are their stamps of one clock, and their places in one frame?"
+    )]
     NoOverlap { log: String, found: usize, needed: usize },
     #[error(
         "{log}: the compensation changes from {low_deg:.3}° to {high_deg:.3}°; a run of the calibration has one angle from start to end"

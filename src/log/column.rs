@@ -1,6 +1,7 @@
 //! The values of one signal as the messages give them.
 
 use super::Signal;
+use super::polyline::Lists;
 use crate::units::NS_PER_S;
 
 /// Messages at most from which the distance between stamps and log time is told.
@@ -15,12 +16,22 @@ pub(super) struct Column {
     apart_ns: Vec<i64>,
     /// Values that were NaN or infinite: dropped.
     pub not_finite: u64,
+    /// What a slice picked: a list per message, in the place of the values.
+    pub lists: Lists,
 }
 
 impl Column {
     pub(super) fn push(&mut self, time_ns: i64, log_time_ns: i64, value: f64) {
         self.time_ns.push(time_ns);
         self.value.push(value);
+        if self.apart_ns.len() < CLOCK_SAMPLES {
+            self.apart_ns.push(time_ns.saturating_sub(log_time_ns));
+        }
+    }
+
+    /// Adds the list that a slice picked of a message.
+    pub(super) fn push_list(&mut self, time_ns: i64, log_time_ns: i64, list: impl ExactSizeIterator<Item = f64> + Clone) {
+        self.lists.push(time_ns, list);
         if self.apart_ns.len() < CLOCK_SAMPLES {
             self.apart_ns.push(time_ns.saturating_sub(log_time_ns));
         }
@@ -33,14 +44,15 @@ impl Column {
         let room = CLOCK_SAMPLES - self.apart_ns.len();
         self.apart_ns.extend(next.apart_ns.into_iter().take(room));
         self.not_finite += next.not_finite;
+        self.lists.append(next.lists);
     }
 
     pub(super) fn len(&self) -> usize {
-        self.value.len()
+        self.value.len() + self.lists.len()
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.value.is_empty()
+        self.len() == 0
     }
 
     /// By how much the stamps are off the log's time [s], the median, when that cannot be delay.

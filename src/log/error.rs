@@ -51,6 +51,8 @@ pub enum Error {
     NoTopic { signal: &'static str, topic: String, nearest: Vec<String>, topics: Vec<String> },
     #[error("{signal}: path {path}: {source}")]
     Path { signal: &'static str, path: String, source: PlanError },
+    #[error("reference_x is {x} and reference_y {y}: both must be slices of one topic, as /path.poses[:].pose.position.x, or both numbers")]
+    HalfPath { x: String, y: String },
     #[error("{signal}: topic {topic}: {source}")]
     Schema { signal: &'static str, topic: String, source: SchemaError },
     #[error(

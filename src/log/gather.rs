@@ -8,7 +8,7 @@ use super::column::Column;
 use super::container::{Block, BlockKind, Container, Inventory};
 use super::convert::Convert;
 use super::loss::{Damage, Why};
-use super::plan::{Plan, Taken};
+use super::plan::{Plan, Raw, Taken};
 use super::record::{Message, PREFIX, Records, parse};
 use super::stamp::Stamp;
 use mcap::records::op;
@@ -36,6 +36,8 @@ pub(super) struct Wanted {
     pub slot: usize,
     pub stamp: Option<Stamp>,
     pub convert: Convert,
+    /// A slice picks several values of each message.
+    pub list: bool,
 }
 
 /// Messages of one channel.
@@ -221,15 +223,22 @@ impl Gathered {
         }
         let log_time_ns = nanoseconds(message.log_time_ns);
         for wanted in &plan.values {
+            let time_ns = || {
+                let stamped = wanted.stamp.and_then(|stamp| stamp.time_ns(taken));
+                let published = (message.publish_time_ns != 0).then(|| nanoseconds(message.publish_time_ns));
+                stamped.or(published).unwrap_or(log_time_ns)
+            };
+            if wanted.list {
+                let list = taken.list(wanted.slot).iter().map(|raw| wanted.convert.apply(&Raw::Number(*raw)).unwrap_or(f64::NAN));
+                self.columns[wanted.column].push_list(time_ns(), log_time_ns, list);
+                continue;
+            }
             let Some(value) = wanted.convert.apply(taken.get(wanted.slot)) else { continue };
             if !value.is_finite() {
                 self.columns[wanted.column].not_finite += 1;
                 continue;
             }
-            let stamped = wanted.stamp.and_then(|stamp| stamp.time_ns(taken));
-            let published = (message.publish_time_ns != 0).then(|| nanoseconds(message.publish_time_ns));
-            let time_ns = stamped.or(published).unwrap_or(log_time_ns);
-            self.columns[wanted.column].push(time_ns, log_time_ns, value);
+            self.columns[wanted.column].push(time_ns(), log_time_ns, value);
         }
     }
 

@@ -63,6 +63,11 @@ pub enum Literal {
 }
 
 impl MessagePath {
+    /// Whether a slice picks several values of each message.
+    pub fn is_list(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::Slice(first, last) if first.unwrap_or(0) != last.unwrap_or(-1)))
+    }
+
     /// The path that takes `steps` from the messages of any topic.
     pub(super) fn inside(steps: Vec<Step>) -> Self {
         Self { topic: String::new(), steps, text: String::new() }

@@ -8,6 +8,7 @@ mod json;
 #[cfg(test)]
 mod oracle;
 mod protobuf;
+mod slice;
 mod wish;
 
 use super::path::{MessagePath, Step, Test};
@@ -45,6 +46,8 @@ impl Raw<'_> {
 #[derive(Debug, Default)]
 pub(super) struct Taken<'a> {
     slots: Vec<Raw<'a>>,
+    /// What the elements of slices had for each slot, as numbers; NaN where an element holds none.
+    lists: Vec<Vec<f64>>,
     /// Where the last message of a plan for CDR or ROS 1 had its values.
     shortcut: cdr::Shortcut<'a>,
     /// A value was passed over because its sibling array had not been seen yet.
@@ -54,6 +57,27 @@ pub(super) struct Taken<'a> {
 impl<'a> Taken<'a> {
     pub(super) fn get(&self, slot: usize) -> &Raw<'a> {
         &self.slots[slot]
+    }
+
+    /// The numbers that a slice picked for `slot`, in the array's order.
+    pub(super) fn list(&self, slot: usize) -> &[f64] {
+        self.lists.get(slot).map_or(&[], Vec::as_slice)
+    }
+
+    /// Moves what an element of a slice put into `slots` to their lists.
+    fn keep(&mut self, slots: &[usize]) {
+        for &slot in slots {
+            if self.lists.len() <= slot {
+                self.lists.resize_with(slot + 1, Vec::new);
+            }
+            let number = match std::mem::take(&mut self.slots[slot]) {
+                Raw::Number(value) => value,
+                Raw::Integer(value) => value as f64,
+                Raw::Text(text) => text.trim().parse().unwrap_or(f64::NAN),
+                Raw::Missing => f64::NAN,
+            };
+            self.lists[slot].push(number);
+        }
     }
 
     fn set(&mut self, slot: usize, value: Raw<'a>) {
@@ -111,6 +135,8 @@ pub enum PlanError {
     WholeMessage { field: String, known: Vec<String> },
     #[error("it picks several values; a signal needs one")]
     ManyValues,
+    #[error("behind a slice that picks several elements there may be neither another one nor a filter")]
+    ListWithin,
     #[error("the schema is too large to compile")]
     TooLarge,
 }
@@ -162,6 +188,7 @@ impl Plan {
 
     /// Fills `taken`, which must have been filled by no other plan, from a payload; `None` when the payload does not fit the schema.
     pub(super) fn decode<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
+        taken.lists.iter_mut().for_each(Vec::clear);
         if taken.shortcut.run(payload, &mut taken.slots) {
             return Some(());
         }

@@ -6,6 +6,7 @@ use super::container::{BlockKind, Container};
 use super::gather::{self, Gathered};
 use super::input::Input;
 use super::loss::{Damage, Loss, Why};
+use super::polyline::{Lists, polylines};
 use super::recording::{Origin, Recording, Signals};
 use super::resolve::{self, Choices};
 use super::signal_map::{SignalName, VehicleOverrides};
@@ -108,7 +109,8 @@ fn read_input(
     let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
     let mut signals = Signals::default();
     let mut origins = Vec::new();
-    for (column, choice) in gathered.columns.into_iter().zip(choices.found) {
+    let mut reference: Vec<Lists> = Vec::new();
+    for (mut column, choice) in gathered.columns.into_iter().zip(choices.found) {
         let (signal, not_finite) = (choice.signal, column.not_finite);
         if not_finite > 0 {
             loss.not_finite.insert(signal.key().to_owned(), not_finite);
@@ -138,7 +140,14 @@ fn read_input(
             reason: choice.reason,
             values: column.len(),
         });
+        if choice.spec.path.is_list() {
+            reference.push(std::mem::take(&mut column.lists));
+            continue;
+        }
         signals.set(signal, column.into_signal(choice.spec.relative_to_gear, choice.spec.unsigned));
+    }
+    if let [x, y] = &reference[..] {
+        signals.reference_paths = polylines(x, y);
     }
     let source = LogRef { sha256: sha256?, file, bytes: input.length() };
     let recording = Recording { source, path, vehicle, signals, origins, loss, notes };

@@ -1,6 +1,7 @@
 //! One log read whole: signals in SI, where they come from, and what was lost.
 
 use super::loss::Loss;
+use super::polyline::ReferencePath;
 use super::signal_map::SignalName;
 use crate::map::{LogRef, Vehicle};
 use serde::Serialize;
@@ -45,6 +46,8 @@ pub struct Signals {
     pub estop: Option<Signal>,
     /// Signals of the lateral calibration, by name, when those were read.
     pub lateral: BTreeMap<SignalName, Signal>,
+    /// The reference as whole polylines, sorted by time, when it was named so; `lateral` then holds no reference point.
+    pub reference_paths: Vec<ReferencePath>,
 }
 
 /// A time series: sorted by time, values finite. Equal times keep the order of the log.

@@ -6,7 +6,8 @@ use super::convert::Convert;
 use super::detect;
 use super::gather::{ChannelPlan, Wanted};
 use super::path::{MessagePath, Step};
-use super::plan::Plan;
+use super::plan::{Plan, PlanError};
+use super::polyline;
 use super::presets::Preset;
 use super::schema::Layout;
 use super::series;
@@ -58,6 +59,11 @@ pub(super) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
         }
         Source::Detect => (SignalMap::default(), String::new(), None),
     };
+    let mut map = map;
+    if !choices.told {
+        polyline::instead_of_point(&mut map, &topics)?;
+    }
+    polyline::is_named(&map)?;
     for &signal in wanted {
         if let Some(spec) = map.signals.get(&signal) {
             let (is_plain, has_topic) = (series::is_plain(&spec.path), topics.contains(spec.path.topic.as_str()));
@@ -162,9 +168,9 @@ pub(super) fn plans(
         };
         let good: Vec<(usize, &Choice)> = wanted
             .into_iter()
-            .filter(|(column, choice)| match Plan::compile(&layout, &[&choice.spec.path]) {
-                Ok(_) => true,
-                Err((_, source)) => {
+            .filter(|(column, choice)| match one(&layout, choice) {
+                Ok(()) => true,
+                Err(source) => {
                     let path = choice.spec.path.to_string();
                     problems.entry(*column).or_insert_with(|| Error::Path { signal: choice.signal.key(), path, source });
                     false
@@ -187,6 +193,15 @@ pub(super) fn plans(
         }
     }
     Ok(plans)
+}
+
+/// Whether a choice leads to a value, or, for the reference of the lateral calibration, to a list of values.
+fn one(layout: &Layout, choice: &Choice) -> std::result::Result<(), PlanError> {
+    let path = &choice.spec.path;
+    if path.is_list() && !matches!(choice.signal, SignalName::ReferenceX | SignalName::ReferenceY) {
+        return Err(PlanError::ManyValues);
+    }
+    Plan::compile(layout, &[path]).map(|_| ()).map_err(|(_, source)| source)
 }
 
 fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u8]>, wheel_radius_m: f64) -> Option<ChannelPlan> {
@@ -214,6 +229,7 @@ fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u
             slot: slot(&spec.path.steps, &mut paths),
             stamp,
             convert: Convert::new(choice.signal, spec, &names, wheel_radius_m),
+            list: spec.path.is_list(),
         });
     }
     let references: Vec<&MessagePath> = paths.iter().collect();

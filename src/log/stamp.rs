@@ -1,6 +1,6 @@
 //! The time at which a value was true: the stamp inside the message, if it has one.
 
-use super::path::Step;
+use super::path::{MessagePath, Step};
 use super::plan::{Plan, Raw, Taken};
 use super::schema::Layout;
 
@@ -35,7 +35,7 @@ pub(super) fn find(layout: &Layout, place: Option<&[Step]>, sample: Option<&[u8]
 }
 
 fn holds(layout: &Layout, steps: &[Step], sample: Option<&[u8]>) -> bool {
-    Plan::leads(layout, steps, sample, |raw| number(raw).is_some())
+    !MessagePath::inside(steps.to_vec()).is_list() && Plan::leads(layout, steps, sample, |raw| number(raw).is_some())
 }
 
 impl Stamp {

@@ -19,7 +19,12 @@ pub(super) fn closed_loop(inputs: &Inputs) -> Section {
     };
     compare(&mut section, verdict);
     section.heading("Scenarios");
-    let rows: Vec<Vec<String>> = verdict.scenarios.iter().map(scenario).collect();
+    // manoeuvres have a section of their own
+    let rows: Vec<Vec<String>> = verdict.scenarios.iter().filter(|s| s.class.is_pivot()).map(scenario).collect();
+    if rows.is_empty() {
+        section.absent("The verdict holds no pivot: run pivot-cal verify without --scenario.");
+        return section;
+    }
     let header =
         ["scenario|", "what|", "verdict|", "nearest limit|", "value", "limit", "heading error, median", "99 %", "settling time, median"];
     section.table("", &header, &rows);
@@ -117,6 +122,7 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<String> {
     let unit = |m: Metric, v: f64| match m.unit() {
         "" => format!("{}\u{a0}%", num(100.0 * v, 0)),
         "°" => format!("{}°", num(v, 2)),
+        "m" => format!("{}\u{a0}mm", num(1e3 * v, 0)),
         unit => format!("{}\u{a0}{unit}", num(v, 2)),
     };
     let figure = |metric: Metric, statistic| {

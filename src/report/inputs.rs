@@ -1,8 +1,8 @@
 //! What a folder of maps holds, and whether its files belong together.
 
 use super::{Error, Result};
-use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
-use crate::verify::{ClosedLoop, Verdict};
+use crate::map::{FitTraces, PlanFile, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
+use crate::verify::{ClosedLoop, ManoeuvreTraces, Scenario, Verdict};
 use std::path::Path;
 
 /// The files that a report is made from. Only `table1.json` is needed.
@@ -18,6 +18,10 @@ pub struct Inputs {
     pub fit_traces: Option<FitTraces>,
     /// `verify_traces.json`, of the same Table 2.
     pub closed_loop: Option<ClosedLoop>,
+    /// `manoeuvre_traces.json`, of the same Table 2.
+    pub manoeuvres: Option<ManoeuvreTraces>,
+    /// `plan.json`, of the same Table 1.
+    pub plan: Option<PlanFile>,
     /// Name and SHA-256 of every file that was read, and of the tables' CSVs.
     pub files: Vec<(String, String)>,
     /// What is missing or does not belong together; empty when all is well.
@@ -36,7 +40,7 @@ pub enum Judgement {
     Pass,
     /// It is a fail.
     Fail,
-    /// There is none, or it is about other tables.
+    /// There is none, it is about other tables, or it leaves out pivots.
     NotJudged,
 }
 
@@ -75,6 +79,9 @@ impl Inputs {
         let fit_traces = text("fit_traces.json")?.map(|t| FitTraces::from_json(&t)).transpose().map_err(of_map("fit_traces.json"))?;
         let closed_loop =
             text("verify_traces.json")?.map(|t| ClosedLoop::from_json(&t)).transpose().map_err(of_verdict("verify_traces.json"))?;
+        let manoeuvres = text("manoeuvre_traces.json")?;
+        let manoeuvres = manoeuvres.map(|t| ManoeuvreTraces::from_json(&t)).transpose().map_err(of_verdict("manoeuvre_traces.json"))?;
+        let plan = text("plan.json")?.map(|t| PlanFile::from_json(&t)).transpose().map_err(of_map("plan.json"))?;
 
         let sha1 = files[0].1.clone();
         if let Some(table2) = table2.as_ref().filter(|t| t.table1.sha256 != sha1) {
@@ -109,7 +116,12 @@ impl Inputs {
             (_, Some(v)) if !same(&v.table2_csv_sha256) => {
                 notes.push("verify.json judged another Table 2: run `pivot-cal verify` again".to_owned());
             }
-            _ => {}
+            (_, Some(v)) => {
+                let missing = pivots_left_out(v);
+                if missing > 0 {
+                    notes.push(format!("verify.json leaves out {missing} of the pivots: run `pivot-cal verify` without --scenario"));
+                }
+            }
         }
         let fit_traces = fit_traces.filter(|t| {
             let same = t.table1.sha256 == sha1;
@@ -122,6 +134,23 @@ impl Inputs {
             let same = same(&t.table2_csv_sha256);
             if !same {
                 notes.push("verify_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify` again".to_owned());
+            }
+            same
+        });
+        let manoeuvres = manoeuvres.filter(|t| {
+            let same = same(&t.table2_csv_sha256);
+            if !same {
+                notes.push(
+                    "manoeuvre_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify --scenario manoeuvres` again"
+                        .to_owned(),
+                );
+            }
+            same
+        });
+        let plan = plan.filter(|p| {
+            let same = p.table1_sha256 == sha1;
+            if !same {
+                notes.push("plan.json was made from another table1.json and is left out: run `pivot-cal plan` again".to_owned());
             }
             same
         });
@@ -138,15 +167,32 @@ impl Inputs {
                 table2.maps.retain(|m| shown(m.wheel_angle_deg));
             }
         }
-        Ok(Self { table1, table2, verdict, fit_traces, closed_loop, files, notes, verdict_is_current, other_angles_deg })
+        Ok(Self {
+            table1,
+            table2,
+            verdict,
+            fit_traces,
+            closed_loop,
+            manoeuvres,
+            plan,
+            files,
+            notes,
+            verdict_is_current,
+            other_angles_deg,
+        })
     }
 
     /// Whether the map may be deployed.
     pub fn judgement(&self) -> Judgement {
         match &self.verdict {
-            Some(verdict) if self.verdict_is_current && verdict.passes() => Judgement::Pass,
-            Some(_) if self.verdict_is_current => Judgement::Fail,
+            Some(verdict) if self.verdict_is_current && !verdict.passes() => Judgement::Fail,
+            Some(verdict) if self.verdict_is_current && pivots_left_out(verdict) == 0 => Judgement::Pass,
             _ => Judgement::NotJudged,
         }
     }
+}
+
+/// How many of the pivots a verdict says nothing of: one of chosen scenarios alone judges no map.
+fn pivots_left_out(verdict: &Verdict) -> usize {
+    Scenario::all().iter().filter(|pivot| verdict.scenarios.iter().all(|judged| judged.name != pivot.name)).count()
 }

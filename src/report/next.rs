@@ -1,12 +1,14 @@
-//! What to drive next: the torques of which least is known, and the cells that are least sure.
+//! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
 
 use super::Inputs;
 use super::section::Section;
-use super::svg::num;
+use super::svg::{escaped, num};
 use crate::map::{AccelMap, CellStatus};
 
 /// Rows shown of each list.
 const SHOWN: usize = 8;
+/// Planned runs that are shown.
+const PLANNED: usize = 12;
 
 /// One torque level of a gear.
 struct Level {
@@ -23,6 +25,8 @@ struct Level {
 /// What to drive next as a section.
 pub(super) fn next(inputs: &Inputs) -> Section {
     let mut section = Section::new("next", "What to drive next");
+    planned(&mut section, inputs);
+    section.heading("Where doubt is");
     section.paragraph(
         "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the speeds that are missing. \
          A level far from the torques of a pivot matters less than one within them.",
@@ -72,6 +76,49 @@ pub(super) fn next(inputs: &Inputs) -> Section {
         .collect();
     section.table("narrow", &["gear|", "speed m/s", "torque N·m", "standard error m/s²", "samples", "status|"], &rows);
     section
+}
+
+/// The runs that `pivot-cal plan` proposes.
+fn planned(section: &mut Section, inputs: &Inputs) {
+    let Some(file) = &inputs.plan else {
+        section.absent("No runs are planned yet: run pivot-cal plan, and then report again.");
+        return;
+    };
+    let plan = &file.plan;
+    section.paragraph(&format!(
+        "{} runs in {} min {} s, the most useful first, are expected to take the standard error of the torque from {} to {} N·m (root mean square over \
+         the cells, by the plan's own model). Gain: what the first run of a row takes off it.",
+        plan.runs,
+        (plan.seconds / 60.0).floor(),
+        num(plan.seconds % 60.0, 0),
+        num(plan.std_err_nm, 3),
+        num(plan.std_err_after_nm, 3)
+    ));
+    let rows: Vec<Vec<String>> = plan
+        .entries
+        .iter()
+        .take(PLANNED)
+        .enumerate()
+        .map(|(k, run)| {
+            vec![
+                (k + 1).to_string(),
+                run.gear.to_string(),
+                num(run.torque_nm, 1),
+                escaped(&run.start()),
+                run.repeats.to_string(),
+                num(run.seconds, 1),
+                num(1e3 * run.gain_nm, 2),
+                num(run.gain_percent, 2),
+                escaped(&run.reason.replace(" -", " −")),
+            ]
+        })
+        .collect();
+    let header = ["run", "gear|", "torque N·m", "start|", "times", "each s", "gain mN·m", "gain %", "why|"];
+    section.table("", &header, &rows);
+    if plan.entries.len() > PLANNED {
+        section
+            .paragraph(&format!("And {} more: pivot-cal plan -o next.toml writes them all as a campaign.", plan.entries.len() - PLANNED));
+    }
 }
 
 fn levels(map: &AccelMap) -> Vec<Level> {

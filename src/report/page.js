@@ -113,8 +113,18 @@
         make("text", { x: Math.min(Math.max(x, room), 440 - room).toFixed(1), y: Math.min(Math.max(y + 4, 12), 374).toFixed(1), class: "c m" }, svg, text);
       };
       title([side[0] * 1.04, side[1] * 1.04, up(high) + 0.3], `${heat.v[0].n} [${heat.v[0].u}]`);
-      title([0, -back[1] * 1.62, base], `${heat.x.n} [${heat.x.u}]`);
-      title([-back[0] * 1.62, 0, base], `${heat.y.n} [${heat.y.u}]`);
+      // below the labels of their axis, the second a line lower where it would run into the first
+      const names = [[[-1, -back[1] * 1.1, base], [1, -back[1] * 1.1, base], `${heat.x.n} [${heat.x.u}]`],
+        [[-back[0] * 1.1, -1, base], [-back[0] * 1.1, 1, base], `${heat.y.n} [${heat.y.u}]`]];
+      let taken = null;
+      for (const [from, to, text] of names) {
+        const p = eye(...from), q = eye(...to), room = 3.4 * text.length;
+        const x = Math.min(Math.max((p[0] + q[0]) / 2, room), 440 - room);
+        let y = Math.min(Math.max(p[1], q[1]) + 24, 374);
+        if (taken && Math.abs(x - taken[0]) < room + taken[2] && Math.abs(y - taken[1]) < 14) y = taken[1] <= 360 ? taken[1] + 14 : taken[1] - 14;
+        make("text", { x: x.toFixed(1), y: y.toFixed(1), class: "c m" }, svg, text);
+        taken = [x, y, room];
+      }
     };
     let from = null;
     svg.addEventListener("pointerdown", event => { from = [event.clientX, event.clientY]; svg.setPointerCapture(event.pointerId); });

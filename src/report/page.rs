@@ -3,7 +3,7 @@
 use super::section::Section;
 use super::svg::{PATTERNS, STYLE, escaped};
 use super::{Inputs, Result, scale::Colours};
-use super::{closed_loop, coverage, delay, friction, next, provenance, residuals, round_trip, runs, summary, tables};
+use super::{closed_loop, coverage, delay, friction, manoeuvres, next, provenance, residuals, round_trip, runs, summary, tables};
 use serde_json::json;
 use std::fmt::Write as _;
 
@@ -34,6 +34,7 @@ pub fn report(inputs: &Inputs) -> Result<Report> {
         friction::friction(inputs),
         round_trip::round_trip(inputs)?,
         closed_loop::closed_loop(inputs),
+        manoeuvres::manoeuvres(inputs),
         next::next(inputs),
         provenance::provenance(inputs)?,
     ];

@@ -69,6 +69,10 @@ impl Section {
         self.picture(chart.draw());
     }
 
+    pub(super) fn svg(&mut self, svg: Svg) {
+        self.picture(svg);
+    }
+
     fn picture(&mut self, svg: Svg) {
         self.body.push_str("<figure>");
         self.body.push_str(&svg.inline());

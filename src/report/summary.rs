@@ -102,8 +102,11 @@ fn closed_loop(inputs: &Inputs) -> Figure {
     let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) else {
         return Figure { title, value: "none".to_owned(), detail: "run pivot-cal verify".to_owned(), good: None };
     };
-    let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.status != Status::NotTested).collect();
+    let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class.is_pivot() && s.status != Status::NotTested).collect();
     let passed = tested.iter().filter(|s| s.status == Status::Pass).count();
+    if tested.is_empty() {
+        return Figure { title, value: "none".to_owned(), detail: "no pivot was driven: run pivot-cal verify".to_owned(), good: None };
+    }
     let heading = worst_heading(verdict).map_or(String::new(), |(worst, limit)| {
         let limit = limit.map_or(String::new(), |l| format!(", limit {}°", num(l, 1)));
         format!("; heading error {}° at the 99th percentile of the worst turn{limit}", num(worst, 2))

@@ -96,7 +96,7 @@ impl Svg {
     pub(super) fn inline(&self) -> String {
         let Self { id, label, width, height, body } = self;
         format!(
-            "<svg class=\"f\" id=\"{id}\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width} {height}\" style=\"max-width:{width}px\">{body}</svg>\n",
+            "<svg class=\"f\" id=\"{id}\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width} {height}\" style=\"max-width:{width}px;--w:{width}px\">{body}</svg>\n",
             escaped(label)
         )
     }

@@ -4,15 +4,13 @@
 use super::judge::{Settings, replay};
 use super::run::Moment;
 use super::scenario::Scenario;
+use super::vehicle_log::{log_time_ns, write_vehicle};
 use super::{Maps, Result};
 use crate::control::{AngleStatus, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
-use crate::record::{JointState, LogWriter, Message, Odometry, Stamp};
-use crate::units::{NS_PER_S, RAD_PER_DEG};
+use crate::record::{LogWriter, Message, Odometry, Stamp};
+use crate::units::RAD_PER_DEG;
 use std::fmt::Write as _;
-
-/// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
-const START_NS: u64 = 1_767_225_600_000_000_000;
 
 /// The bytes of an MCAP file with the nominal run of `scenario`.
 ///
@@ -42,20 +40,10 @@ fn write(
     (last_phase, last_task): (Option<Phase>, Option<LateralTask>),
 ) -> crate::record::Result<()> {
     let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
-    let ns = START_NS + (state.t_s * NS_PER_S).round() as u64;
+    write_vehicle(log, wheel_radius_m, state, seen, command.torque_nm, command.gear)?;
+    let ns = log_time_ns(state.t_s);
     let stamp = Stamp { ns };
     let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
-    put(
-        "/joint_states",
-        &Message::JointState(JointState {
-            stamp,
-            frame_id: "base_link",
-            names: &["front_steer_joint", "front_drive_joint"],
-            positions: &[seen.wheel_angle_rad, f64::NAN],
-            velocities: &[f64::NAN, seen.speed_mps.map_or(f64::NAN, |v| v / wheel_radius_m)],
-            efforts: &[f64::NAN, state.torque_nm],
-        }),
-    )?;
     put(
         "/odom",
         &Message::Odometry(Odometry {
@@ -69,9 +57,6 @@ fn write(
             yaw_rate_rad_s: seen.yaw_rate_rad_s,
         }),
     )?;
-    put("/drive/torque_command", &Message::Float64(command.torque_nm))?;
-    put("/drive/gear", &Message::Int8(gear_number(command.gear)))?;
-    put("/safety/estop", &Message::Bool(seen.estop))?;
     put("/pivot/speed_actual", &Message::Float64(state.speed_mps))?;
     put("/pivot/accel_actual", &Message::Float64(state.accel_mps2))?;
     put("/pivot/wheel_angle_desired", &Message::Float64(command.wheel_angle_rad))?;
@@ -95,15 +80,6 @@ fn write(
         }
     }
     Ok(())
-}
-
-/// 0 neutral, 1 forward, 2 reverse.
-fn gear_number(gear: Option<Gear>) -> i8 {
-    match gear {
-        None => 0,
-        Some(Gear::Forward) => 1,
-        Some(Gear::Reverse) => 2,
-    }
 }
 
 fn task_name(task: LateralTask) -> String {

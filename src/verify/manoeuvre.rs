@@ -13,14 +13,16 @@ mod planned;
 mod polyline;
 mod scenario;
 mod torque;
+mod traces;
 
 pub use compensation::CompensationScenario;
 pub use drive::{Moment as ManoeuvreMoment, Mounting, Start, drive};
 pub(super) use judge::judge;
 pub use judge::{bundled_vehicle, replay as replay_manoeuvre};
-pub use lateral_run::{LateralRun, lateral_log, lateral_run};
+pub use lateral_run::{LateralRun, LoggedReference, lateral_log, lateral_run};
 pub use log::log_of as log_of_manoeuvre;
 pub use planned::{Planned, PlannedTask, parking_scene, u_turn_scene};
 pub use polyline::{DEMO_POINTS, LegResult, polyline_settings};
 pub use scenario::{Kind, Manoeuvre};
 pub use torque::{ExactTorque, ManoeuvreTorque};
+pub use traces::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces, Piece, manoeuvre_traces};

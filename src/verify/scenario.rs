@@ -23,6 +23,13 @@ pub enum Class {
     UTurn,
 }
 
+impl Class {
+    /// Whether it is turning on the spot, which the map is made for; the others are manoeuvres.
+    pub fn is_pivot(self) -> bool {
+        matches!(self, Self::Turn | Self::Hard | Self::Failure)
+    }
+}
+
 /// What the world does to the vehicle; figures that depend on the vehicle are relative to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]

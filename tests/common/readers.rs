@@ -17,9 +17,10 @@ pub(crate) fn not_tested(what: &str, why: &str) {
 pub(crate) fn python(modules: &[&str], what: &str) -> Option<PathBuf> {
     let venv = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/readers/bin/python");
     let candidates = [std::env::var_os("PIVOT_CAL_PYTHON").map(PathBuf::from), Some(venv), Some("python3".into())];
-    let imports = modules.iter().map(|m| format!("import {m}")).collect::<Vec<_>>().join("\n");
+    // found, not imported: some take seconds
+    let finds = "import importlib.util, sys\nsys.exit(any(importlib.util.find_spec(m) is None for m in sys.argv[1:]))";
     let has = |python: &PathBuf| {
-        let run = Command::new(python).arg("-c").arg(&imports).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        let run = Command::new(python).arg("-c").arg(finds).args(modules).stdout(Stdio::null()).stderr(Stdio::null()).status();
         run.is_ok_and(|status| status.success())
     };
     let found = candidates.into_iter().flatten().find(has);

@@ -1,50 +1,57 @@
-"""Loads a calibration table as Apollo's longitudinal controller does and looks places up in it.
+"""Reads a calibration table with protobuf's own parser of the text format and looks places up in it as Apollo's longitudinal controller does.
 
-Written from the documented rules: entries by speed, then by acceleration; linear interpolation along acceleration within the two
-neighbouring speeds, then between them; outside, the edge. Also judged: entries are unique, more acceleration needs more command, and no
-command contradicts the sign of its acceleration. Reads places from standard input as JSON, prints commands as JSON.
+The message is that of Apollo's public definition (a repeated `calibration` of speed, acceleration and command, all optional doubles); unknown fields,
+repeated scalars and bad numbers are the parser's errors. The look-up is written from the documented rules: linear along acceleration within the two
+neighbouring speeds, then between them; outside, the edge. Also judged: entries are unique, more acceleration needs more command, and no command
+contradicts the sign of its acceleration.
+
+usage: apollo.py TABLE… with places for each table on standard input as a JSON list of lists; prints the commands alike.
 """
 
-import bisect
 import json
-import re
 import sys
 
-with open(sys.argv[1], encoding="utf-8") as file:
-    text = "\n".join(line.split("#")[0] for line in file)
-number = r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)"
-entry = re.compile(r"calibration\s*\{\s*speed:\s*" + number + r"\s+acceleration:\s*" + number + r"\s+command:\s*" + number + r"\s*\}")
-assert not entry.sub("", text).strip(), "something beside calibration entries"
-table = {}
-for speed, accel, command in (map(float, found) for found in entry.findall(text)):
-    row = table.setdefault(speed, {})
-    assert accel not in row, "entry stands twice"
-    assert accel * command >= 0.0, "sign"
-    row[accel] = command
-rows = [(speed, sorted(row.items())) for speed, row in sorted(table.items())]
-for speed, row in rows:
-    assert all(b[1] > a[1] for a, b in zip(row, row[1:])), f"not monotone at speed {speed}"
+import numpy
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory, text_format
+
+file = descriptor_pb2.FileDescriptorProto(name="calibration_table.proto", package="apollo.control", syntax="proto2")
+info = file.message_type.add(name="ControlCalibrationInfo")
+for number, name in enumerate(["speed", "acceleration", "command"], 1):
+    info.field.add(name=name, number=number, type=descriptor_pb2.FieldDescriptorProto.TYPE_DOUBLE,
+                   label=descriptor_pb2.FieldDescriptorProto.LABEL_OPTIONAL)
+table = file.message_type.add(name="calibration_table")
+table.field.add(name="calibration", number=1, type=descriptor_pb2.FieldDescriptorProto.TYPE_MESSAGE,
+                label=descriptor_pb2.FieldDescriptorProto.LABEL_REPEATED, type_name=".apollo.control.ControlCalibrationInfo")
+pool = descriptor_pool.DescriptorPool()
+pool.Add(file)
+Table = message_factory.GetMessageClass(pool.FindMessageTypeByName("apollo.control.calibration_table"))
 
 
-def along(points, x):
-    places = [p[0] for p in points]
-    if x <= places[0]:
-        return points[0][1]
-    if x >= places[-1]:
-        return points[-1][1]
-    k = bisect.bisect_right(places, x)
-    (x0, y0), (x1, y1) = points[k - 1], points[k]
-    return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+def load(path):
+    with open(path, encoding="utf-8") as text:
+        entries = text_format.Parse(text.read(), Table()).calibration
+    assert entries, "no entry"
+    table = {}
+    for entry in entries:
+        assert all(entry.HasField(name) for name in ["speed", "acceleration", "command"]), "a field is missing"
+        row = table.setdefault(entry.speed, {})
+        assert entry.acceleration not in row, "entry stands twice"
+        assert entry.acceleration * entry.command >= 0.0, "sign"
+        row[entry.acceleration] = entry.command
+    rows = {speed: tuple(map(numpy.array, zip(*sorted(row.items())))) for speed, row in sorted(table.items())}
+    for speed, (_, commands) in rows.items():
+        assert (numpy.diff(commands) > 0.0).all(), f"not monotone at speed {speed}"
+    return rows
 
 
-def look_up(speed, accel):
-    speeds = [r[0] for r in rows]
-    if speed <= speeds[0]:
-        return along(rows[0][1], accel)
-    if speed >= speeds[-1]:
-        return along(rows[-1][1], accel)
-    k = bisect.bisect_right(speeds, speed)
-    return along([(speeds[k - 1], along(rows[k - 1][1], accel)), (speeds[k], along(rows[k][1], accel))], speed)
+def look_up(rows, places):
+    speeds = numpy.array(list(rows))
+    found = []
+    for speed, accel in places:
+        k = int(numpy.clip(numpy.searchsorted(speeds, speed, side="right"), 1, len(speeds) - 1))
+        near = speeds[k - 1:k + 1]
+        found.append(float(numpy.interp(speed, near, [numpy.interp(accel, *rows[s]) for s in near])))
+    return found
 
 
-print(json.dumps([look_up(*place) for place in json.load(sys.stdin)]))
+print(json.dumps([look_up(load(path), places) for path, places in zip(sys.argv[1:], json.load(sys.stdin), strict=True)]))

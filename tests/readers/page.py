@@ -25,6 +25,24 @@ FIGURES = """
            bad: /NaN|undefined|Infinity/.test(svg.innerHTML) };
 }))()
 """
+# names and numbers in one figure that lie over each other by more than two pixels
+OVERLAPS = """
+(() => [...document.querySelectorAll('figure svg')].flatMap(svg => {
+  const texts = [...svg.querySelectorAll('text')].map(n => [n.textContent, n.getBoundingClientRect()]);
+  return texts.flatMap(([a, p], k) => texts.slice(k + 1)
+    .filter(([b, q]) => Math.min(p.right, q.right) - Math.max(p.left, q.left) > 2 && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 4)
+    .map(([b]) => `${svg.id || svg.dataset.of}: ${a} / ${b}`));
+}))()
+"""
+# what sticks out of its figure, and is cut off
+CLIPPED = """
+(() => [...document.querySelectorAll('figure svg')].flatMap(svg => {
+  const box = svg.getBoundingClientRect();
+  return [...svg.querySelectorAll('text')].filter(n => { const b = n.getBoundingClientRect();
+    return b.left < box.left - 1 || b.right > box.right + 1 || b.top < box.top - 1 || b.bottom > box.bottom + 1; })
+    .map(n => `${svg.id || svg.dataset.of}: ${n.textContent}`);
+}))()
+"""
 CENTRE = "(() => { const b = (%s).getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()"
 
 
@@ -81,12 +99,14 @@ class Browser:
             time.sleep(0.05)
         raise SystemExit("the page did not load")
 
-    def shot(self, path):
+    def shot(self, path, width=1280):
         self.evaluate("scrollTo(0, 0)")
-        height = min(16000, int(self.evaluate("document.documentElement.scrollHeight")))
-        clip = {"x": 0, "y": 0, "width": 1280, "height": height, "scale": 1}
-        data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, clip=clip)["data"]
-        path.write_bytes(base64.b64decode(data))
+        height = int(self.evaluate("document.documentElement.scrollHeight"))
+        # a picture has no more than some 16000 rows
+        for part, y in enumerate(range(0, height, 8000)):
+            clip = {"x": 0, "y": y, "width": width, "height": min(8000, height - y), "scale": 1}
+            data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, clip=clip)["data"]
+            path.with_stem(f"{path.stem}_{part}" if part else path.stem).write_bytes(base64.b64decode(data))
 
 
 def look(browser, url):
@@ -96,6 +116,8 @@ def look(browser, url):
     found["figures"] = browser.evaluate(FIGURES)
     found["sections"] = browser.evaluate("[...document.querySelectorAll('main section')].map(s => s.id)")
     found["verdict"] = browser.evaluate("document.querySelector('.verdict strong').textContent")
+    found["overlaps"] = browser.evaluate(OVERLAPS)
+    found["clipped"] = browser.evaluate(CLIPPED)
     found["overflow"] = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
 
     # hover: the tip tells the cell's value
@@ -155,6 +177,11 @@ def main():
                 found["trace_closed"] = browser.evaluate("document.querySelectorAll('tr.traces').length === 0")
                 browser.evaluate("document.querySelector('.runs th:nth-child(4)').click()")
                 found["sorted"] = browser.evaluate("[...document.querySelectorAll('.runs tbody tr')].map(r => r.cells[3].textContent)")
+            browser.call("Emulation.setDeviceMetricsOverride", width=420, height=900, deviceScaleFactor=1, mobile=False)
+            found["narrow_overflow"] = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
+            if folder:
+                browser.shot(folder / "narrow.png", 420)
+            browser.call("Emulation.clearDeviceMetricsOverride")
             browser.open(page.as_uri(), "dark")
             found["dark_background"] = browser.evaluate("getComputedStyle(document.body).backgroundColor")
             if folder:

@@ -22,6 +22,10 @@ pub enum Error {
         "the smallest turning radius, {radius_m:.3} m, is too large to enter a slot {found_m:.3} m wide beside the obstacle; nearest feasible width: {nearest_m:.3} m"
     )]
     RadiusTooLarge { radius_m: f64, found_m: f64, nearest_m: f64 },
+    #[error(
+        "the slot is {found_m:.3} m wide, too narrow to turn into it; nearest feasible width from a start along the row: {nearest_m:.3} m"
+    )]
+    SlotTooNarrowToEnter { found_m: f64, nearest_m: f64 },
     #[error("the aisle is {found_m:.3} m wide; nearest feasible width from a start along the row: {nearest_m:.3} m")]
     AisleTooNarrow { found_m: f64, nearest_m: f64 },
     #[error(

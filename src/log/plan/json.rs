@@ -1,6 +1,7 @@
 //! JSON payloads: the text is parsed once, and everything that is not wanted is passed over without being built.
 
 use super::cdr::position;
+use super::slice::elements;
 use super::wish::{Check, Element, Pick, Wish};
 use super::{Raw, Taken};
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
@@ -120,7 +121,7 @@ impl<'de> Visitor<'de> for Seed<'_, '_, '_> {
                 while sequence.next_element::<IgnoredAny>()?.is_some() {}
                 Ok(())
             }
-            [(pick, program)] if !matches!(pick, Pick::Index(..0)) => one_pick(pick, program, sequence, taken),
+            [(pick, program)] if !pick.counts_from_the_end() => one_pick(pick, program, sequence, taken),
             _ => {
                 // several picks, or one counted from the end: rare enough to build the values
                 let mut values: Vec<serde_json::Value> = Vec::new();
@@ -133,6 +134,13 @@ impl<'de> Visitor<'de> for Seed<'_, '_, '_> {
                             Some(index) => Pick::Index(index as i64),
                             None => continue,
                         },
+                        Pick::Each { first, last, slots } => {
+                            let wanted = elements(*first, *last, values.len());
+                            if wanted.is_empty() {
+                                continue;
+                            }
+                            Pick::Each { first: wanted.start as i64, last: wanted.end as i64 - 1, slots: slots.clone() }
+                        }
                         pick => pick.clone(),
                     };
                     let mut values = serde::de::value::SeqDeserializer::new(values.iter());
@@ -149,7 +157,7 @@ fn one_pick<'de, A: SeqAccess<'de>>(pick: &Pick, program: &Program, mut sequence
     let wanted = match pick {
         Pick::Index(index) => u64::try_from(*index).ok(),
         Pick::At { register } => taken.register(*register),
-        Pick::First { .. } | Pick::Find { .. } => None,
+        Pick::First { .. } | Pick::Find { .. } | Pick::Each { .. } => None,
     };
     let mut index = 0;
     let mut done = false;
@@ -178,11 +186,18 @@ fn one_pick<'de, A: SeqAccess<'de>>(pick: &Pick, program: &Program, mut sequence
                 }
                 more
             }
+            Pick::Each { first, last, slots } if index as i64 >= *first && (*last == -1 || index as i64 <= *last) => {
+                let more = sequence.next_element_seed(Seed { program, taken: &mut *taken })?.is_some();
+                if more {
+                    taken.keep(slots);
+                }
+                more
+            }
             Pick::Index(_) | Pick::At { .. } if wanted == Some(index) => {
                 done = true;
                 sequence.next_element_seed(Seed { program, taken: &mut *taken })?.is_some()
             }
-            Pick::Index(_) | Pick::At { .. } => sequence.next_element::<IgnoredAny>()?.is_some(),
+            Pick::Index(_) | Pick::At { .. } | Pick::Each { .. } => sequence.next_element::<IgnoredAny>()?.is_some(),
         };
         if !more {
             return Ok(());

@@ -10,6 +10,7 @@ mod wire;
 
 use super::super::schema::{Message, ProtobufField, ProtobufKind as Kind};
 use super::cdr::position;
+use super::slice::elements;
 use super::wish::{Check, Pick, Wish};
 use super::{PlanError, Raw, Taken};
 use prost_types::field_descriptor_proto::Type;
@@ -112,7 +113,7 @@ impl Program {
             for element in &wish.elements {
                 let is_message = matches!(field.kind, Kind::Message(_));
                 let fits = match element.pick {
-                    Pick::Index(_) => true,
+                    Pick::Index(_) | Pick::Each { .. } => true,
                     Pick::First { .. } => is_message,
                     Pick::Find { .. } | Pick::At { .. } => !is_message,
                 };
@@ -193,24 +194,36 @@ impl Program {
 impl Field {
     /// Fills what one pick wants of a repeated field of the message `payload`.
     fn pick<'a>(&self, pick: &Pick, program: &Program, payload: &'a [u8], taken: &mut Taken<'a>, depth: usize) -> Option<()> {
-        let wanted = match pick {
-            Pick::Index(index) if *index < 0 => {
-                let mut count = 0;
-                self.each(payload, |_, _| {
-                    count += 1;
-                    Some(false)
-                })?;
-                match position(*index, count) {
-                    Some(index) => Some(index as u64),
-                    None => return Some(()),
+        let count = || {
+            let mut count = 0;
+            self.each(payload, |_, _| {
+                count += 1;
+                Some(false)
+            })?;
+            Some(count)
+        };
+        if let Pick::Each { first, last, slots } = pick {
+            let wanted = elements(*first, *last, count()?);
+            return self.each(payload, |index, wire| {
+                if !wanted.contains(&(index as usize)) {
+                    return Some(index as usize >= wanted.end);
                 }
-            }
+                self.one(program, wire, taken, depth)?;
+                taken.keep(slots);
+                Some(false)
+            });
+        }
+        let wanted = match pick {
+            Pick::Index(index) if *index < 0 => match position(*index, count()?) {
+                Some(index) => Some(index as u64),
+                None => return Some(()),
+            },
             Pick::Index(index) => Some(*index as u64),
             Pick::At { register } => match taken.register(*register) {
                 Some(index) => Some(index),
                 None => return Some(()),
             },
-            Pick::First { .. } | Pick::Find { .. } => None,
+            Pick::First { .. } | Pick::Find { .. } | Pick::Each { .. } => None,
         };
         self.each(payload, |index, wire| {
             if wanted.is_some_and(|wanted| wanted != index) {
@@ -225,16 +238,8 @@ impl Field {
                     }
                     return Some(found);
                 }
-                for slot in program.fields.iter().flat_map(|field| &field.slots) {
-                    taken.set(*slot, value.clone());
-                }
-                return Some(true);
             }
-            let Wire::Bytes(inner) = wire else { return None };
-            for (slot, value) in &program.defaults {
-                taken.set(*slot, value.clone());
-            }
-            program.merge(inner, taken, depth + 1)?;
+            self.one(program, wire, taken, depth)?;
             if let Pick::First { test, tested, slots } = pick
                 && !taken.get(*tested).passes(test)
             {
@@ -243,6 +248,22 @@ impl Field {
             }
             Some(true)
         })
+    }
+
+    /// Fills what is wanted of one element.
+    fn one<'a>(&self, program: &Program, wire: Wire<'a>, taken: &mut Taken<'a>, depth: usize) -> Option<()> {
+        if let Some(scalar) = self.scalar {
+            let value = value(scalar, wire)?;
+            for slot in program.fields.iter().flat_map(|field| &field.slots) {
+                taken.set(*slot, value.clone());
+            }
+            return Some(());
+        }
+        let Wire::Bytes(inner) = wire else { return None };
+        for (slot, value) in &program.defaults {
+            taken.set(*slot, value.clone());
+        }
+        program.merge(inner, taken, depth + 1)
     }
 
     /// Calls `visit` for each element of the repeated field, packed or not, until it says `true`.

@@ -41,6 +41,8 @@ pub(super) enum Pick {
     Find { test: Test, register: usize },
     /// The one whose index stands in `register`.
     At { register: usize },
+    /// All from the first to the last, both included: what each of them puts into `slots` is kept as a list.
+    Each { first: i64, last: i64, slots: Vec<usize> },
 }
 
 /// A condition on a message: `slots` are emptied unless slot `tested` passes.
@@ -86,7 +88,7 @@ impl Wishes {
             [Step::Index(index), rest @ ..] => self.element(wish, *index, rest, slot)?,
             [Step::Slice(first, last), rest @ ..] => match (first.unwrap_or(0), last.unwrap_or(-1)) {
                 (first, last) if first == last => self.element(wish, first, rest, slot)?,
-                _ => return Err(PlanError::ManyValues),
+                (first, last) => self.each(wish, first, last, rest, slot)?,
             },
             [Step::Filter(_)] => return Err(PlanError::WholeMessage { field: "the filtered message".into(), known: Vec::new() }),
             [Step::Filter(test), rest @ ..] => {
@@ -107,6 +109,26 @@ impl Wishes {
         let mut inner = Wish::default();
         self.extend(&mut inner, rest, slot)?;
         wish.elements.push(Element { pick: Pick::Index(index), wish: inner });
+        Ok(())
+    }
+}
+
+impl Wishes {
+    /// Every element of a slice. Slices of the same elements are one, so that the array is walked once for all of them.
+    fn each(&mut self, wish: &mut Wish, first: i64, last: i64, rest: &[Step], slot: usize) -> Result<(), PlanError> {
+        if rest.iter().any(|step| matches!(step, Step::Slice(..) | Step::Filter(_))) {
+            return Err(PlanError::ListWithin);
+        }
+        let mut inner = Wish::default();
+        self.extend(&mut inner, rest, slot)?;
+        let same = |element: &&mut Element| matches!(element.pick, Pick::Each { first: f, last: l, .. } if (f, l) == (first, last));
+        match wish.elements.iter_mut().find(same) {
+            Some(Element { pick: Pick::Each { slots, .. }, wish }) => {
+                slots.push(slot);
+                wish.merge(inner);
+            }
+            _ => wish.elements.push(Element { pick: Pick::Each { first, last, slots: vec![slot] }, wish: inner }),
+        }
         Ok(())
     }
 }

@@ -6,6 +6,7 @@ use super::super::metric::{Metric, Summary, Values};
 use super::super::verdict::{ScenarioVerdict, Status};
 use super::super::{Maps, Result};
 use super::drive::Moment;
+use super::planned::Planned;
 use super::scenario::{Bench, Manoeuvre};
 use super::torque::ManoeuvreTorque;
 use crate::sim::{self, VehicleFile};
@@ -21,7 +22,7 @@ pub fn bundled_vehicle() -> Result<sim::Settings> {
 
 fn bench<'a>(maps: &'a Maps, settings: &Settings) -> Result<Bench<'a>> {
     let plant = &settings.manoeuvre_vehicle;
-    Ok(Bench { maps, torque: ManoeuvreTorque::new(Some(maps), plant)?, wheelbase_m: plant.vehicle.wheelbase_m })
+    Ok(Bench { maps, torque: ManoeuvreTorque::new(Some(maps), plant)?, wheelbase_m: plant.vehicle.wheelbase_m, planned: None })
 }
 
 /// Judges every manoeuvre of `settings`.
@@ -46,6 +47,8 @@ pub(in super::super) fn judge(maps: &Maps, settings: &Settings) -> Result<Vec<Sc
                 verdict.notes.push(why);
                 return Ok(verdict);
             }
+            let planned = manoeuvre.plan(bench.wheelbase_m)?;
+            let bench = Bench { planned: planned.as_ref(), ..bench.clone() };
             let nominal = manoeuvre.run(&bench, plant, settings.seed, |_| {})?;
             let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| manoeuvre.run(&bench, plant, *seed, |_| {})).collect();
             let runs = runs?;
@@ -62,5 +65,16 @@ pub(in super::super) fn judge(maps: &Maps, settings: &Settings) -> Result<Vec<Sc
 /// # Errors
 /// A vehicle that cannot be simulated.
 pub fn replay(maps: &Maps, settings: &Settings, manoeuvre: &Manoeuvre, record: impl FnMut(&Moment)) -> Result<Values> {
-    manoeuvre.run(&bench(maps, settings)?, &settings.manoeuvre_vehicle, settings.seed, record)
+    replay_planned(maps, settings, manoeuvre, None, record)
+}
+
+/// As [`replay`], along a plan that was made before.
+pub(super) fn replay_planned(
+    maps: &Maps,
+    settings: &Settings,
+    manoeuvre: &Manoeuvre,
+    planned: Option<&Planned>,
+    record: impl FnMut(&Moment),
+) -> Result<Values> {
+    manoeuvre.run(&Bench { planned, ..bench(maps, settings)? }, &settings.manoeuvre_vehicle, settings.seed, record)
 }

@@ -26,6 +26,18 @@ pub struct LateralRun {
     pub seed: u64,
 }
 
+/// In what form a log holds the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoggedReference {
+    /// The matched point, every period.
+    Point,
+    /// The whole path, once.
+    Path,
+    /// Both.
+    #[default]
+    Both,
+}
+
 /// Drives the legs of a path one after the other; `compensation` is told each command's error and gives the angle for the next period.
 pub(super) struct LegsDriver<'a> {
     path: &'a PosePath,
@@ -86,9 +98,14 @@ pub fn lateral_run(vehicle: &sim::Settings, run: &LateralRun, mut record: impl F
 ///
 /// # Errors
 /// As [`lateral_run`], and what the MCAP writer refuses.
-pub fn lateral_log(vehicle: &sim::Settings, run: &LateralRun) -> Result<(Vec<u8>, Stage)> {
+pub fn lateral_log(vehicle: &sim::Settings, run: &LateralRun, reference: LoggedReference) -> Result<(Vec<u8>, Stage)> {
     let mut log = Log::new(&vehicle.vehicle);
-    log.reference(&course(&lateral_task(), vehicle.vehicle.wheelbase_m))?;
+    if reference == LoggedReference::Path {
+        log = log.without_points();
+    }
+    if reference != LoggedReference::Point {
+        log.reference(&course(&lateral_task(), vehicle.vehicle.wheelbase_m))?;
+    }
     let mut outcome = Ok(());
     let stage = lateral_run(vehicle, run, |moment| {
         if outcome.is_ok() {

@@ -1,22 +1,21 @@
 //! A manoeuvre as a log of standard ROS 2 messages: pose as navigated and as true, commands, reference path and matched point.
 
+use super::super::vehicle_log::{START_NS, log_time_ns, write_vehicle};
 use super::super::{Maps, Result};
 use super::drive::Moment;
 use super::judge::replay;
 use super::scenario::Manoeuvre;
 use crate::control::manoeuvre::path::PosePath;
 use crate::control::route::follower::Stage;
-use crate::map::{Gear, Vehicle};
-use crate::record::{JointState, LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
-use crate::units::NS_PER_S;
-
-/// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
-const START_NS: u64 = 1_767_225_600_000_000_000;
+use crate::map::Vehicle;
+use crate::record::{LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
 
 /// A log under construction.
 pub(super) struct Log {
     log: LogWriter,
     wheel_radius_m: f64,
+    /// Whether the matched point is logged.
+    points: bool,
     last_stage: Option<Stage>,
 }
 
@@ -30,7 +29,12 @@ impl Log {
         ];
         entries.extend(vehicle.torque_limit_nm.map(|limit| ("torque_limit_nm", limit.to_string())));
         log.metadata("pivot-cal/vehicle", entries);
-        Self { log, wheel_radius_m: vehicle.wheel_radius_m, last_stage: None }
+        Self { log, wheel_radius_m: vehicle.wheel_radius_m, points: true, last_stage: None }
+    }
+
+    /// Leaves out the matched point.
+    pub(super) fn without_points(self) -> Self {
+        Self { points: false, ..self }
     }
 
     pub(super) fn metadata<'a>(&mut self, name: &str, entries: impl IntoIterator<Item = (&'a str, String)>) {
@@ -46,21 +50,11 @@ impl Log {
 
     pub(super) fn write(&mut self, moment: &Moment) -> Result<()> {
         let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
-        let ns = START_NS + (state.t_s * NS_PER_S).round() as u64;
+        write_vehicle(&mut self.log, self.wheel_radius_m, state, seen, command.torque_nm, command.gear)?;
+        let ns = log_time_ns(state.t_s);
         let stamp = Stamp { ns };
         let log = &mut self.log;
         let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
-        put(
-            "/joint_states",
-            &Message::JointState(JointState {
-                stamp,
-                frame_id: "base_link",
-                names: &["front_steer_joint", "front_drive_joint"],
-                positions: &[seen.wheel_angle_rad, f64::NAN],
-                velocities: &[f64::NAN, seen.speed_mps.map_or(f64::NAN, |v| v / self.wheel_radius_m)],
-                efforts: &[f64::NAN, state.torque_nm],
-            }),
-        )?;
         let speed_mps = state.speed_mps * state.wheel_angle_rad.cos();
         for (topic, x_m, y_m, heading_rad) in
             [("/odom", seen.x_m, seen.y_m, seen.heading_rad), ("/ground_truth/odom", state.x_m, state.y_m, state.heading_rad)]
@@ -69,22 +63,16 @@ impl Log {
             put(topic, &Message::Odometry(Odometry { stamp, frame_id, child_frame_id, x_m, y_m, heading_rad, speed_mps, yaw_rate_rad_s }))?;
         }
         put("/navigation/yaw", &Message::Float64(seen.heading_rad))?;
-        put("/drive/torque_command", &Message::Float64(command.torque_nm))?;
-        let gear = match command.gear {
-            None => 0,
-            Some(Gear::Forward) => 1,
-            Some(Gear::Reverse) => 2,
-        };
-        put("/drive/gear", &Message::Int8(gear))?;
-        put("/safety/estop", &Message::Bool(seen.estop))?;
         put("/manoeuvre/speed_actual", &Message::Float64(state.speed_mps))?;
         put("/manoeuvre/speed_desired", &Message::Float64(command.target_speed_mps))?;
         put("/manoeuvre/accel_desired", &Message::Float64(command.accel_mps2))?;
         put("/manoeuvre/wheel_angle_desired", &Message::Float64(command.wheel_angle_rad))?;
         put("/steering/compensation", &Message::Float64(moment.compensation_rad))?;
         if let Some(matched) = &command.matched {
-            let point = PointStamped { stamp, frame_id: "odom", x_m: matched.x_m, y_m: matched.y_m };
-            put("/reference/matched_point", &Message::PointStamped(point))?;
+            if self.points {
+                let point = PointStamped { stamp, frame_id: "odom", x_m: matched.x_m, y_m: matched.y_m };
+                put("/reference/matched_point", &Message::PointStamped(point))?;
+            }
             put("/manoeuvre/lateral_error", &Message::Float64(command.lateral_error_m))?;
         }
         if self.last_stage != Some(command.stage) {

@@ -99,9 +99,16 @@ impl Watch<'_> {
     }
 }
 
-/// Drives [`DEMO_POINTS`] and measures it.
-pub(super) fn run(bench: &Bench<'_>, law: LawName, plant: &sim::Settings, seed: u64, mut record: impl FnMut(&Moment)) -> Result<Values> {
-    let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default()).map_err(Error::Polyline)?;
+/// Drives the points and measures it.
+pub(super) fn run(
+    bench: &Bench<'_>,
+    law: LawName,
+    points_m: &[[f64; 2]],
+    plant: &sim::Settings,
+    seed: u64,
+    mut record: impl FnMut(&Moment),
+) -> Result<Values> {
+    let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
     let (settings, turn) = polyline_settings(bench.wheelbase_m, law);
     settings.speed.checked()?;
     let mut driver = PolylineDriver::new(&plan, settings, turn);
@@ -121,7 +128,9 @@ pub(super) fn run(bench: &Bench<'_>, law: LawName, plant: &sim::Settings, seed: 
         let command = driver.step(inputs, &bench.torque, 0.0);
         (command, 0.0, driver.leg())
     };
-    let stage = drive(plant, seed, &Start::default(), &Mounting::default(), settings.limits.period_s, controller, |moment| {
+    let first = plan.legs[0].poses[0];
+    let start = Start { pose: Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad }, wheel_angle_rad: 0.0 };
+    let stage = drive(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, |moment| {
         watch.see(moment);
         record(moment);
     })?;

@@ -5,7 +5,7 @@ use super::super::scenario::Class;
 use super::super::{Error, Maps, Result};
 use super::compensation::CompensationScenario;
 use super::drive::Moment;
-use super::planned::{self, PlannedTask};
+use super::planned::{self, Planned, PlannedTask};
 use super::polyline::{self, DEMO_POINTS};
 use super::torque::ManoeuvreTorque;
 use crate::control::manoeuvre::path::PosePath;
@@ -20,7 +20,12 @@ use serde::Serialize;
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// A polyline with turns on the spot, its segments tracked by a law.
-    Polyline(LawName),
+    Polyline {
+        /// The law.
+        law: LawName,
+        /// The points [m].
+        points_m: Vec<[f64; 2]>,
+    },
     /// A path with mounting errors, without and with compensation.
     Compensation(CompensationScenario),
     /// A path that is planned beforehand: parking, the U-turn.
@@ -49,6 +54,8 @@ pub(super) struct Bench<'a> {
     pub(super) torque: ManoeuvreTorque<'a>,
     /// Wheelbase [m].
     pub(super) wheelbase_m: f64,
+    /// The plan of a planned task, made once for all of its runs.
+    pub(super) planned: Option<&'a Planned>,
 }
 
 impl Manoeuvre {
@@ -60,7 +67,7 @@ impl Manoeuvre {
                 name: format!("polyline-{}", law.name()),
                 what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
                 class: Class::Polyline,
-                kind: Kind::Polyline(law),
+                kind: Kind::Polyline { law, points_m: DEMO_POINTS.to_vec() },
             })
             .collect();
         for direction in Gear::ALL {
@@ -71,16 +78,17 @@ impl Manoeuvre {
                 kind: Kind::Compensation(CompensationScenario::new(direction)),
             });
         }
-        let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool| Self {
+        let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool, nose_in: bool| Self {
             name: name.to_owned(),
             what: what.to_owned(),
             class: Class::Parking,
-            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right }),
+            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right, nose_in }),
         };
-        all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true));
-        all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false));
-        all.push(parking("parking-60", "backing into a slot slanted by 60° against the row", 60.0, true));
-        all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true));
+        all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true, false));
+        all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false, false));
+        all.push(parking("parking-60", "backing into a slot slanted by 60° against the row", 60.0, true, false));
+        all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true, false));
+        all.push(parking("parking-nose-in", "forward into a slot slanted by 120° against the row", 120.0, true, true));
         all.push(Self {
             name: "u-turn".to_owned(),
             what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
@@ -88,6 +96,19 @@ impl Manoeuvre {
             kind: Kind::Planned(PlannedTask::UTurn),
         });
         all
+    }
+
+    /// The same along other points [m], if it is a polyline.
+    ///
+    /// # Errors
+    /// Points that are no path, with the nearest that would be.
+    pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
+        if let Kind::Polyline { law, points_m: own } = &mut self.kind {
+            let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+            self.what = format!("{} segments of one's own with turns on the spot, tracked by {}", plan.segments.len(), law.title());
+            *own = points_m.to_vec();
+        }
+        Ok(self)
     }
 
     /// Why it cannot be run, if it cannot.
@@ -99,7 +120,7 @@ impl Manoeuvre {
             ));
         }
         match &self.kind {
-            Kind::Polyline(_) | Kind::Planned(_) => None,
+            Kind::Polyline { .. } | Kind::Planned(_) => None,
             Kind::Compensation(_) if maps.lateral.is_some() => None,
             Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
         }
@@ -111,8 +132,8 @@ impl Manoeuvre {
     /// Points that are no path.
     pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
         match &self.kind {
-            Kind::Polyline(_) => {
-                let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default()).map_err(Error::Polyline)?;
+            Kind::Polyline { points_m, .. } => {
+                let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
                 Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
             }
             Kind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
@@ -120,12 +141,23 @@ impl Manoeuvre {
         }
     }
 
+    /// Its plan, if it is a task that is planned beforehand.
+    pub(super) fn plan(&self, wheelbase_m: f64) -> Result<Option<Planned>> {
+        match &self.kind {
+            Kind::Planned(task) => task.plan(wheelbase_m).map(Some),
+            Kind::Polyline { .. } | Kind::Compensation(_) => Ok(None),
+        }
+    }
+
     /// Runs it on `plant`; `record` sees every period.
     pub(super) fn run(&self, bench: &Bench<'_>, plant: &sim::Settings, seed: u64, record: impl FnMut(&Moment)) -> Result<Values> {
         match &self.kind {
-            Kind::Polyline(law) => polyline::run(bench, *law, plant, seed, record),
+            Kind::Polyline { law, points_m } => polyline::run(bench, *law, points_m, plant, seed, record),
             Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
-            Kind::Planned(task) => planned::run(bench, *task, plant, seed, record),
+            Kind::Planned(task) => match bench.planned {
+                Some(planned) => planned::run(bench, planned, plant, seed, record),
+                None => planned::run(bench, &task.plan(bench.wheelbase_m)?, plant, seed, record),
+            },
         }
     }
 }

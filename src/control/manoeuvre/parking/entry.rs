@@ -1,4 +1,4 @@
-//! The entry circle: tangent to the first line and to the slot's axis, past the corner of the obstacle on the right.
+//! The entry circle: tangent to the first line and to the slot's axis, past the corner of the obstacle on the side from which the vehicle comes.
 //!
 //! With the axis u = (cos φ, sin φ) outward and n = (sin φ, −cos φ) to its right, the circle of radius R that touches the line y = y₁ and the axis
 //! has its centre at
@@ -6,6 +6,8 @@
 //! ```text
 //! C = t u + R n      t = (y₁ − R (1 − cos φ))/sin φ
 //! ```
+//!
+//! when it backs in. Nose in it comes from the other side: C = t u − R n, t = (y₁ − R (1 + cos φ))/sin φ.
 //!
 //! The body's inner side is R − W/2 from C. It passes the corner P with the safety distance d when |C − P| ≤ R − W/2 − d. At φ = 90° this is
 //! R = c − √(2 (a − b)(y₁ − b)) or more, with a half the slot's width, b = W/2 + d, c = a + y₁ − b. Without an obstacle on the right, the
@@ -24,7 +26,7 @@ pub struct Entry {
     pub line_x_m: f64,
     /// Where it touches the slot's axis, outward from the mouth [m].
     pub axis_m: f64,
-    /// Distance of the body's inner side from the obstacle's corner on the right [m]; infinite without an obstacle.
+    /// Distance of the body's inner side from the obstacle's corner [m]; infinite without an obstacle.
     pub corner_clearance_m: f64,
 }
 
@@ -37,11 +39,12 @@ impl Scene {
     /// The circle of a radius [m].
     pub fn circle(&self, radius_m: f64) -> Entry {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
-        let axis_m = (self.line_m() - radius_m * (1.0 - cos)) / sin;
-        let (x, y) = (axis_m * cos + radius_m * sin, axis_m * sin - radius_m * cos);
-        let corner = self.right_corner();
+        let (side, obstacle) = if self.nose_in { (-1.0, self.slot.obstacle_left) } else { (1.0, self.slot.obstacle_right) };
+        let axis_m = (self.line_m() - radius_m * (1.0 - side * cos)) / sin;
+        let (x, y) = (axis_m * cos + side * radius_m * sin, axis_m * sin - side * radius_m * cos);
+        let corner = self.corner();
         let clearance = radius_m - 0.5 * self.body.width_m - (x - corner.x_m).hypot(y - corner.y_m);
-        Entry { radius_m, line_x_m: x, axis_m, corner_clearance_m: if self.slot.obstacle_right { clearance } else { f64::INFINITY } }
+        Entry { radius_m, line_x_m: x, axis_m, corner_clearance_m: if obstacle { clearance } else { f64::INFINITY } }
     }
 }
 
@@ -113,18 +116,12 @@ fn smallest(scene: &Scene) -> Option<Entry> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::super::BodyShape;
-    use super::super::Slot;
+    use super::super::scene::usual_scene;
     use super::*;
-
-    fn scene() -> Scene {
-        let body = BodyShape::usual(0.9);
-        Scene::new(body, Slot::usual(&body, 0.2))
-    }
 
     #[test]
     fn at_a_right_angle_the_search_finds_the_closed_form() {
-        let scene = scene();
+        let scene = usual_scene(90.0);
         let (a, b, y1) = (0.5 * scene.slot.width_m, 0.5 * scene.body.width_m + 0.2, scene.line_m());
         let closed = a + y1 - b - (2.0 * (a - b) * (y1 - b)).sqrt();
         let entry = entry_circle(&scene).unwrap();
@@ -135,7 +132,7 @@ mod tests {
 
     #[test]
     fn without_an_obstacle_the_wheel_alone_decides() {
-        let mut scene = scene();
+        let mut scene = usual_scene(90.0);
         scene.slot.obstacle_right = false;
         let entry = entry_circle(&scene).unwrap();
         assert!((entry.radius_m - 0.9 / 65.0_f64.to_radians().tan()).abs() < 1e-12);
@@ -143,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_radius_too_large_names_the_width_from_which_it_fits() {
-        let mut scene = scene();
+        let mut scene = usual_scene(90.0);
         scene.look_ahead.wheel_limit_rad = 25.0_f64.to_radians();
         let Err(Error::RadiusTooLarge { nearest_m, .. }) = entry_circle(&scene) else { panic!() };
         scene.slot.width_m = nearest_m + 1e-6;

@@ -1,4 +1,4 @@
-//! The plan: straight in where the start allows it; else start and adjust on the first line, enter on the circle, shuffle on the axis.
+//! The plan: straight in where the start allows it; else start and adjust on the first line, enter on the circle, shuffle on the axis. In reverse, or nose in.
 
 use super::super::look_ahead::{Follower, finite_start};
 use super::super::reference::{Reference, ahead};
@@ -18,9 +18,9 @@ pub enum Stage {
     Start,
     /// Back along the first line to the entry circle, until the vehicle stands along it.
     Adjust,
-    /// In reverse along the circle and the slot's axis.
+    /// Along the circle and the slot's axis: in reverse, or nose in.
     Enter,
-    /// Forward and back along the axis until the vehicle is straight.
+    /// Out and in again along the axis until the vehicle is straight.
     Shuffle,
 }
 
@@ -78,6 +78,11 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
     {
         return Err(Error::AisleTooNarrow { found_m: scene.slot.aisle_m, nearest_m });
     }
+    if feasible.is_none()
+        && let Some(nearest_m) = nearest_slot_m(&scene, nearer(1.0))
+    {
+        return Err(Error::SlotTooNarrowToEnter { found_m: scene.slot.width_m, nearest_m });
+    }
     Err(Error::NoPath {
         x_m: start.x_m,
         y_m: start.y_m,
@@ -91,15 +96,28 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
     })
 }
 
-/// The narrowest aisle, to a centimetre, in which a start on the first line is planned; `None` when eight times the aisle does not help.
+/// The narrowest aisle in which a start on the first line is planned; `None` when eight times the aisle does not help.
 fn nearest_aisle_m(scene: &Scene, start: Start, entry: &Entry) -> Option<f64> {
-    let fits = |aisle_m: f64| {
+    narrowest_m(scene.slot.aisle_m.max(0.1), &[2.0, 4.0, 8.0], |aisle_m| {
         let mut wider = *scene;
         wider.slot.aisle_m = aisle_m;
         attempt(&wider, start, entry).1
-    };
-    let mut low = scene.slot.aisle_m.max(0.1);
-    let mut high = [2.0, 4.0, 8.0].into_iter().map(|f| f * low).find(|&aisle_m| fits(aisle_m))?;
+    })
+}
+
+/// The narrowest slot into which a start on the first line is planned; `None` when four times the width does not help.
+fn nearest_slot_m(scene: &Scene, start: Start) -> Option<f64> {
+    narrowest_m(scene.slot.width_m, &[1.25, 1.5, 2.0, 4.0], |width_m| {
+        let mut wider = *scene;
+        wider.slot.width_m = width_m;
+        entry_circle(&wider).is_ok_and(|entry| attempt(&wider, start, &entry).1)
+    })
+}
+
+/// The smallest width from `low_m` on, to a centimetre, that fits, if one of its multiples does.
+fn narrowest_m(low_m: f64, multiples: &[f64], fits: impl Fn(f64) -> bool) -> Option<f64> {
+    let mut low = low_m;
+    let mut high = multiples.iter().map(|f| f * low_m).find(|&width_m| fits(width_m))?;
     while high - low > 0.01 {
         let middle = 0.5 * (low + high);
         if fits(middle) {
@@ -131,9 +149,9 @@ fn attempt(scene: &Scene, start: Start, entry: &Entry) -> (Plan, bool) {
     (best.unwrap_or_else(|| by_circle(scene, start, entry, true)), false)
 }
 
-/// Straight in: the axis alone is followed in reverse. Only before the mouth, looking outward within 80° of the axis.
+/// Straight in: the axis alone is followed. Only before the mouth, looking along the axis within 80°: outward, or inward to go nose in.
 fn direct(scene: &Scene, start: Start) -> Option<Plan> {
-    let turn = start.heading_rad - scene.slot.angle_rad;
+    let turn = start.heading_rad - scene.goal().heading_rad;
     if start.y_m <= 0.0 || turn.cos() < 80.0_f64.to_radians().cos() {
         return None;
     }
@@ -149,6 +167,9 @@ fn direct(scene: &Scene, start: Start) -> Option<Plan> {
 
 /// By the first line and the circle. `drive_up`: forward along the line first; else back along it at once.
 fn by_circle(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
+    if scene.nose_in {
+        return nose_in(scene, start, entry, drive_up);
+    }
     let mut follower = follower(scene, start);
     let mut stages = Vec::new();
     let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
@@ -175,12 +196,40 @@ fn by_circle(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan
     let turning = follower.path.poses[first..].iter().position(|p| p.x_m <= entry.line_x_m + ahead_m).unwrap_or(0);
     stages.push(StageSpan { stage: Stage::Enter, from: first + turning });
     shuffle(scene, &mut follower, &mut stages);
-    stages.dedup_by(|next, before| {
-        next.from == before.from && {
-            before.stage = next.stage;
-            true
+    finish(scene, follower, stages, Some(*entry))
+}
+
+/// Nose in: back along the first line where the circle is already behind, forward along it, the circle and the axis. `drive_up`: before backing up,
+/// forward along the line until the vehicle stands along it.
+fn nose_in(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
+    let mut follower = follower(scene, start);
+    let mut stages = Vec::new();
+    let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
+    let before_m = entry.line_x_m - 2.0 * ahead_m;
+    if start.x_m > before_m {
+        let along = |p: &super::super::PathPose| (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02;
+        if drive_up {
+            let line = Reference::starting(Point::new(start.x_m, line_m), 0.0).then(12.0 * ahead_m, 0.0);
+            stages.push(StageSpan { stage: Stage::Start, from: 0 });
+            follower.follow(&line, Gear::Forward, 12.0 * ahead_m, |p, _| along(p));
         }
-    });
+        let from_m = follower.last().x_m;
+        let length = from_m - before_m + 1.0;
+        let back = Reference::starting(Point::new(from_m, line_m), PI).then(length, 0.0);
+        stages.push(StageSpan { stage: Stage::Adjust, from: follower.path.poses.len() - 1 });
+        follower.follow(&back, Gear::Reverse, length + 12.0 * ahead_m, |p, _| p.x_m <= before_m && along(p));
+    }
+    let from = follower.path.poses.len() - 1;
+    let from_m = follower.last().x_m;
+    let way = Reference::starting(Point::new(from_m.min(entry.line_x_m), line_m), 0.0)
+        .then((entry.line_x_m - from_m).max(0.0), 0.0)
+        .then(entry.radius_m * (PI - scene.slot.angle_rad), -1.0 / entry.radius_m)
+        .then(entry.axis_m - scene.parked_at_m(), 0.0);
+    stages.push(StageSpan { stage: Stage::Start, from });
+    enter(scene, &mut follower, &way);
+    let turning = follower.path.poses[from..].iter().position(|p| p.x_m >= entry.line_x_m - ahead_m).unwrap_or(0);
+    stages.push(StageSpan { stage: Stage::Enter, from: from + turning });
+    shuffle(scene, &mut follower, &mut stages);
     finish(scene, follower, stages, Some(*entry))
 }
 
@@ -195,12 +244,12 @@ fn axis_from(scene: &Scene, outward_m: f64) -> Reference {
     Reference::starting(ahead(Point::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
 }
 
-/// In reverse to the end of `way`, to half a step.
+/// To the end of `way`, to half a step.
 fn enter(scene: &Scene, follower: &mut Follower, way: &Reference) {
     let end_m = way.length_m() - 0.5 * scene.look_ahead.step_m;
     let start_m = follower.last();
     let room = way.length_m() + 2.0 * start_m.x_m.hypot(start_m.y_m);
-    follower.follow(way, Gear::Reverse, room, |_, s| s >= end_m);
+    follower.follow(way, scene.gear_in(), room, |_, s| s >= end_m);
 }
 
 /// Out and in again along the axis while the end is not as it should be.
@@ -216,12 +265,18 @@ fn shuffle(scene: &Scene, follower: &mut Follower, stages: &mut Vec<StageSpan>) 
         stages.push(StageSpan { stage: Stage::Shuffle, from: follower.path.poses.len() - 1 });
         let goal = scene.goal();
         let outward = Reference::starting(Point::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
-        follower.follow(&outward, Gear::Forward, 2.0 * out_m, |_, s| s >= out_m - 0.5 * scene.look_ahead.step_m);
+        follower.follow(&outward, scene.gear_out(), 2.0 * out_m, |_, s| s >= out_m - 0.5 * scene.look_ahead.step_m);
         enter(scene, follower, &axis_from(scene, scene.parked_at_m() + 2.0 * out_m));
     }
 }
 
-fn finish(scene: &Scene, follower: Follower, stages: Vec<StageSpan>, entry: Option<Entry>) -> Plan {
+fn finish(scene: &Scene, follower: Follower, mut stages: Vec<StageSpan>, entry: Option<Entry>) -> Plan {
+    stages.dedup_by(|next, before| {
+        next.from == before.from && {
+            before.stage = next.stage;
+            true
+        }
+    });
     let judgement = judge(scene, &follower.path);
     Plan { path: follower.path, stages, entry, judgement }
 }
@@ -229,18 +284,10 @@ fn finish(scene: &Scene, follower: Follower, stages: Vec<StageSpan>, entry: Opti
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::super::BodyShape;
-    use super::super::{Slot, Success, success};
+    use super::super::scene::usual_scene as scene;
+    use super::super::{Success, success};
     use super::*;
     use proptest::prelude::*;
-
-    fn scene(angle_deg: f64) -> Scene {
-        let body = BodyShape::usual(0.9);
-        let mut slot = Slot::usual(&body, 0.2);
-        slot.angle_rad = angle_deg.to_radians();
-        slot.depth_m = (body.length_m() + (0.3 + body.width_m * slot.angle_rad.cos().abs()) / slot.angle_rad.sin()).max(slot.depth_m);
-        Scene::new(body, slot)
-    }
 
     /// Starts on a grid beside the row, askew by up to `askew_deg`.
     fn grid(askew_deg: f64) -> Vec<Start> {
@@ -285,6 +332,41 @@ mod tests {
         let plan = plan(&scene, start).unwrap();
         assert_eq!(plan.stages, [StageSpan { stage: Stage::Enter, from: 0 }]);
         assert!(plan.entry.is_none() && plan.path.poses.iter().all(|p| p.direction == Gear::Reverse));
+    }
+
+    #[test]
+    fn nose_in_it_parks_where_the_slot_lies_ahead_or_is_wide_and_says_from_which_width_on() {
+        let mut lost = Vec::new();
+        for (angle_deg, width_m) in [(120.0, 1.32), (135.0, 1.32), (105.0, 1.8), (90.0, 2.2)] {
+            let mut scene = scene(angle_deg);
+            (scene.nose_in, scene.slot.width_m) = (true, width_m);
+            let found = success(&scene, &grid(20.0));
+            if found.parked != found.tried {
+                lost.push((angle_deg, found));
+            }
+            let plan = plan(&scene, Start { x_m: -3.0, y_m: 1.3, ..Start::default() }).unwrap();
+            assert!(plan.path.poses.iter().all(|p| p.direction == Gear::Forward), "{:?}", plan.stages);
+            let end = plan.path.poses[plan.path.poses.len() - 1];
+            assert!(end.heading_rad.sin() * scene.slot.angle_rad.sin() < 0.0, "the nose points inward");
+        }
+        assert!(lost.is_empty(), "{lost:?}");
+        let mut narrow = scene(90.0);
+        narrow.nose_in = true;
+        let start = Start { x_m: -3.0, y_m: narrow.line_m(), ..Start::default() };
+        let error = plan(&narrow, start).unwrap_err();
+        let Error::SlotTooNarrowToEnter { nearest_m, .. } = error else { panic!("{error}") };
+        narrow.slot.width_m = nearest_m;
+        assert!(plan(&narrow, start).is_ok(), "{nearest_m}");
+    }
+
+    #[test]
+    fn a_start_that_looks_into_the_slot_goes_straight_in_nose_first() {
+        let mut scene = scene(90.0);
+        scene.nose_in = true;
+        let start = Start { x_m: 0.05, y_m: 2.2, heading_rad: -std::f64::consts::FRAC_PI_2 + 0.05, wheel_angle_rad: 0.0 };
+        let plan = plan(&scene, start).unwrap();
+        assert_eq!(plan.stages, [StageSpan { stage: Stage::Enter, from: 0 }]);
+        assert!(plan.path.poses.iter().all(|p| p.direction == Gear::Forward));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::super::body::within;
 use super::super::{BodyShape, Error, Point, Polygon, Result, look_ahead::LookAhead};
 use super::{Start, Tolerance};
+use crate::map::Gear;
 use serde::Serialize;
 
 /// A slot in a row.
@@ -43,6 +44,8 @@ pub struct Scene {
     pub body: BodyShape,
     /// Slot.
     pub slot: Slot,
+    /// Whether the vehicle goes in forward and stands with its nose to the slot's end. Default no: it backs in.
+    pub nose_in: bool,
     /// How lines and circles are followed.
     pub look_ahead: LookAhead,
     /// Distance of the body from the row on the first line [m]. Default 1.
@@ -61,6 +64,7 @@ impl Scene {
         Self {
             body,
             slot,
+            nose_in: false,
             look_ahead: LookAhead::default(),
             line_distance_m: 1.0,
             safety_m: 0.2,
@@ -113,23 +117,37 @@ impl Scene {
         self.line_distance_m + 0.5 * self.body.width_m
     }
 
-    /// Where the rear axle's middle stands when parked, along the slot's axis from the mouth [m], negative inside: the rear keeps the safety
-    /// distance from the slot's end.
+    /// Direction of travel into the slot.
+    pub fn gear_in(&self) -> Gear {
+        if self.nose_in { Gear::Forward } else { Gear::Reverse }
+    }
+
+    /// Direction of travel out of the slot.
+    pub fn gear_out(&self) -> Gear {
+        if self.nose_in { Gear::Reverse } else { Gear::Forward }
+    }
+
+    /// Where the rear axle's middle stands when parked, along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps the
+    /// safety distance from the slot's end.
     pub fn parked_at_m(&self) -> f64 {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
-        -self.slot.depth_m + self.body.rear_overhang_m + (self.safety_m + 0.5 * self.body.width_m * cos.abs()) / sin
+        let before_m = if self.nose_in { self.body.length_m() - self.body.rear_overhang_m } else { self.body.rear_overhang_m };
+        -self.slot.depth_m + before_m + (self.safety_m + 0.5 * self.body.width_m * cos.abs()) / sin
     }
 
     /// The pose to be reached.
     pub fn goal(&self) -> Start {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let t = self.parked_at_m();
-        Start { x_m: t * cos, y_m: t * sin, heading_rad: self.slot.angle_rad, wheel_angle_rad: 0.0 }
+        let heading_rad = self.slot.angle_rad + if self.nose_in { std::f64::consts::PI } else { 0.0 };
+        Start { x_m: t * cos, y_m: t * sin, heading_rad, wheel_angle_rad: 0.0 }
     }
 
-    /// Corner of the obstacle on the right at the slot's mouth.
-    pub fn right_corner(&self) -> Point {
-        Point::new(0.5 * self.slot.width_m / self.slot.angle_rad.sin(), 0.0)
+    /// Corner of the obstacle at the slot's mouth on the side from which the vehicle comes: on the right as it backs in, on the left, which it reaches
+    /// first, nose in.
+    pub fn corner(&self) -> Point {
+        let half = 0.5 * self.slot.width_m / self.slot.angle_rad.sin();
+        Point::new(if self.nose_in { -half } else { half }, 0.0)
     }
 
     /// What may not be touched: the neighbours, the end of the slot, the other side of the aisle.
@@ -156,26 +174,31 @@ impl Scene {
     }
 }
 
+/// The usual slot for a vehicle of wheelbase 0.9 m, slanted by `angle_deg` and as deep as that needs, for tests.
+#[cfg(test)]
+pub(super) fn usual_scene(angle_deg: f64) -> Scene {
+    let body = BodyShape::usual(0.9);
+    let mut slot = Slot::usual(&body, 0.2);
+    slot.angle_rad = angle_deg.to_radians();
+    slot.depth_m = (body.length_m() + (0.3 + body.width_m * slot.angle_rad.cos().abs()) / slot.angle_rad.sin()).max(slot.depth_m);
+    Scene::new(body, slot)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn scene() -> Scene {
-        let body = BodyShape::usual(0.9);
-        Scene::new(body, Slot::usual(&body, 0.2))
-    }
-
     #[test]
     fn a_slot_too_small_is_refused_with_the_nearest_that_is_not() {
-        let mut narrow = scene();
+        let mut narrow = usual_scene(90.0);
         narrow.slot.width_m = 1.0;
         let error = narrow.checked().unwrap_err();
         let Error::SlotTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
         assert!((nearest_m - 1.12).abs() < 1e-12, "0.72 m and twice 0.2 m");
         narrow.slot.width_m = nearest_m;
         assert!(narrow.checked().is_ok());
-        let mut shallow = scene();
+        let mut shallow = usual_scene(90.0);
         shallow.slot.depth_m = 1.2;
         let Err(Error::SlotTooShallow { nearest_m, .. }) = shallow.checked() else { panic!() };
         shallow.slot.depth_m = nearest_m;
@@ -184,10 +207,9 @@ mod tests {
 
     #[test]
     fn the_parked_vehicle_keeps_its_distances() {
-        for angle in [60.0_f64, 90.0, 120.0] {
-            let mut scene = scene();
-            scene.slot.angle_rad = angle.to_radians();
-            scene.slot.depth_m = 2.8;
+        for (angle, nose_in) in [(60.0_f64, false), (90.0, false), (120.0, false), (90.0, true), (120.0, true)] {
+            let mut scene = usual_scene(angle);
+            scene.nose_in = nose_in;
             let goal = scene.goal();
             let body = scene.body.at(goal.x_m, goal.y_m, goal.heading_rad);
             let gap = scene.obstacles().iter().map(|o| o.separation_m(&body)).fold(f64::INFINITY, f64::min);
@@ -197,7 +219,7 @@ mod tests {
 
     #[test]
     fn the_obstacles_are_convex_and_counter_clockwise() {
-        for obstacle in scene().obstacles() {
+        for obstacle in usual_scene(90.0).obstacles() {
             assert_eq!(Polygon::new(obstacle.corners().to_vec()).unwrap(), obstacle);
         }
     }

@@ -1,6 +1,7 @@
 //! Running a program over one payload.
 
 use super::super::super::schema::{Kind, Size};
+use super::super::slice::elements;
 use super::super::wish::Pick;
 use super::super::{Raw, Taken};
 use super::shortcut::Trace;
@@ -246,6 +247,14 @@ impl<'a, const BE: bool> Walk<'a, BE> {
                     }
                     None
                 }
+                Pick::Each { first, last, slots: kept } => {
+                    self.give_up();
+                    for index in elements(*first, *last, count) {
+                        self.give(start + index * kind.size(), kind, slots, taken)?;
+                        taken.keep(kept);
+                    }
+                    None
+                }
                 Pick::First { .. } => None,
             };
             if let Some(index) = index {
@@ -272,6 +281,11 @@ impl<'a, const BE: bool> Walk<'a, BE> {
                     }
                     Pick::Index(wanted) if position(*wanted, count) == Some(index) => self.give_text(from, to, slots, taken),
                     Pick::At { register } if taken.register(*register) == Some(index as u64) => self.give_text(from, to, slots, taken),
+                    Pick::Each { first, last, slots: kept } if elements(*first, *last, count).contains(&index) => {
+                        self.give_up();
+                        self.give_text(from, to, slots, taken);
+                        taken.keep(kept);
+                    }
                     _ => {}
                 }
             }
@@ -285,6 +299,12 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         let start = self.at;
         for (pick, program) in picks {
             self.at = start;
+            let wanted = if let Pick::Each { first, last, .. } = pick {
+                self.give_up();
+                elements(*first, *last, count)
+            } else {
+                0..0
+            };
             for index in 0..count {
                 let before = self.at;
                 match pick {
@@ -300,6 +320,11 @@ impl<'a, const BE: bool> Walk<'a, BE> {
                         }
                         taken.clear(slots);
                     }
+                    Pick::Each { slots, .. } if wanted.contains(&index) => {
+                        self.run(program, taken)?;
+                        taken.keep(slots);
+                    }
+                    Pick::Each { .. } if index >= wanted.end => break,
                     _ => self.run(skip, taken)?,
                 }
                 if self.at == before {

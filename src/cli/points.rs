@@ -1,0 +1,47 @@
+//! Points of a polyline from a file: two numbers a line, x and y in metres, east and north of an origin of one's own.
+
+use anyhow::{Context, bail};
+use std::path::Path;
+
+/// Most points of a file.
+const MOST: usize = 1000;
+
+/// Reads the points. A first line without numbers is a heading; empty lines are passed over.
+pub(super) fn read(path: &Path) -> anyhow::Result<Vec<[f64; 2]>> {
+    let text = fs_err::read_to_string(path)?;
+    points(&text).with_context(|| path.display().to_string())
+}
+
+fn points(text: &str) -> anyhow::Result<Vec<[f64; 2]>> {
+    let mut points = Vec::new();
+    for (k, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let cells: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
+        let numbers: Vec<f64> = cells.iter().filter_map(|cell| cell.parse().ok()).collect();
+        match numbers[..] {
+            [x_m, y_m] if cells.len() == 2 => points.push([x_m, y_m]),
+            [] if k == 0 => {}
+            _ => bail!("line {}: {line:?} is not a point; a line holds x and y in metres, as 6.0,4.0", k + 1),
+        }
+        if points.len() > MOST {
+            bail!("more than {MOST} points; a polyline has at most so many");
+        }
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn points_are_read_with_or_without_a_heading_and_a_bad_line_is_named() {
+        assert_eq!(points("x_m,y_m\n0,0\n\n6.5; -4\n").unwrap(), [[0.0, 0.0], [6.5, -4.0]]);
+        assert_eq!(points("1\t2").unwrap(), [[1.0, 2.0]]);
+        assert!(points("").unwrap().is_empty());
+        for (text, place) in [("0,0\n1", "line 2"), ("0,0\n1,x", "line 2"), ("0,0,0", "line 1"), ("x,y\nx,y", "line 2")] {
+            assert!(points(text).unwrap_err().to_string().contains(place), "{text}");
+        }
+        assert!(points(&"0,1\n".repeat(MOST + 1)).is_err());
+    }
+}
