@@ -35,6 +35,6 @@ mod uncertainty;
 mod validation;
 
 pub use error::{Error, Result};
-pub use plan::{Plan, PlanEntry, PlanSettings, plan};
+pub use plan::{ExpectedCell, Plan, PlanEntry, PlanSettings, PlannedRun, expected, plan};
 pub use product::{Fit, fit, fit_traced};
 pub use settings::Settings;

@@ -1,5 +1,6 @@
 //! `plan`: the campaign still to drive after Table 1.
 
+use super::breaks::Breaks;
 use super::{Outcome, Ui};
 use crate::fit::{Plan, PlanSettings, plan};
 use crate::map::{Table1File, write_whole};
@@ -16,6 +17,7 @@ const SHOWN: usize = 12;
 Examples:
   pivot-cal plan                           what to drive next, as a table
   pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
+  pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells that are to be known
 
 Reads table1.json. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
 table, by the estimator's own information matrix.")]
@@ -26,6 +28,12 @@ pub(super) struct Arguments {
     /// Time to drive, with spin-ups, stops and pauses [min]
     #[arg(long, value_name = "MIN", default_value_t = 5.0)]
     minutes: f64,
+    /// Speeds of the cells that are to be known [m/s], as `start:step:stop` or a list; those of Table 1 that were driven if left out
+    #[arg(long, value_name = "BREAKS")]
+    speed_breaks: Option<Breaks>,
+    /// Torques of the cells that are to be known [N·m]; those of Table 1 if left out
+    #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
+    torque_breaks: Option<Breaks>,
     /// Campaign file to write (TOML)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -38,7 +46,12 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let path = arguments.maps.join("table1.json");
     let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
     let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
-    let plan = plan(&file, &PlanSettings { budget_s: 60.0 * arguments.minutes }).with_context(|| path.display().to_string())?;
+    let settings = PlanSettings {
+        budget_s: 60.0 * arguments.minutes,
+        speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
+        torque_breaks_nm: arguments.torque_breaks.clone().map(|b| b.0),
+    };
+    let plan = plan(&file, &settings).with_context(|| path.display().to_string())?;
     if let Some(output) = &arguments.output {
         write_whole(output, plan.to_toml().as_bytes())?;
     }
@@ -63,9 +76,9 @@ fn show(plan: &Plan, ui: Ui) {
     for (k, entry) in plan.entries.iter().take(shown).enumerate() {
         table.add_row([
             (k + 1).to_string(),
-            entry.gear.to_string(),
-            format!("{:.1}", entry.torque_nm),
-            entry.start(),
+            entry.run.gear.to_string(),
+            format!("{:.1}", entry.run.torque_nm),
+            entry.run.start(),
             entry.repeats.to_string(),
             format!("{:.1}", entry.seconds),
             format!("{:.4}", entry.gain_nm),
