@@ -11,7 +11,7 @@ mod campaigns;
 mod yardstick;
 
 use campaigns::{drive, in_order, shuffled};
-use pivot_cal::fit::{self, PlanSettings, ExpectedCell, PlannedRun, expected, fit, plan};
+use pivot_cal::fit::{self, ExpectedCell, PlanSettings, PlannedRun, expected, fit, plan};
 use pivot_cal::map::Table1File;
 use pivot_cal::record::{Campaign, RunGroup, Torques};
 use pivot_cal::sim::VehicleFile;
@@ -71,10 +71,10 @@ fn main() -> Fallible<()> {
     let yardstick = Yardstick::new(&vehicle, FASTEST_MPS, TORQUES_NM)?;
     let known = yardstick.judge(&known_maps(&vehicle.settings())?.0)?;
     println!(
-        "{} cells; the known map through the same inversion: {:.4} N·m by Table 2, {:.4} exactly inverted",
+        "{} cells; the known map, which ends at {BRAKING_MPS} m/s, up to there through the same inversion: {:.4} N·m by Table 2, {:.4} exactly inverted",
         yardstick.cells.len(),
-        rms(&known.table),
-        rms(&known.surface)
+        yardstick.rms_between(&known.table, SLOWEST_MPS, BRAKING_MPS),
+        yardstick.rms_between(&known.surface, SLOWEST_MPS, BRAKING_MPS)
     );
     let mut all: Vec<Figures> = Vec::new();
     let mut rows = "seed,arm,gear,speed_mps,torque_nm,table_nm,surface_nm,std_err_nm,model_nm\n".to_owned();
@@ -84,7 +84,8 @@ fn main() -> Fallible<()> {
         let first = drive(&vehicle, &uniform, &runs, first_s, 100 * seed)?;
         let more = drive(&vehicle, &uniform, &runs[first.runs..], more_s, 100 * seed + 1)?;
         let start = fit(vec![drive(&planning, &uniform, &runs, first_s, 100 * seed)?.survey], &fit::Settings::default())?.file;
-        let wish = PlanSettings { budget_s: more_s, speed_breaks_mps: Some(yardstick.speeds_mps()), torque_breaks_nm: Some(in_steps_of_4()) };
+        let wish =
+            PlanSettings { budget_s: more_s, speed_breaks_mps: Some(yardstick.speeds_mps()), torque_breaks_nm: Some(in_steps_of_4()) };
         let planned = plan(&start, &wish)?;
         let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml())? };
         let wanted_runs = in_order(&campaign)?;
@@ -113,7 +114,9 @@ fn main() -> Fallible<()> {
             errors.push(yardstick.judge(file)?);
         }
         if !dump.is_empty() {
-            for (((arm, file), errors), cells) in ["first", "uniform", "plan"].into_iter().zip(files).zip(&errors).zip([&first_cells, &uniform_cells, &plan_cells]) {
+            for (((arm, file), errors), cells) in
+                ["first", "uniform", "plan"].into_iter().zip(files).zip(&errors).zip([&first_cells, &uniform_cells, &plan_cells])
+            {
                 write_cells(&mut rows, (seed, arm), file, &yardstick, errors, cells)?;
             }
             std::fs::write(&dump, &rows)?;
@@ -216,7 +219,14 @@ fn in_steps_of_4() -> Vec<f64> {
 }
 
 /// One line per cell, for maps of the error.
-fn write_cells(rows: &mut String, (seed, arm): (u64, &str), file: &Table1File, yardstick: &Yardstick, errors: &Errors, model: &[ExpectedCell]) -> Fallible<()> {
+fn write_cells(
+    rows: &mut String,
+    (seed, arm): (u64, &str),
+    file: &Table1File,
+    yardstick: &Yardstick,
+    errors: &Errors,
+    model: &[ExpectedCell],
+) -> Fallible<()> {
     for ((cell, table_nm), surface_nm) in yardstick.cells.iter().zip(&errors.table).zip(&errors.surface) {
         let map = file.maps.iter().find(|m| m.gear == cell.gear).ok_or("no Table 1 of a gear")?;
         let nearest = |breaks: &[f64], x: f64| {

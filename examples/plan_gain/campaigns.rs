@@ -1,8 +1,8 @@
 //! Campaigns cut to a time, driven on the simulator and surveyed.
 
 use pivot_cal::campaign::{self, Survey};
-use pivot_cal::map::Gear;
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
+use pivot_cal::map::Gear;
 use pivot_cal::record::{Campaign, RunGroup, Torques, record};
 use pivot_cal::signal::Track;
 use pivot_cal::sim::VehicleFile;
@@ -29,9 +29,8 @@ pub(crate) fn shuffled(campaign: &Campaign, seed: u64, rounds: u64) -> Fallible<
     let single = &single;
     for round in 0..rounds {
         // an order of its own: by a hash of place, round and seed
-        let key = |k: usize| {
-            (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed + 1000 * round).wrapping_mul(0xD134_2543_DE82_EF95)) >> 20
-        };
+        let key =
+            |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed + 1000 * round).wrapping_mul(0xD134_2543_DE82_EF95)) >> 20;
         let mut order: Vec<usize> = (0..single.len()).collect();
         order.sort_by_key(|k| (key(*k), *k));
         let [mut forward, mut reverse] = Gear::ALL.map(|gear| order.iter().filter(move |k| single[**k].gear == gear));

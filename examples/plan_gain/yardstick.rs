@@ -36,9 +36,7 @@ impl Yardstick {
     pub(crate) fn new(vehicle: &VehicleFile, fastest_mps: f64, torques_nm: [f64; 2]) -> Fallible<Self> {
         let truth = vehicle.truth()?;
         let angle_rad = vehicle.settings().vehicle.test_angle_deg * RAD_PER_DEG;
-        let every = |from: f64, to: f64, step: f64| {
-            (0..).map(move |k| from + f64::from(k) * step).take_while(move |x| *x < to + 1e-9)
-        };
+        let every = |from: f64, to: f64, step: f64| (0..).map(move |k| from + f64::from(k) * step).take_while(move |x| *x < to + 1e-9);
         let mut cells = Vec::new();
         for gear in Gear::ALL {
             for speed_mps in every(0.0, fastest_mps, 0.05) {

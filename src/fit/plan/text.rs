@@ -44,7 +44,11 @@ impl PlanEntry {
         writeln!(text, "[[runs]]\ngear = \"{}\"\ntorque_nm = {:?}", run.gear, run.torque_nm)?;
         writeln!(text, "repeats = {}", self.repeats)?;
         if let Some(spin_up_nm) = run.spin_up_nm {
-            writeln!(text, "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}", run.start_speed_mps, run.end_speed_mps)?;
+            writeln!(
+                text,
+                "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}",
+                run.start_speed_mps, run.end_speed_mps
+            )?;
         }
         writeln!(text, "hold_s = {:?}\nspeed_limit_mps = {:?}", run.hold_s, run.speed_limit_mps)?;
         writeln!(text, "stall_s = {STALL_S:?}\npause_s = {PAUSE_S:?}")
