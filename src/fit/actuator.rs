@@ -14,6 +14,16 @@ pub(crate) struct LaggedCommand {
     torque_nm: Vec<f64>,
     by_lag: Vec<f64>,
     lag_s: f64,
+    /// Largest torque commanded [N·m].
+    largest_nm: f64,
+}
+
+/// A place in a lagged command that moves along with time: a question near the last one is answered without a search.
+#[derive(Debug, Clone)]
+pub(crate) struct Cursor<'a> {
+    lagged: &'a LaggedCommand,
+    /// Number of changes at or before the last question's time.
+    passed: usize,
 }
 
 /// Effective torque and its derivatives at one moment.
@@ -27,13 +37,35 @@ pub(crate) struct Torque {
     pub(crate) by_lag: f64,
 }
 
+impl Cursor<'_> {
+    /// As [`LaggedCommand::at`].
+    pub(crate) fn at(&mut self, t_s: f64) -> Torque {
+        let changes = &self.lagged.change_s;
+        while changes.get(self.passed).is_some_and(|&t| t <= t_s) {
+            self.passed += 1;
+        }
+        while self.passed > 0 && changes[self.passed - 1] > t_s {
+            self.passed -= 1;
+        }
+        self.lagged.after(self.passed, t_s)
+    }
+
+    /// Whether the torque still moves by more than a thousandth of the largest commanded between the last question's time and `to_s`, which
+    /// is not before it.
+    pub(crate) fn moves_until(&self, last: &Torque, to_s: f64) -> bool {
+        let left_nm = (last.by_dead_time * self.lagged.lag_s).abs();
+        left_nm > 1e-3 * self.lagged.largest_nm || self.lagged.change_s.get(self.passed).is_some_and(|&t| t <= to_s)
+    }
+}
+
 /// Below this a lag is no lag [s].
 const LEAST_LAG_S: f64 = 1e-4;
 
 impl LaggedCommand {
     /// From the command, settled at its first value before it begins.
     pub(crate) fn new(command: &Series, lag_s: f64) -> Self {
-        let mut lagged = Self { change_s: Vec::new(), command_nm: Vec::new(), torque_nm: Vec::new(), by_lag: Vec::new(), lag_s };
+        let mut lagged =
+            Self { change_s: Vec::new(), command_nm: Vec::new(), torque_nm: Vec::new(), by_lag: Vec::new(), lag_s, largest_nm: 0.0 };
         for (t, c) in command.t_s.iter().zip(&command.value) {
             if lagged.command_nm.last() == Some(c) {
                 continue;
@@ -43,13 +75,23 @@ impl LaggedCommand {
             lagged.command_nm.push(*c);
             lagged.torque_nm.push(state.torque_nm);
             lagged.by_lag.push(state.by_lag);
+            lagged.largest_nm = lagged.largest_nm.max(c.abs());
         }
         lagged
     }
 
     /// Effective torque at `t_s` on the command's clock, the dead time already taken off: pass t − T_d.
     pub(crate) fn at(&self, t_s: f64) -> Torque {
-        let k = self.change_s.partition_point(|&t| t <= t_s);
+        self.after(self.change_s.partition_point(|&t| t <= t_s), t_s)
+    }
+
+    /// A cursor at the beginning.
+    pub(crate) fn cursor(&self) -> Cursor<'_> {
+        Cursor { lagged: self, passed: 0 }
+    }
+
+    /// Effective torque at a time that `k` changes precede.
+    fn after(&self, k: usize, t_s: f64) -> Torque {
         if k == 0 {
             return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
         }
@@ -61,6 +103,11 @@ impl LaggedCommand {
         let decay = (-since / self.lag_s).exp();
         let away = (u0 - c) * decay;
         Torque { torque_nm: c + away, by_dead_time: away / self.lag_s, by_lag: w0 * decay + away * since / (self.lag_s * self.lag_s) }
+    }
+
+    /// Largest torque commanded [N·m].
+    pub(crate) fn largest_nm(&self) -> f64 {
+        self.largest_nm
     }
 
     /// Times at which the command changes by more than `least_nm` [s], on the command's clock.

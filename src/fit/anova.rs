@@ -2,7 +2,10 @@
 //! its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric copies where both gears were driven.
 //!
 //! Penalised blocks are scaled so that their penalty is the identity: with D the second differences of the splines' coefficients over
-//! Greville's abscissae (Eilers & Marx, P-splines) and Z = Dᵀ(DDᵀ)⁻¹, the deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖². The difference across U = 0 is left out of D: driving and braking may meet in a kink.
+//! Greville's abscissae (Eilers & Marx, P-splines) and Z = Dᵀ(DDᵀ)⁻¹, the deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖².
+//! Driving and braking may meet in a kink at U = 0: U⁺ is part of the plain form, and a kink that changes with speed is a block of its own, so that what is smooth
+//! across U = 0 need not be put together from bends and kinks that cancel. The interaction f(V)·g(U) is penalised by how much it bends along either axis, λ·(‖D_V·θ‖² + ‖D_U·θ‖²)
+//! (Wood 2006, *Low-rank scale-invariant tensor product smooths*), in the modes z ⊗ y of both, where that penalty is diagonal: one on mixed differences would let it run away in corners.
 
 use super::lattice::Lattice;
 use crate::map::Gear;
@@ -68,10 +71,9 @@ impl Design {
         let stribeck = fading(STRIBECK_MPS);
         let one_v = vec![1.0; speeds.len()];
         let one_u = vec![1.0; torques.len()];
-        let bends_w = bends(&w, None);
-        let bends_v = bends(&v, None);
-        let kink = torques.iter().position(|t| t.abs() < 1e-9);
-        let bends_u = bends(&u, kink);
+        let bends_w = bends(&w);
+        let bends_v = bends(&v);
+        let bends_u = bends(&u);
 
         let rows = lattice.columns();
         let tensor = |along_v: &[f64], along_u: &[f64]| {
@@ -99,8 +101,16 @@ impl Design {
         let g = || bends_u.iter().map(|z| tensor(&one_v, z)).collect::<Vec<_>>();
         let w_by_u = || vec![tensor(&w, &u), tensor(&w, &drive)];
         let w_by_g = || bends_u.iter().map(|z| tensor(&w, z)).collect::<Vec<_>>();
-        let f_by_u = || bends_v.iter().flat_map(|z| [tensor(z, &u), tensor(z, &drive)]).collect::<Vec<_>>();
-        let f_by_g = || bends_v.iter().flat_map(|z| bends_u.iter().map(|y| tensor(z, y)).collect::<Vec<_>>()).collect::<Vec<_>>();
+        let f_by = |along_u: &[f64]| bends_v.iter().map(|z| tensor(z, along_u)).collect::<Vec<_>>();
+        let f_by_g = || {
+            let (along_v, along_u) = (modes(&v), modes(&u));
+            let pairs = along_v.iter().flat_map(|(z, d)| along_u.iter().map(move |(y, e)| (z, y, d + e)));
+            let weighed = |(z, y, roughness): (&Vec<f64>, &Vec<f64>, f64)| {
+                let z: Vec<f64> = z.iter().map(|z| z / roughness.sqrt()).collect();
+                tensor(&z, y)
+            };
+            pairs.map(weighed).collect::<Vec<_>>()
+        };
 
         let mut builder = Builder { rows, columns: Vec::new(), blocks: Vec::new() };
         builder.block("plain form", false, false, plain());
@@ -109,14 +119,16 @@ impl Design {
         builder.block("g(U)", true, false, g());
         builder.block("w(V)·U", true, false, w_by_u());
         builder.block("w(V)·g(U)", true, false, w_by_g());
-        builder.block("f(V)·U", true, false, f_by_u());
+        builder.block("f(V)·U", true, false, f_by(&u));
+        builder.block("f(V)·U⁺", true, false, f_by(&drive));
         builder.block("f(V)·g(U)", true, false, f_by_g());
         if both_gears {
             builder.block("gear: plain form", true, true, plain());
             builder.block("gear: f(V)", true, true, f());
             builder.block("gear: g(U)", true, true, g());
             builder.block("gear: w(V)·U", true, true, w_by_u());
-            builder.block("gear: f(V)·U", true, true, f_by_u());
+            builder.block("gear: f(V)·U", true, true, f_by(&u));
+            builder.block("gear: f(V)·U⁺", true, true, f_by(&drive));
         }
         let Builder { rows, columns, blocks } = builder;
         let transforms = Gear::ALL.map(|gear| {
@@ -148,17 +160,39 @@ impl Design {
     }
 }
 
-/// Z = Dᵀ(DDᵀ)⁻¹ for the second differences D over uneven `nodes` (scaled to a mean spacing of one), without the row centred at `kink`:
-/// one column per difference.
-fn bends(nodes: &[f64], kink: Option<usize>) -> Vec<Vec<f64>> {
+/// Z = Dᵀ(DDᵀ)⁻¹ for the second differences D over uneven `nodes`: one column per difference.
+fn bends(nodes: &[f64]) -> Vec<Vec<f64>> {
+    let Some(d) = second_differences(nodes) else { return Vec::new() };
+    let ddt = &d * d.transpose();
+    let Ok(factor) = ddt.llt(faer::Side::Lower) else { return Vec::new() };
+    let z = d.transpose() * factor.inverse();
+    columns(&z)
+}
+
+/// The functions on `nodes` that bend, from the least to the most: eigenvectors of DᵀD, each with its ‖D·z‖² as a share of an axis of length
+/// one, so that bending along one axis compares with bending along another.
+fn modes(nodes: &[f64]) -> Vec<(Vec<f64>, f64)> {
+    let Some(d) = second_differences(nodes) else { return Vec::new() };
+    let Ok(eigen) = (d.transpose() * &d).self_adjoint_eigen(faer::Side::Lower) else { return Vec::new() };
+    // Σ(Δ²f)²/h³ stands for ∫f″²; what does not bend at all, two functions, comes first
+    let per_length = ((nodes.len() - 1) as f64).powi(3);
+    let values = eigen.S().column_vector();
+    columns(&eigen.U().to_owned()).into_iter().enumerate().skip(2).map(|(k, z)| (z, per_length * values[k])).collect()
+}
+
+fn columns(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
+    matrix.col_iter().map(|c| c.iter().copied().collect()).collect()
+}
+
+/// D, with nodes scaled to a mean spacing of one; `None` with fewer than three.
+fn second_differences(nodes: &[f64]) -> Option<Mat<f64>> {
     let n = nodes.len();
-    let spacing = (nodes[n - 1] - nodes[0]) / (n - 1) as f64;
-    let centres: Vec<usize> = (1..n - 1).filter(|k| Some(*k) != kink).collect();
-    if centres.is_empty() {
-        return Vec::new();
+    if n < 3 {
+        return None;
     }
-    let d = Mat::from_fn(centres.len(), n, |r, c| {
-        let k = centres[r];
+    let spacing = (nodes[n - 1] - nodes[0]) / (n - 1) as f64;
+    Some(Mat::from_fn(n - 2, n, |r, c| {
+        let k = r + 1;
         let (h0, h1) = ((nodes[k] - nodes[k - 1]) / spacing, (nodes[k + 1] - nodes[k]) / spacing);
         let scale = 2.0 / (h0 + h1) * (0.5 * (h0 + h1)).sqrt();
         if c + 1 == k {
@@ -170,11 +204,7 @@ fn bends(nodes: &[f64], kink: Option<usize>) -> Vec<Vec<f64>> {
         } else {
             0.0
         }
-    });
-    let ddt = &d * d.transpose();
-    let Ok(factor) = ddt.llt(faer::Side::Lower) else { return Vec::new() };
-    let z = d.transpose() * factor.inverse();
-    (0..centres.len()).map(|c| (0..n).map(|r| z[(r, c)]).collect()).collect()
+    }))
 }
 
 #[cfg(test)]
@@ -185,7 +215,7 @@ mod tests {
     fn a_bend_has_one_unit_difference_and_no_other() {
         let nodes = [0.0, 0.1, 0.25, 0.4, 0.7, 1.0];
         let spacing = 0.2;
-        for (k, z) in bends(&nodes, None).iter().enumerate() {
+        for (k, z) in bends(&nodes).iter().enumerate() {
             for c in 1..nodes.len() - 1 {
                 let (h0, h1) = ((nodes[c] - nodes[c - 1]) / spacing, (nodes[c + 1] - nodes[c]) / spacing);
                 let second = 2.0 / (h0 + h1) * ((z[c + 1] - z[c]) / h1 - (z[c] - z[c - 1]) / h0) * (0.5 * (h0 + h1)).sqrt();

@@ -82,12 +82,13 @@ fn residual(log: &LogView, lagged: &LaggedCommand, dead_time_s: f64, noise: &Noi
         let mut data = vec![0.0; segment.readings.len() * WIDTH];
         let mut sums = [0.0; WIDTH];
         let sign = segment.gear.sign();
+        let mut cursor = lagged.cursor();
         for (row, line) in data.chunks_exact_mut(WIDTH).enumerate() {
             let reading = segment.readings[row];
             let from = if row > 0 { segment.readings[row - 1].t_s } else { segment.start_s };
             let dt = reading.t_s - from;
             let v = (if row > 0 { 0.5 * (speed_mps[row] + speed_mps[row - 1]) } else { speed_mps[row] }).max(0.0);
-            let u = sign * lagged.at(0.5 * (from + reading.t_s) - dead_time_s).torque_nm;
+            let u = sign * cursor.at(0.5 * (from + reading.t_s) - dead_time_s).torque_nm;
             let near = v / 0.08;
             for (sum, column) in sums.iter_mut().zip([1.0, u, u.max(0.0), v, v * v, (-near * near).exp()]) {
                 *sum += dt * column;

@@ -4,9 +4,9 @@
 //! directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. That is the likelihood profiled over these directions,
 //! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free.
 
+use super::course::Course;
 use super::estimate::Estimate;
 use super::kalman::{smooth, whiten};
-use super::regressors::predicted;
 use super::runs::round;
 use super::segment::Segment;
 use crate::fit::actuator::LaggedCommand;
@@ -24,8 +24,8 @@ const PAIRS: i32 = 7;
 const LONGEST_S: f64 = 0.4;
 const STEP_S: f64 = 0.01;
 /// Readings beyond which more do not change the picture, all logs together, and the fewest of one.
-const ENOUGH_READINGS: usize = 40_000;
-const FEWEST_READINGS: usize = 2000;
+const ENOUGH_READINGS: usize = 6_000;
+const FEWEST_READINGS: usize = 1500;
 /// Directions in which the surface gives way.
 const DIRECTIONS: usize = 6;
 const WIDTH: usize = DIRECTIONS + 1;
@@ -43,7 +43,7 @@ type Gram = [[f64; WIDTH]; WIDTH];
 pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let logs: Vec<LogView> = (0..estimate.logs.len()).map(|k| view(estimate, k)).collect();
     let found_lag_s = estimate.calibration.lag_s;
-    let std_err_s = estimate.dead_time_std_err_s.iter().copied().fold(estimate.lag_std_err_s, f64::max);
+    let std_err_s = estimate.calibration_errors.dead_time_s.iter().copied().fold(estimate.calibration_errors.lag_s, f64::max);
     let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
     let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
     let lags: Vec<f64> = shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect();
@@ -98,10 +98,10 @@ fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
     let segments = segments
         .into_par_iter()
         .map(|s| {
-            let torque = |t: f64| s.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
+            let course = Course::new(&s, &lagged, dead_time_s);
             let mut speed: Vec<f64> = s.readings.iter().map(|r| r.speed_mps.max(0.0)).collect();
             for _ in 0..2 {
-                let model = predicted(&s, &speed, &torque, estimate.surface(s.gear));
+                let model = course.predicted(&speed, estimate.surface(s.gear));
                 let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
                 let deviation = smooth(&residual, &s.readings, s.start_s, &estimate.noise, s.start_std_mps).speed_mps;
                 speed = model.iter().zip(&deviation).map(|(m, d)| (m + d).max(0.0)).collect();
@@ -116,21 +116,18 @@ fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
 fn gram(estimate: &Estimate, log: &LogView, lagged: &LaggedCommand, dead_time_s: f64) -> Gram {
     let mut gram = [[0.0; WIDTH]; WIDTH];
     for (segment, speed) in &log.segments {
-        let torque = |t: f64| segment.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
-        let model = predicted(segment, speed, &torque, estimate.surface(segment.gear));
+        let course = Course::new(segment, lagged, dead_time_s);
+        let model = course.predicted(speed, estimate.surface(segment.gear));
         let mut data = vec![0.0; segment.readings.len() * WIDTH];
         let mut sums = [0.0; WIDTH];
         for (row, line) in data.chunks_exact_mut(WIDTH).enumerate() {
-            let reading = segment.readings[row];
-            let from_s = if row > 0 { segment.readings[row - 1].t_s } else { segment.start_s };
-            let dt = reading.t_s - from_s;
-            let v = if row > 0 { 0.5 * (speed[row] + speed[row - 1]) } else { speed[row] };
-            let u = torque(0.5 * (from_s + reading.t_s));
-            let near = v / 0.08;
-            for (sum, column) in sums.iter_mut().zip([1.0, u, u.max(0.0), v, v * v, (-near * near).exp()]) {
-                *sum += dt * column;
+            for (v, step) in course.along(speed, row) {
+                let (u, near) = (step.torque.torque_nm, v / 0.08);
+                for (sum, column) in sums.iter_mut().zip([1.0, u, u.max(0.0), v, v * v, (-near * near).exp()]) {
+                    *sum += step.length_s * column;
+                }
             }
-            sums[DIRECTIONS] = reading.speed_mps - model[row];
+            sums[DIRECTIONS] = segment.readings[row].speed_mps - model[row];
             line.copy_from_slice(&sums);
         }
         whiten(&mut data, WIDTH, &segment.readings, segment.start_s, &estimate.noise, segment.start_std_mps);

@@ -1,7 +1,7 @@
 //! Normal equations, added up segment by segment in a fixed order, so that the sums are the same bits for any number of threads.
 
 use faer::Mat;
-use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Par};
 
 /// XᵀX over a gear's columns, with the speed as last column.
@@ -9,7 +9,7 @@ use faer::{Accum, Par};
 pub(crate) struct Gram {
     /// Number of columns, the speed included.
     pub(crate) size: usize,
-    /// Symmetric, row-major.
+    /// The lower triangle of a symmetric matrix, row-major; above it zeros.
     pub(crate) values: Vec<f64>,
 }
 
@@ -18,7 +18,7 @@ pub(crate) struct Gram {
 pub(crate) struct LocalGram {
     /// Global columns; `u32::MAX` is the speed.
     pub(crate) columns: Vec<u32>,
-    /// Symmetric.
+    /// The lower triangle of a symmetric matrix; above it zeros.
     pub(crate) values: Mat<f64>,
 }
 
@@ -29,7 +29,17 @@ impl LocalGram {
         let rows = white.len() / width;
         let x = faer::MatRef::from_row_major_slice(white, rows, width);
         let mut values = Mat::zeros(width, width);
-        matmul(values.as_mut(), Accum::Replace, x.transpose(), x, 1.0, Par::Seq);
+        matmul(
+            values.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            x.transpose(),
+            BlockStructure::Rectangular,
+            x,
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
         Self { columns, values }
     }
 }
@@ -45,14 +55,19 @@ impl Gram {
         self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
     }
 
+    /// The whole matrix, row by row.
+    pub(crate) fn whole(&self) -> Mat<f64> {
+        Mat::from_fn(self.size, self.size, |a, b| self.values[a.max(b) * self.size + a.min(b)])
+    }
+
     /// Adds one segment's.
     pub(crate) fn add(&mut self, local: &LocalGram) {
         let global = |c: u32| if c == u32::MAX { self.size - 1 } else { c as usize };
         let places: Vec<usize> = local.columns.iter().map(|c| global(*c)).collect();
-        for (a, &pa) in places.iter().enumerate() {
-            let line = &mut self.values[pa * self.size..(pa + 1) * self.size];
-            for (b, &pb) in places.iter().enumerate() {
-                line[pb] += local.values[(a, b)];
+        for (k, column) in local.values.col_iter().enumerate() {
+            for (l, value) in column.iter().enumerate().skip(k) {
+                let (a, b) = (places[k].max(places[l]), places[k].min(places[l]));
+                self.values[a * self.size + b] += value;
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The noise by maximum likelihood, bounded: with priors alone the time constant of the disturbance runs away on real logs.
 
-use super::kalman::{Noise, deviance};
-use super::segment::Segment;
+use super::kalman::{Noise, deviance, smooth};
+use super::segment::{Segment, span_s};
 use rayon::prelude::*;
 
 /// Bounds of the parameters, in SI.
@@ -18,7 +18,7 @@ pub(crate) struct NoiseEstimate {
 }
 
 /// Readings beyond which more do not sharpen five parameters; segments are then taken evenly.
-const ENOUGH_READINGS: usize = 30_000;
+const ENOUGH_READINGS: usize = 15_000;
 
 /// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
 ///
@@ -89,4 +89,33 @@ pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Nois
         .map(|k| names[k])
         .collect();
     NoiseEstimate { noise: unpack(&x), at_bounds }
+}
+
+/// The `share` of the segments that the surface explains best by mean square innovation, so that pushes and slips do not pass for noise.
+pub(crate) fn well_explained(
+    segments: &[Segment],
+    residuals: &[Vec<f64>],
+    white: &[Vec<f64>],
+    share: f64,
+) -> (Vec<Segment>, Vec<Vec<f64>>) {
+    let score: Vec<f64> = white.iter().map(|w| w.iter().map(|e| e * e).sum::<f64>() / w.len().max(1) as f64).collect();
+    let mut sorted = score.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let limit = sorted[((sorted.len() as f64 * share) as usize).min(sorted.len() - 1)];
+    let kept: Vec<usize> = (0..segments.len()).filter(|k| score[*k] <= limit).collect();
+    (kept.iter().map(|k| segments[*k].clone()).collect(), kept.iter().map(|k| residuals[*k].clone()).collect())
+}
+
+/// Spread of the runs' offsets [m/s²]: what σ_b cannot exceed.
+pub(crate) fn offset_spread(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) -> f64 {
+    let loose = Noise { offset_mps2: 1.0, ..*noise };
+    let offsets: Vec<f64> = segments
+        .iter()
+        .zip(residuals)
+        .filter(|(s, _)| span_s(s) > 0.5)
+        .map(|(s, r)| smooth(r, &s.readings, s.start_s, &loose, s.start_std_mps).offset_mps2)
+        .collect();
+    let centre = crate::signal::median(&offsets);
+    let spread: Vec<f64> = offsets.iter().map(|o| (o - centre).abs()).collect();
+    if spread.len() < 4 { 0.2 } else { 2.0 * 1.4826 * crate::signal::median(&spread) }
 }

@@ -18,6 +18,14 @@ pub(crate) struct Noise {
     pub(crate) reading_mps: [f64; 2],
 }
 
+impl Noise {
+    /// Variance of a reading of a witness [m²/s²].
+    pub(crate) fn variance(&self, witness: u8) -> f64 {
+        let sigma = self.reading_mps[usize::from(witness)];
+        sigma * sigma
+    }
+}
+
 /// Prior standard deviation of the speed where a stretch does not start from rest [m/s].
 pub(crate) const UNKNOWN_SPEED_MPS: f64 = 3.0;
 
@@ -92,40 +100,57 @@ fn measure(p: &mut Covariance, r: f64) -> ([f64; 3], f64) {
     (gain, s)
 }
 
-/// The filter's gains over a stretch that starts at `start_s`; they do not depend on the data.
-fn steps(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Vec<Step> {
-    let mut p = start_covariance(noise, start_std_mps);
-    let mut last = start_s;
-    readings
-        .iter()
-        .map(|reading| {
-            let dt = (reading.t_s - last).max(0.0);
-            last = reading.t_s;
-            let (drift, decay) = predict(&mut p, noise, dt);
-            let sigma = noise.reading_mps[usize::from(reading.witness)];
-            let (gain, s) = measure(&mut p, sigma * sigma);
-            Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt() }
-        })
-        .collect()
+/// The filter over one stretch: its gains do not depend on the data.
+#[derive(Debug, Clone)]
+pub(crate) struct Filter {
+    steps: Vec<Step>,
 }
 
-/// Replaces each column of `matrix` (row-major, one row per reading, `columns` wide) by its whitened innovations.
-pub(crate) fn whiten(matrix: &mut [f64], columns: usize, readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) {
-    let mut v = vec![0.0; columns];
-    let mut d = vec![0.0; columns];
-    let mut b = vec![0.0; columns];
-    for (step, row) in steps(readings, start_s, noise, start_std_mps).iter().zip(matrix.chunks_exact_mut(columns)) {
-        let [kv, kd, kb] = step.gain;
-        for (((z, v), d), b) in row.iter_mut().zip(&mut v).zip(&mut d).zip(&mut b) {
-            let ahead = *v + step.drift * *d + step.dt * *b;
-            let faded = step.decay * *d;
-            let innovation = *z - ahead;
-            *v = ahead + kv * innovation;
-            *d = faded + kd * innovation;
-            *b += kb * innovation;
-            *z = innovation * step.inverse_root;
+impl Filter {
+    /// Over measurements at the given times [s] with the given variances [m²/s²], from `start_s` on.
+    pub(crate) fn new(measurements: impl Iterator<Item = (f64, f64)>, start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
+        let mut p = start_covariance(noise, start_std_mps);
+        let mut last = start_s;
+        let steps = measurements
+            .map(|(t_s, variance)| {
+                let dt = (t_s - last).max(0.0);
+                last = t_s;
+                let (drift, decay) = predict(&mut p, noise, dt);
+                let (gain, s) = measure(&mut p, variance);
+                Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt() }
+            })
+            .collect();
+        Self { steps }
+    }
+
+    /// Over readings.
+    pub(crate) fn over(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
+        Self::new(readings.iter().map(|r| (r.t_s, noise.variance(r.witness))), start_s, noise, start_std_mps)
+    }
+
+    /// Replaces each column of `matrix` (row-major, one row per measurement, `columns` wide) by its whitened innovations.
+    pub(crate) fn whiten(&self, matrix: &mut [f64], columns: usize) {
+        let mut states = vec![0.0; 3 * columns];
+        let (v, rest) = states.split_at_mut(columns);
+        let (d, b) = rest.split_at_mut(columns);
+        for (step, row) in self.steps.iter().zip(matrix.chunks_exact_mut(columns)) {
+            let [kv, kd, kb] = step.gain;
+            for (((z, v), d), b) in row.iter_mut().zip(&mut *v).zip(&mut *d).zip(&mut *b) {
+                let ahead = *v + step.drift * *d + step.dt * *b;
+                let faded = step.decay * *d;
+                let innovation = *z - ahead;
+                *v = ahead + kv * innovation;
+                *d = faded + kd * innovation;
+                *b += kb * innovation;
+                *z = innovation * step.inverse_root;
+            }
         }
     }
+}
+
+/// [`Filter::whiten`] over readings.
+pub(crate) fn whiten(matrix: &mut [f64], columns: usize, readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) {
+    Filter::over(readings, start_s, noise, start_std_mps).whiten(matrix, columns);
 }
 
 /// −2 log likelihood of a residual sequence, without its constant.
@@ -138,8 +163,7 @@ pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64,
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt);
-        let sigma = noise.reading_mps[usize::from(reading.witness)];
-        let (gain, s) = measure(&mut p, sigma * sigma);
+        let (gain, s) = measure(&mut p, noise.variance(reading.witness));
         v += drift * d + dt * b;
         d *= decay;
         let innovation = residual - v;
@@ -184,8 +208,7 @@ pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
         let (predicted_mps, row) = (x[0], p[0]);
-        let sigma = noise.reading_mps[usize::from(reading.witness)];
-        let (gain, s) = measure(&mut p, sigma * sigma);
+        let (gain, s) = measure(&mut p, noise.variance(reading.witness));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;

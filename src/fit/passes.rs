@@ -1,11 +1,11 @@
 //! Passes over all segments: speeds along them, residuals, and the sums of the normal equations.
 
-use super::actuator::LaggedCommand;
+use super::course::{Course, surface_of};
 use super::gram::{Gram, LocalGram};
 use super::kalman::{Noise, smooth, whiten};
 use super::lattice::LatticeSurface;
-use super::regressors::{matrix, nuisance, predicted};
-use super::segment::{Calibration, Segment};
+use super::regressors::{Free, whitened};
+use super::segment::Segment;
 use crate::map::Gear;
 use rayon::prelude::*;
 
@@ -15,21 +15,20 @@ const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offs
 const BATCH: usize = 64;
 
 /// Speeds along the segments from their readings alone.
-pub(crate) fn wide_speeds(segments: &[Segment]) -> Vec<Vec<f64>> {
-    segments.par_iter().map(wide_speed).collect()
+pub(crate) fn wide_speeds(courses: &[Course]) -> Vec<Vec<f64>> {
+    courses.par_iter().map(|c| wide_speed(c.segment)).collect()
 }
 
-fn wide_speed(segment: &Segment) -> Vec<f64> {
+/// Speeds along one segment from its readings alone.
+pub(crate) fn wide_speed(segment: &Segment) -> Vec<f64> {
     let readings: Vec<f64> = segment.readings.iter().map(|r| r.speed_mps).collect();
     smooth(&readings, &segment.readings, segment.start_s, &WIDE, segment.start_std_mps).speed_mps
 }
 
 /// What a pass goes by.
 #[derive(Clone, Copy)]
-pub(crate) struct Way<'a> {
-    /// Lagged command of each log.
-    pub(crate) lagged: &'a [LaggedCommand],
-    pub(crate) calibration: &'a Calibration,
+pub(crate) struct Pass<'a> {
+    pub(crate) courses: &'a [Course<'a>],
     /// Forward, reverse.
     pub(crate) surfaces: &'a [LatticeSurface; 2],
     pub(crate) noise: &'a Noise,
@@ -44,39 +43,39 @@ pub(crate) struct Along {
     pub(crate) residuals: Vec<Vec<f64>>,
     /// The same, whitened.
     pub(crate) white: Vec<Vec<f64>>,
+    /// Offset of each segment [m/s²].
+    pub(crate) offsets: Vec<f64>,
 }
 
-impl Way<'_> {
-    fn surface(&self, segment: &Segment) -> &LatticeSurface {
-        &self.surfaces[usize::from(segment.gear == Gear::Reverse)]
-    }
-
-    /// Effective torque of the segment's gear at a time [N·m].
-    fn torque_nm(&self, segment: &Segment, t_s: f64) -> f64 {
-        segment.gear.sign() * self.lagged[segment.log].at(t_s - self.calibration.dead_time_s[segment.log]).torque_nm
-    }
-
+impl Pass<'_> {
     /// Speeds, residuals and whitened residuals. `known` are speeds from a pass over the same segments with a surface near to this one.
-    pub(crate) fn along(&self, segments: &[Segment], known: Option<&[Vec<f64>]>) -> Along {
-        let parts: Vec<[Vec<f64>; 3]> = segments
+    pub(crate) fn along(&self, known: Option<&[Vec<f64>]>) -> Along {
+        let parts: Vec<([Vec<f64>; 3], f64)> = self
+            .courses
             .par_iter()
             .enumerate()
-            .map(|(k, s)| {
-                let (mut speed, rounds) = known.map_or_else(|| (wide_speed(s), 2), |known| (known[k].clone(), 1));
-                let mut residual = Vec::new();
-                for _ in 0..rounds {
-                    let model = predicted(s, &speed, &|t| self.torque_nm(s, t), self.surface(s));
-                    residual = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-                    let deviation = smooth(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps).speed_mps;
-                    speed = model.iter().zip(&deviation).map(|(m, d)| (m + d).max(0.0)).collect();
-                }
+            .map(|(k, course)| {
+                let s = course.segment;
+                let from_readings;
+                let speed = match known {
+                    Some(known) => &known[k],
+                    None => {
+                        from_readings = wide_speed(s);
+                        &from_readings
+                    }
+                };
+                let model = course.predicted(speed, surface_of(self.surfaces, s));
+                let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
+                let deviation = smooth(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps);
+                let speed = model.iter().zip(&deviation.speed_mps).map(|(m, d)| (m + d).max(0.0)).collect();
                 let mut white = residual.clone();
                 whiten(&mut white, 1, &s.readings, s.start_s, self.noise, s.start_std_mps);
-                [speed, residual, white]
+                ([speed, residual, white], deviation.offset_mps2)
             })
             .collect();
         let mut along = Along::default();
-        for [speed, residual, white] in parts {
+        for ([speed, residual, white], offset) in parts {
+            along.offsets.push(offset);
             along.speeds.push(speed);
             along.residuals.push(residual);
             along.white.push(white);
@@ -85,27 +84,17 @@ impl Way<'_> {
     }
 
     /// The sums of both gears, fold by fold.
-    pub(crate) fn assemble(
-        &self,
-        segments: &[Segment],
-        speeds: &[Vec<f64>],
-        with_nuisance: bool,
-        logs: usize,
-        (fold, folds): (&[usize], usize),
-    ) -> Vec<[Gram; 2]> {
-        let nuisances = if with_nuisance { nuisance::DEAD_TIME + logs } else { 0 };
-        let size = self.surfaces[0].lattice.columns() + nuisances + 1;
+    pub(crate) fn assemble(&self, speeds: &[Vec<f64>], free: Free, logs: usize, (fold, folds): (&[usize], usize)) -> Vec<[Gram; 2]> {
+        let size = self.surfaces[0].lattice.columns() + free.nuisances(logs) + 1;
         let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
-        let paired: Vec<((&Segment, &Vec<f64>), &usize)> = segments.iter().zip(speeds).zip(fold).collect();
+        let paired: Vec<((&Course, &Vec<f64>), &usize)> = self.courses.iter().zip(speeds).zip(fold).collect();
         for batch in paired.chunks(BATCH) {
             let locals: Vec<(Gear, usize, LocalGram)> = batch
                 .par_iter()
-                .map(|((s, speed), fold)| {
-                    let dead_time_s = self.calibration.dead_time_s[s.log];
-                    let mut local = matrix(s, speed, &self.lagged[s.log], dead_time_s, self.surface(s), with_nuisance);
-                    let width = local.columns.len();
-                    whiten(&mut local.data, width, &s.readings, s.start_s, self.noise, s.start_std_mps);
-                    (s.gear, **fold, LocalGram::new(local.columns, &local.data))
+                .map(|((course, speed), fold)| {
+                    let surface = surface_of(self.surfaces, course.segment);
+                    let local = whitened(course, speed, surface, self.noise, free);
+                    (course.segment.gear, **fold, LocalGram::new(local.columns, &local.data))
                 })
                 .collect();
             for (gear, fold, local) in locals {
@@ -116,23 +105,18 @@ impl Way<'_> {
     }
 
     /// Root mean square change of the surface over the readings since `before` [m/s²].
-    pub(crate) fn movement(&self, segments: &[Segment], speeds: &[Vec<f64>], before: &[LatticeSurface; 2]) -> f64 {
+    pub(crate) fn movement(&self, speeds: &[Vec<f64>], before: &[LatticeSurface; 2]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        for (s, speed) in segments.iter().zip(speeds) {
-            let before = &before[usize::from(s.gear == Gear::Reverse)];
-            for (reading, v) in s.readings.iter().zip(speed).step_by(5) {
-                let u = self.torque_nm(s, reading.t_s);
-                sum += (self.surface(s).accel_mps2(*v, u) - before.accel_mps2(*v, u)).powi(2);
+        for (course, speed) in self.courses.iter().zip(speeds) {
+            let (before, now) = (surface_of(before, course.segment), surface_of(self.surfaces, course.segment));
+            for (row, v) in speed.iter().enumerate().step_by(5) {
+                let u = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
+                sum += (now.accel_mps2(*v, u) - before.accel_mps2(*v, u)).powi(2);
                 count += 1;
             }
         }
         (sum / f64::from(count.max(1))).sqrt()
     }
-}
-
-/// The offset of each segment [m/s²].
-pub(crate) fn offsets_of(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) -> Vec<f64> {
-    segments.iter().zip(residuals).map(|(s, r)| smooth(r, &s.readings, s.start_s, noise, s.start_std_mps).offset_mps2).collect()
 }
 
 /// The sum over the folds, in their order.

@@ -55,7 +55,7 @@ impl System {
         for (gear, gram) in grams {
             let t = design.transform(*gear);
             let base = t.nrows();
-            let whole = faer::MatRef::from_row_major_slice(&gram.values, gram.size, gram.size);
+            let whole = gram.whole();
             let lattice = whole.submatrix(0, 0, base, base);
             let half = t.transpose() * lattice;
             let full = &half * t;

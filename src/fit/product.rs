@@ -1,9 +1,10 @@
 //! What a fit gives: `table1.json`, its CSVs, and the verdict on every sample.
 
-use super::estimate::{Estimate, estimate, slow_rate_hz};
+use super::estimate::{Estimate, estimate};
 use super::feedback::{FeedbackDelays, delays};
-use super::runs::{disagreements, residual_rms_mps2, round, run_figures};
+use super::runs::{Compared, disagreements, residual_rms_mps2, round, run_figures, simulate};
 use super::soundness::{coverage, objections};
+use super::start::slow_rate_hz;
 use super::tables::{accel_map, used_samples, verdicts};
 use super::traces::traces;
 use super::uncertainty::Uncertainty;
@@ -40,7 +41,7 @@ const LAG_EXPLAINS: f64 = 2.5;
 /// # Errors
 /// No logs, logs of different vehicles, too little motion, one torque only, a speed signal that is too slow and alone.
 pub fn fit(surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
-    Ok(fit_and(surveys, settings, |_, _| ())?.0)
+    Ok(fit_and(surveys, settings, |_, _, _| ())?.0)
 }
 
 /// The same fit with the traces that a report shows, thinned out.
@@ -53,7 +54,7 @@ pub fn fit_traced(surveys: Vec<Survey>, settings: &Settings) -> Result<(Fit, Fit
 }
 
 /// Fits, and lets `look` see the estimate.
-fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&Estimate, &Fit) -> T) -> Result<(Fit, T)> {
+fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&Estimate, &[Compared], &Fit) -> T) -> Result<(Fit, T)> {
     surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
     same_vehicle(&surveys)?;
     let mut estimate = estimate(&surveys, settings)?;
@@ -79,7 +80,8 @@ fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&
     let sound = objections.is_empty();
     notes.extend(objections);
     let table = ledger(verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied())));
-    let figures = run_figures(&estimate, &verdicts);
+    let compared = simulate(&estimate);
+    let figures = run_figures(&estimate, &compared, &verdicts);
     notes.extend(disagreements(&figures.rows));
     let report = Stage1Report {
         ledger: table,
@@ -110,7 +112,7 @@ fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&
         report,
     };
     let fit = Fit { file, csvs, verdicts, sound };
-    let seen = look(&estimate, &fit);
+    let seen = look(&estimate, &compared, &fit);
     Ok((fit, seen))
 }
 
@@ -207,7 +209,7 @@ fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Act
         .iter()
         .enumerate()
         .map(|(k, survey)| {
-            let (total, std_err) = (estimate.calibration.dead_time_s[k], estimate.dead_time_std_err_s[k]);
+            let (total, std_err) = (estimate.calibration.dead_time_s[k], estimate.calibration_errors.dead_time_s[k]);
             let (offset, dead_time) = match &feedback[k] {
                 Some(f) => {
                     let offset = total - f.dead_time_s;
@@ -238,11 +240,11 @@ fn actuator(estimate: &Estimate, surveys: &[Survey], settings: &Settings) -> Act
     } else {
         0.0
     };
-    let of_errors = estimate.dead_time_std_err_s.iter().map(|e| e * e).sum::<f64>().sqrt() / count;
+    let of_errors = estimate.calibration_errors.dead_time_s.iter().map(|e| e * e).sum::<f64>().sqrt() / count;
     let explained = feedback.iter().flatten().all(|f| f.after_step_ratio < LAG_EXPLAINS);
     Actuator {
         dead_time: told(mean, spread.max(of_errors), given),
-        lag: told(estimate.calibration.lag_s, estimate.lag_std_err_s, settings.lag_s.is_some()),
+        lag: told(estimate.calibration.lag_s, estimate.calibration_errors.lag_s, settings.lag_s.is_some()),
         input: if feedback.iter().any(Option::is_some) && !explained {
             "torque command (the feedback does not follow a first-order lag)".to_owned()
         } else {
@@ -256,7 +258,7 @@ fn witnesses(estimate: &Estimate) -> Vec<Witness> {
     let encoder = Witness {
         name: "encoder".to_owned(),
         scale: round(estimate.calibration.encoder_scale, 1e6),
-        scale_std_err: estimate.has_yaw.then(|| round(estimate.encoder_scale_std_err, 1e6)),
+        scale_std_err: estimate.has_yaw.then(|| round(estimate.calibration_errors.encoder_scale, 1e6)),
         delay_s: round(estimate.calibration.encoder_delay_s, 1e6),
         noise_mps: round(estimate.noise.reading_mps[0], 1e6),
     };

@@ -1,11 +1,14 @@
 //! The regressors of one segment: integrals of the surface's columns along the way, never derivatives.
 //!
-//! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start, by the midpoint rule with steps of at most 5 ms. Beside them what the delays
-//! and the encoder's calibration would change: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
+//! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Beside them what the delays and the encoder's calibration would
+//! change: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
+//!
+//! Readings within 25 ms of one another enter as one: their mean, weighted by precision, at their mean time. Within so short a time the speed is as good as straight, and what
+//! is lost is what their differences tell of the acceleration: less than a hundredth of what the neighbours tell.
 
-use super::actuator::LaggedCommand;
+use super::course::Course;
+use super::kalman::{Filter, Noise};
 use super::lattice::{LatticeSurface, Spot};
-use super::segment::Segment;
 
 /// Columns after those of the surface: shared ones, then one dead time per log.
 pub(crate) mod nuisance {
@@ -19,125 +22,138 @@ pub(crate) mod nuisance {
     pub(crate) const DEAD_TIME: usize = 3;
 }
 
-/// Longest step of the integration [s].
-const LONGEST_STEP_S: f64 = 5e-3;
+/// Readings within this time are merged [s].
+const MERGED_S: f64 = 0.025;
+
+/// What is free beside the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Free {
+    /// The surface alone.
+    Surface,
+    /// Dead times and lag too.
+    Delays,
+    /// The encoder's scale and delay as well. Readings stay apart then: what two witnesses of one moment tell differently is what calibrates
+    /// one by the other.
+    DelaysAndEncoder,
+}
+
+impl Free {
+    /// Nuisance columns beside the surface's for so many logs.
+    pub(crate) fn nuisances(self, logs: usize) -> usize {
+        if self == Self::Surface { 0 } else { nuisance::DEAD_TIME + logs }
+    }
+}
 
 /// A dense matrix over the columns that a segment touches.
 #[derive(Debug, Clone)]
 pub(crate) struct LocalMatrix {
     /// Global column of each local one; the last local column is the speed.
     pub(crate) columns: Vec<u32>,
-    /// Row-major, one row per reading.
+    /// Row-major, one row per merged reading.
     pub(crate) data: Vec<f64>,
 }
 
-/// One step of the integration.
-struct Quadrature {
-    spot: Spot,
-    weight: f64,
-    by_lag: f64,
-    by_dead_time: f64,
+/// Readings that enter as one.
+struct Merged {
+    rows: std::ops::Range<usize>,
+    /// Mean time [s] and variance [m²/s²].
+    t_s: f64,
+    variance: f64,
 }
 
-/// Speed along the segment between its readings, 0 at an anchored start.
-fn speed_at(segment: &Segment, speed_mps: &[f64], row: usize, fraction: f64) -> f64 {
-    let before = if row > 0 {
-        speed_mps[row - 1]
-    } else if segment.anchored {
-        0.0
-    } else {
-        speed_mps[0]
-    };
-    (before + fraction * (speed_mps[row] - before)).max(0.0)
+/// The readings of a segment in groups.
+fn merged(course: &Course, noise: &Noise, within_s: f64) -> Vec<Merged> {
+    let readings = &course.segment.readings;
+    let mut groups: Vec<Merged> = Vec::new();
+    let mut from = 0;
+    while from < readings.len() {
+        let first_s = readings[from].t_s;
+        let to = from + readings[from..].iter().take_while(|r| r.t_s - first_s < within_s).count().max(1);
+        let (mut precision, mut moment) = (0.0, 0.0);
+        for reading in &readings[from..to] {
+            let p = 1.0 / noise.variance(reading.witness);
+            precision += p;
+            moment += p * (reading.t_s - first_s);
+        }
+        groups.push(Merged { rows: from..to, t_s: first_s + moment / precision, variance: 1.0 / precision });
+        from = to;
+    }
+    groups
 }
 
-/// Steps of the integration between reading `row − 1` (or the start) and reading `row`: (time, speed, length).
-fn steps<'a>(segment: &'a Segment, speed_mps: &'a [f64], row: usize) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
-    let from = if row > 0 { segment.readings[row - 1].t_s } else { segment.start_s };
-    let length = (segment.readings[row].t_s - from).max(0.0);
-    let count = (length / LONGEST_STEP_S).ceil().max(1.0) as usize;
-    (0..count).map(move |k| {
-        let fraction = (k as f64 + 0.5) / count as f64;
-        (from + fraction * length, speed_at(segment, speed_mps, row, fraction), length / count as f64)
-    })
-}
-
-/// The speed that the surface predicts at each reading, from 0 at the segment's start [m/s].
-pub(crate) fn predicted(segment: &Segment, speed_mps: &[f64], torque: &dyn Fn(f64) -> f64, surface: &LatticeSurface) -> Vec<f64> {
-    let mut sum = 0.0;
-    (0..segment.readings.len())
-        .map(|row| {
-            for (t, v, length) in steps(segment, speed_mps, row) {
-                sum += length * surface.accel_mps2(v, torque(t));
-            }
-            sum
-        })
-        .collect()
-}
-
-/// The matrix of one segment. `surface` gives the slopes for the nuisance columns; `with_nuisance` asks for them.
-pub(crate) fn matrix(
-    segment: &Segment,
-    speed_mps: &[f64],
-    lagged: &LaggedCommand,
-    dead_time_s: f64,
-    surface: &LatticeSurface,
-    with_nuisance: bool,
-) -> LocalMatrix {
+/// The whitened matrix of one segment. The surface gives the slopes of the nuisance columns, where something else is free.
+pub(crate) fn whitened(course: &Course, speed_mps: &[f64], surface: &LatticeSurface, noise: &Noise, free: Free) -> LocalMatrix {
+    let with_nuisance = free != Free::Surface;
+    let segment = course.segment;
     let lattice = &surface.lattice;
-    let sign = segment.gear.sign();
     let base = lattice.columns();
-    let logs_at = base + nuisance::DEAD_TIME;
-    let rows = segment.readings.len();
     // what each step of the integration touches
     let mut touched = vec![u32::MAX; base];
     let mut columns: Vec<u32> = Vec::new();
-    let mut quadrature: Vec<Vec<Quadrature>> = Vec::with_capacity(rows);
-    for row in 0..rows {
-        let list = steps(segment, speed_mps, row)
-            .map(|(t, v, weight)| {
-                let torque = lagged.at(t - dead_time_s);
-                let spot = lattice.spot(v, sign * torque.torque_nm);
-                for (column, _) in spot.columns(lattice) {
-                    if touched[column] == u32::MAX {
-                        touched[column] = columns.len() as u32;
+    let mut spots: Vec<Spot> = Vec::with_capacity(2 * course.rows());
+    for row in 0..course.rows() {
+        for (v, step) in course.along(speed_mps, row) {
+            let spot = lattice.spot(v, step.torque.torque_nm);
+            for i in 0..4 {
+                let from = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
+                for (column, place) in (from..).zip(&mut touched[from..from + 4]) {
+                    if *place == u32::MAX {
+                        *place = columns.len() as u32;
                         columns.push(column as u32);
                     }
                 }
-                let slope = if with_nuisance { sign * surface.value_and_slope(v, sign * torque.torque_nm).1 } else { 0.0 };
-                Quadrature { spot, weight, by_lag: weight * slope * torque.by_lag, by_dead_time: weight * slope * torque.by_dead_time }
-            })
-            .collect();
-        quadrature.push(list);
+            }
+            spots.push(spot);
+        }
     }
     let nuisance_at = columns.len();
     if with_nuisance {
         let shared = [nuisance::LAG, nuisance::ENCODER_SCALE, nuisance::ENCODER_DELAY].map(|c| (base + c) as u32);
         columns.extend(shared);
-        columns.push((logs_at + segment.log) as u32);
+        columns.push((base + nuisance::DEAD_TIME + segment.log) as u32);
     }
     columns.push(u32::MAX);
     let width = columns.len();
-    let mut data = vec![0.0; rows * width];
+    let groups = merged(course, noise, if free == Free::DelaysAndEncoder { 0.0 } else { MERGED_S });
+    let mut data = vec![0.0; groups.len() * width];
     let mut sums = vec![0.0; width];
-    for (row, line) in data.chunks_exact_mut(width).enumerate() {
-        for q in &quadrature[row] {
-            for (column, weight) in q.spot.columns(lattice) {
-                sums[touched[column] as usize] += q.weight * weight;
-            }
-            if with_nuisance {
-                sums[nuisance_at] += q.by_lag;
-                sums[nuisance_at + 3] += q.by_dead_time;
-            }
-        }
+    let mut spots = spots.iter();
+    for (line, group) in data.chunks_exact_mut(width).zip(&groups) {
         line.copy_from_slice(&sums);
-        let reading = segment.readings[row];
-        line[width - 1] = reading.speed_mps;
-        if with_nuisance && reading.witness == 0 {
-            let torque = sign * lagged.at(reading.t_s - dead_time_s).torque_nm;
-            line[nuisance_at + 1] = speed_mps[row];
-            line[nuisance_at + 2] = -surface.accel_mps2(speed_mps[row].max(0.0), torque);
+        // what happens before a reading counts for it and for those after it
+        let mut share = 1.0;
+        for row in group.rows.clone() {
+            let reading = segment.readings[row];
+            for ((v, step), spot) in course.along(speed_mps, row).zip(&mut spots) {
+                for i in 0..4 {
+                    let from = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
+                    let by_speed = step.length_s * spot.along_speed.value[i];
+                    for (place, by_torque) in touched[from..from + 4].iter().zip(spot.along_torque.value) {
+                        let (at, change) = (*place as usize, by_speed * by_torque);
+                        sums[at] += change;
+                        line[at] += share * change;
+                    }
+                }
+                if with_nuisance {
+                    let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
+                    for (at, change) in [(nuisance_at, slope * step.torque.by_lag), (nuisance_at + 3, slope * step.torque.by_dead_time)] {
+                        sums[at] += change;
+                        line[at] += share * change;
+                    }
+                }
+            }
+            let weight = group.variance / noise.variance(reading.witness);
+            line[width - 1] += weight * reading.speed_mps;
+            if free == Free::DelaysAndEncoder && reading.witness == 0 {
+                let v = speed_mps[row].max(0.0);
+                let torque_nm = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
+                line[nuisance_at + 1] += weight * v;
+                line[nuisance_at + 2] -= weight * surface.accel_mps2(v, torque_nm);
+            }
+            share -= weight;
         }
     }
+    let times = groups.iter().map(|g| (g.t_s, g.variance));
+    Filter::new(times, segment.start_s, noise, segment.start_std_mps).whiten(&mut data, width);
     LocalMatrix { columns, data }
 }

@@ -1,7 +1,13 @@
 //! Readings and stretches that do not belong: spikes, slip that no second witness shows, pushes by hand.
 
-use super::segment::{Cuts, Segment};
+use super::actuator::LaggedCommand;
+use super::course::courses;
+use super::kalman::Noise;
+use super::lattice::LatticeSurface;
+use super::passes::Pass;
+use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
 use crate::campaign::Verdict;
+use std::collections::BTreeSet;
 
 /// One innovation beyond this, with a normal successor, is a spike.
 const SPIKE: f64 = 5.5;
@@ -9,16 +15,63 @@ const SPIKE: f64 = 5.5;
 const WINDOWS: [usize; 3] = [8, 15, 30];
 
 /// Passes over a run at most: each cuts one window, and what follows starts anew.
-pub(crate) const PASSES: usize = 16;
+const PASSES: usize = 16;
 /// Shorter stretches than this between two cuts are too short to be judged by themselves [s].
 const JOINED_S: f64 = 0.3;
 /// What is cut before and after a window [s].
 const MARGIN_S: f64 = 0.02;
 
+/// What the readings are judged against.
+pub(crate) struct Judge<'a> {
+    pub(crate) calibration: &'a Calibration,
+    pub(crate) lagged: &'a [LaggedCommand],
+    /// Forward, reverse.
+    pub(crate) surfaces: &'a [LatticeSurface; 2],
+    pub(crate) noise: &'a Noise,
+    /// The moments after steps, which no static map explains and which are not judged.
+    pub(crate) transients: &'a [Vec<(f64, f64)>],
+}
+
+impl Judge<'_> {
+    /// Cuts each log anew, from all its readings, so that an earlier mistake is taken back.
+    pub(crate) fn cut(&self, logs: &mut [LogData], threshold: f64) {
+        for log in &mut *logs {
+            log.cuts = Cuts::default();
+        }
+        let calm = calm(self.noise, &self.surfaces[0]);
+        let mut suspects: Option<BTreeSet<(usize, usize)>> = None;
+        for pass in 0..PASSES {
+            let mut segments = all_segments(logs, self.calibration, self.lagged, Some(self.surfaces), self.transients);
+            segments.retain(|s| suspects.as_ref().is_none_or(|runs| runs.contains(&(s.log, s.run))));
+            let courses = courses(&segments, self.lagged, self.calibration);
+            let white = Pass { courses: &courses, surfaces: self.surfaces, noise: &calm }.along(None).white;
+            let whole = pass + 1 == PASSES;
+            let cut = |(s, white): (&Segment, &Vec<f64>)| find(s, white, threshold, whole, &mut logs[s.log].cuts).then_some((s.log, s.run));
+            let found: BTreeSet<(usize, usize)> = segments.iter().zip(&white).filter_map(cut).collect();
+            if found.is_empty() {
+                break;
+            }
+            suspects = Some(found);
+        }
+        for log in logs {
+            join(&mut log.cuts);
+        }
+    }
+}
+
+/// The noise for judging what does not belong: offset and disturbance at most a fiftieth of the accelerations that the torque commands, so
+/// that a push, which is a disturbance, does not explain itself.
+fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
+    let torques = &surface.lattice.torque_nm;
+    let range = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, torques[0]);
+    let most = (0.02 * range.abs()).max(0.01);
+    Noise { disturbance_mps2: noise.disturbance_mps2.min(most), offset_mps2: noise.offset_mps2.min(most), ..*noise }
+}
+
 /// Finds in the whitened residuals of a segment what to cut; whether a stretch was. `threshold` bounds the standardised windowed sums (5; 6 in
 /// a first pass). Only the first window beyond it is cut, since a push leaves the filter astray and all that follows looks wrong: what comes
 /// after is judged in the next pass, from an unknown speed. With `whole` every window beyond the threshold is cut.
-pub(crate) fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mut Cuts) -> bool {
+fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mut Cuts) -> bool {
     let n = white.len();
     // clip single spikes so that they do not condemn a window
     let mut sums = vec![0.0; n + 1];
@@ -56,7 +109,7 @@ pub(crate) fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool
 }
 
 /// Joins cuts that overlap or leave less between them than can be judged.
-pub(crate) fn join(cuts: &mut Cuts) {
+fn join(cuts: &mut Cuts) {
     cuts.intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut joined: Vec<(f64, f64, Verdict)> = Vec::new();
     for cut in cuts.intervals.drain(..) {

@@ -1,9 +1,9 @@
 //! How well the surface explains each run: the judge that users understand is the simulated speed, by a surface that was fitted without the
 //! run.
 
+use super::course::Course;
 use super::estimate::Estimate;
 use super::lattice::LatticeSurface;
-use super::regressors::predicted;
 use crate::campaign::{Verdict, runs};
 use crate::map::{Gear, RunRow};
 use crate::signal::median;
@@ -26,24 +26,24 @@ pub(crate) struct RunFigures {
 }
 
 /// One row per hold, with what a surface fitted without its run makes of it.
-pub(crate) fn run_figures(estimate: &Estimate, verdicts: &[Vec<Verdict>]) -> RunFigures {
-    let compared = simulate(estimate);
+///
+/// `compared` is in the order of the logs and of time: segments follow one another and do not overlap.
+pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<Verdict>]) -> RunFigures {
+    let held_out = estimate.validation.is_some();
     let mut rows = Vec::new();
     for (k, log) in estimate.logs.iter().enumerate() {
-        let own: Vec<&Compared> = compared.iter().filter(|c| c.log == k).collect();
+        let own = &compared[compared.partition_point(|c| c.log < k)..compared.partition_point(|c| c.log <= k)];
         for (hold, row) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
-            let inside: Vec<&Compared> = own.iter().copied().filter(|c| c.t_s >= hold.from_s && c.t_s < hold.to_s).collect();
-            let held_out = estimate.validation.is_some();
+            let inside = &own[own.partition_point(|c| c.t_s < hold.from_s)..own.partition_point(|c| c.t_s < hold.to_s)];
             rows.push(RunRow {
-                speed_rmse_mps: rmse(&inside).filter(|_| held_out).map(|v| round(v, 1e5)),
-                r_squared: r_squared(&inside).filter(|_| held_out).map(|v| round(v, 1e4)),
+                speed_rmse_mps: rmse(inside).filter(|_| held_out).map(|v| round(v, 1e5)),
+                r_squared: r_squared(inside).filter(|_| held_out).map(|v| round(v, 1e4)),
                 offset_mps2: (!inside.is_empty()).then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
                 ..row
             });
         }
     }
-    let all: Vec<&Compared> = compared.iter().collect();
-    let pooled = rmse(&all).zip(r_squared(&all)).filter(|_| estimate.validation.is_some());
+    let pooled = rmse(compared).zip(r_squared(compared)).filter(|_| held_out);
     RunFigures { rows, pooled }
 }
 
@@ -86,11 +86,11 @@ pub(crate) fn round(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps
 }
 
-fn rmse(inside: &[&Compared]) -> Option<f64> {
+fn rmse(inside: &[Compared]) -> Option<f64> {
     (inside.len() > 4).then(|| (inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum::<f64>() / inside.len() as f64).sqrt())
 }
 
-fn r_squared(inside: &[&Compared]) -> Option<f64> {
+fn r_squared(inside: &[Compared]) -> Option<f64> {
     if inside.len() < 5 {
         return None;
     }
@@ -111,11 +111,12 @@ fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
 
 /// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
 pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
-    let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
+    let lagged = estimate.lagged_commands();
     let mut compared = Vec::new();
     for (k, ((segment, smoothed), offset)) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets).enumerate() {
         let surface = judge(estimate, k);
-        let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let mut cursor = lagged[segment.log].cursor();
+        let mut torque = |t: f64| segment.gear.sign() * cursor.at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
         let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
         let mut t = segment.start_s;
         for reading in &segment.readings {
@@ -134,12 +135,11 @@ pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
 
 /// Root mean square of what the surface leaves of the acceleration, from the smoothed speeds [m/s²].
 pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
-    let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
+    let lagged = estimate.lagged_commands();
     let (mut sum, mut count) = (0.0, 0usize);
     for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
-        let surface = estimate.surface(segment.gear);
-        let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
-        let model = predicted(segment, smoothed, &torque, surface);
+        let course = Course::new(segment, &lagged[segment.log], estimate.calibration.dead_time_s[segment.log]);
+        let model = course.predicted(smoothed, estimate.surface(segment.gear));
         // over windows of about 0.1 s: the difference quotient of the deviation
         let n = segment.readings.len();
         let stride = (n * 100 / ((segment.readings[n - 1].t_s - segment.start_s) * 1000.0).max(1.0) as usize).max(1);

@@ -1,5 +1,6 @@
 //! Which stretches the first iterations look at: enough of every torque to find delays and noise, however long the logs are.
 
+use super::segment::LogData;
 use crate::campaign::Survey;
 use crate::map::Gear;
 use std::collections::BTreeMap;
@@ -13,9 +14,9 @@ const OF_EACH: usize = 3;
 const SAME_TORQUE: f64 = 0.04;
 
 /// The choice for every log, and whether it left anything out.
-pub(crate) fn choose(surveys: &[Survey]) -> (Vec<Vec<bool>>, bool) {
-    let enough_s = (ENOUGH_S / surveys.len().max(1) as f64).max(ENOUGH_PER_LOG_S);
-    let chosen: Vec<Vec<bool>> = surveys.iter().map(|s| of_log(s, enough_s)).collect();
+pub(crate) fn choose(logs: &[LogData]) -> (Vec<Vec<bool>>, bool) {
+    let enough_s = (ENOUGH_S / logs.len().max(1) as f64).max(ENOUGH_PER_LOG_S);
+    let chosen: Vec<Vec<bool>> = logs.iter().map(|l| of_log(l.survey, enough_s)).collect();
     let less = chosen.iter().flatten().any(|c| !c);
     (chosen, less)
 }

@@ -81,6 +81,11 @@ impl LogData<'_> {
         surfaces: Option<&[LatticeSurface; 2]>,
         transients: &[(f64, f64)],
     ) -> Vec<Segment> {
+        let mut intervals: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).collect();
+        intervals.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for k in 1..intervals.len() {
+            intervals[k].1 = intervals[k].1.max(intervals[k - 1].1);
+        }
         let mut segments = Vec::new();
         for (run, stretch) in self.survey.stretches.iter().enumerate().filter(|(run, _)| self.chosen[*run]) {
             let dead_time_s = calibration.dead_time_s[log];
@@ -105,10 +110,9 @@ impl LogData<'_> {
                 }
             }
             let readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
-            let near = |from: f64, to: f64| to >= start_s && from <= stretch.to_s;
-            let mut cuts: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).filter(|c| near(c.0, c.1)).collect();
+            let mut cuts: Vec<(f64, f64)> = near(&intervals, start_s, stretch.to_s).to_vec();
             // what follows the first step of a start from rest is anchored, and worth keeping
-            cuts.extend(transients.iter().filter(|c| near(c.0, c.1) && !(anchored && c.0 <= start_s + 0.02)));
+            cuts.extend(near(transients, start_s, stretch.to_s).iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
             split(
                 &readings,
                 &cuts,
@@ -150,6 +154,29 @@ impl LogData<'_> {
         let readings = self.readings(gear, t_s - 0.04, t_s + 0.02, calibration);
         (!readings.is_empty()).then(|| readings.iter().map(|r| r.speed_mps).sum::<f64>() / readings.len() as f64)
     }
+}
+
+/// The segments of all logs.
+pub(crate) fn all_segments(
+    logs: &[LogData],
+    calibration: &Calibration,
+    lagged: &[LaggedCommand],
+    surfaces: Option<&[LatticeSurface; 2]>,
+    transients: &[Vec<(f64, f64)>],
+) -> Vec<Segment> {
+    logs.iter().enumerate().flat_map(|(k, log)| log.segments(k, calibration, &lagged[k], surfaces, &transients[k])).collect()
+}
+
+/// Time that a segment takes [s].
+pub(crate) fn span_s(segment: &Segment) -> f64 {
+    segment.readings.last().map_or(0.0, |r| r.t_s - segment.start_s)
+}
+
+/// The intervals that touch a stretch: both starts and ends rise.
+fn near(intervals: &[(f64, f64)], from_s: f64, to_s: f64) -> &[(f64, f64)] {
+    let first = intervals.partition_point(|c| c.1 < from_s);
+    let last = intervals.partition_point(|c| c.0 <= to_s);
+    &intervals[first..last.max(first)]
 }
 
 /// First time in an interval at which a rising torque passes `threshold`, to a millisecond.

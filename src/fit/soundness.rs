@@ -1,9 +1,9 @@
 //! Whether a table that could be computed may also be trusted: enough of it seen, torque varied, and logs that tell the same story.
 
 use super::Settings;
+use super::course::Course;
 use super::estimate::Estimate;
 use super::kalman::whiten;
-use super::regressors::predicted;
 use super::tables::UsedSample;
 use crate::map::{AccelMap, CellStatus, Gear};
 use std::collections::BTreeMap;
@@ -78,6 +78,9 @@ struct Departure {
 
 /// The two logs that differ most, when they differ by more than one vehicle can.
 fn contradiction(estimate: &Estimate) -> Option<String> {
+    if estimate.logs.len() < 2 {
+        return None;
+    }
     let departures: Vec<Option<Departure>> = (0..estimate.logs.len()).map(|log| departure(estimate, log)).collect();
     let torques = &estimate.surfaces[0].lattice.torque_nm;
     let surface = estimate.surface(estimate.gears[0]);
@@ -116,12 +119,11 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
 /// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
     let lagged = estimate.lagged(log);
-    let dead_time_s = estimate.calibration.dead_time_s[log];
     // normal equations of (prediction, time, residual)
     let mut n = [[0.0; 3]; 3];
     for (segment, speed) in estimate.segments.iter().zip(&estimate.speeds).filter(|(s, _)| s.log == log) {
-        let torque = |t: f64| segment.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
-        let model = predicted(segment, speed, &torque, estimate.surface(segment.gear));
+        let course = Course::new(segment, &lagged, estimate.calibration.dead_time_s[log]);
+        let model = course.predicted(speed, estimate.surface(segment.gear));
         let mut rows: Vec<f64> =
             segment.readings.iter().zip(&model).flat_map(|(r, m)| [*m, r.t_s - segment.start_s, r.speed_mps - m]).collect();
         whiten(&mut rows, 3, &segment.readings, segment.start_s, &estimate.noise, segment.start_std_mps);

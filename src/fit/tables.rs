@@ -27,11 +27,12 @@ pub(crate) struct UsedSample {
 
 /// The used encoder samples.
 pub(crate) fn used_samples(estimate: &Estimate) -> Vec<UsedSample> {
-    let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
+    let lagged = estimate.lagged_commands();
     let mut samples = Vec::new();
     for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+        let mut cursor = lagged[segment.log].cursor();
         for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.witness == 0) {
-            let torque = lagged[segment.log].at(reading.t_s - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+            let torque = cursor.at(reading.t_s - estimate.calibration.dead_time_s[segment.log]).torque_nm;
             samples.push(UsedSample { gear: segment.gear, speed_mps: *v, torque_nm: segment.gear.sign() * torque });
         }
     }
@@ -214,11 +215,13 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
     let mut all: Vec<Vec<Verdict>> = estimate.logs.iter().map(|l| l.survey.verdicts.clone()).collect();
     for (k, log) in estimate.logs.iter().enumerate() {
         let encoder = &log.survey.track.encoder_mps;
+        // both in the order of time, and the last to begin is the last to end
+        let (cuts, transients) = (&log.cuts.intervals, &estimate.transients[k]);
         for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == Verdict::Used) {
             let t = encoder.t_s[i] - estimate.calibration.encoder_delay_s;
-            let cut = log.cuts.intervals.iter().find(|c| t >= c.0 && t <= c.1).map(|c| c.2);
+            let cut = cuts[..cuts.partition_point(|c| c.0 <= t)].last().filter(|c| t <= c.1).map(|c| c.2);
             let spike = log.cuts.readings.contains(&(0, i as u32));
-            let transient = estimate.transients[k].iter().any(|c| t >= c.0 && t <= c.1);
+            let transient = transients[..transients.partition_point(|c| c.0 <= t)].last().is_some_and(|c| t <= c.1);
             *verdict = if let Some(reason) = cut {
                 reason
             } else if spike {

@@ -1,9 +1,10 @@
 //! What a report shows of a fit: traces of the runs, residuals over the cells and over time. Read only; nothing here touches the estimate.
 
+use super::actuator::LaggedCommand;
+use super::course::Course;
 use super::estimate::Estimate;
 use super::product::Fit;
-use super::regressors::predicted;
-use super::runs::{Compared, round, simulate};
+use super::runs::{Compared, round};
 use super::{Result, delay_likelihood};
 use crate::campaign::{Hold, Verdict, runs};
 use crate::map::{AccelMap, Axis, CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, ResidualCells, ResidualTimes, RunRow, RunTrace};
@@ -23,7 +24,7 @@ const MOST_RESIDUALS: usize = 3000;
 const NEAR_S: f64 = 0.05;
 
 /// The traces of a finished fit.
-pub(crate) fn traces(estimate: &Estimate, fit: &Fit) -> Result<FitTraces> {
+pub(crate) fn traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Result<FitTraces> {
     let windows = windows(estimate);
     Ok(FitTraces {
         format: FIT_TRACES_FORMAT.to_owned(),
@@ -31,7 +32,7 @@ pub(crate) fn traces(estimate: &Estimate, fit: &Fit) -> Result<FitTraces> {
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
         table1: CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(fit.file.to_json()?.as_bytes()) },
         verdicts: Verdict::ALL.iter().map(ToString::to_string).collect(),
-        runs: run_traces(estimate, fit),
+        runs: run_traces(estimate, compared, fit),
         residual_cells: fit.file.maps.iter().map(|m| residual_cells(m, &windows)).collect::<Result<_>>()?,
         residual_times: residual_times(estimate, &windows),
         delay: delay_likelihood::delay_likelihood(estimate),
@@ -50,18 +51,17 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
     order
 }
 
-fn run_traces(estimate: &Estimate, fit: &Fit) -> Vec<RunTrace> {
+fn run_traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Vec<RunTrace> {
     let shown = shown(&fit.file.report.runs);
     let points = (POINTS / shown.len().max(1)).clamp(POINTS_OF_RUN.0, POINTS_OF_RUN.1);
-    let compared = simulate(estimate);
+    let lagged = estimate.lagged_commands();
     let mut traces = Vec::new();
     let mut row = 0;
     for (k, log) in estimate.logs.iter().enumerate() {
-        let mut simulated: Vec<&Compared> = compared.iter().filter(|c| c.log == k).collect();
-        simulated.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+        let simulated = &compared[compared.partition_point(|c| c.log < k)..compared.partition_point(|c| c.log <= k)];
         for (hold, run) in runs(log.survey, &fit.verdicts[k], estimate.calibration.encoder_scale) {
             if shown.binary_search(&row).is_ok() {
-                traces.push(run_trace(estimate, k, &fit.verdicts[k], &simulated, (row, &hold, run.gear), points));
+                traces.push(run_trace(estimate, (k, &lagged[k]), &fit.verdicts[k], simulated, (row, &hold, run.gear), points));
             }
             row += 1;
         }
@@ -71,15 +71,14 @@ fn run_traces(estimate: &Estimate, fit: &Fit) -> Vec<RunTrace> {
 
 fn run_trace(
     estimate: &Estimate,
-    log: usize,
+    (log, lagged): (usize, &LaggedCommand),
     verdicts: &[Verdict],
-    simulated: &[&Compared],
+    simulated: &[Compared],
     (row, hold, gear): (usize, &Hold, Gear),
     points: usize,
 ) -> RunTrace {
     let track = &estimate.logs[log].survey.track;
     let calibration = &estimate.calibration;
-    let lagged = estimate.lagged(log);
     let (from_s, to_s) = (hold.from_s - MARGIN_S, hold.to_s + MARGIN_S);
     let encoder = &track.encoder_mps;
     let samples = encoder.range(from_s, to_s);
@@ -129,7 +128,7 @@ fn run_trace(
 }
 
 /// The simulated speed nearest to a time.
-fn at(simulated: &[&Compared], t_s: f64) -> Option<f64> {
+fn at(simulated: &[Compared], t_s: f64) -> Option<f64> {
     let k = simulated.partition_point(|c| c.t_s < t_s);
     let near = [k.checked_sub(1), Some(k)].into_iter().flatten().filter_map(|k| simulated.get(k));
     near.map(|c| ((c.t_s - t_s).abs(), c.simulated)).filter(|c| c.0 <= NEAR_S).min_by(|a, b| a.0.total_cmp(&b.0)).map(|c| c.1)
@@ -146,11 +145,12 @@ struct Window {
 }
 
 fn windows(estimate: &Estimate) -> Vec<Window> {
-    let lagged: Vec<_> = (0..estimate.logs.len()).map(|k| estimate.lagged(k)).collect();
+    let lagged = estimate.lagged_commands();
     let mut windows = Vec::new();
     for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
-        let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
-        let model = predicted(segment, smoothed, &torque, estimate.surface(segment.gear));
+        let dead_time_s = estimate.calibration.dead_time_s[segment.log];
+        let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - dead_time_s).torque_nm;
+        let model = Course::new(segment, &lagged[segment.log], dead_time_s).predicted(smoothed, estimate.surface(segment.gear));
         let mut from = 0;
         for k in 1..segment.readings.len() {
             let dt = segment.readings[k].t_s - segment.readings[from].t_s;

@@ -9,13 +9,12 @@
 //! *Classification and Regression Trees*): a simpler model that tells new runs as well is the surer one where nothing was measured.
 
 use super::anova::{Block, Design};
+use super::course::{Course, surface_of};
 use super::gram::Gram;
 use super::kalman::{Noise, whiten};
 use super::lattice::{Lattice, LatticeSurface};
 use super::penalised::{Solution, System};
-use super::regressors::predicted;
 use super::sampling::scramble;
-use super::segment::Segment;
 use crate::map::Gear;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -54,24 +53,27 @@ pub(crate) struct Validation {
 
 /// The fold of each segment and the number of folds: runs are shuffled, the same way each time, and dealt in turn, so that a campaign's own
 /// rhythm does not put all runs of a level into one fold. One fold when there is one run.
-pub(crate) fn deal(segments: &[Segment]) -> (Vec<usize>, usize) {
-    let mut runs: Vec<(usize, usize)> = segments.iter().map(|s| (s.log, s.run)).collect();
+pub(crate) fn deal(courses: &[Course]) -> (Vec<usize>, usize) {
+    let run_of: Vec<(usize, usize)> = courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
+    deal_runs(&run_of)
+}
+
+fn deal_runs(run_of: &[(usize, usize)]) -> (Vec<usize>, usize) {
+    let mut runs = run_of.to_vec();
     runs.sort_unstable();
     runs.dedup();
     let mut shuffled: Vec<(u64, (usize, usize))> = runs.iter().enumerate().map(|(k, run)| (scramble(k as u64), *run)).collect();
     shuffled.sort_unstable();
     let count = FOLDS.min(runs.len()).max(1);
     let fold: BTreeMap<(usize, usize), usize> = shuffled.iter().enumerate().map(|(k, (_, run))| (*run, k % count)).collect();
-    (segments.iter().map(|s| fold[&(s.log, s.run)]).collect(), count)
+    (run_of.iter().map(|run| fold[run]).collect(), count)
 }
 
 /// What the segments are judged with.
 pub(crate) struct Along<'a> {
-    pub(crate) segments: &'a [Segment],
+    pub(crate) courses: &'a [Course<'a>],
     /// Speeds along the segments, smoothed [m/s].
     pub(crate) speeds: &'a [Vec<f64>],
-    /// Effective torque of a segment's gear at a time [N·m].
-    pub(crate) torque: &'a (dyn Fn(&Segment, f64) -> f64 + Sync),
     pub(crate) noise: &'a Noise,
 }
 
@@ -117,21 +119,21 @@ pub(crate) fn plain_penalties(blocks: &[Block], penalties: &[f64]) -> Vec<f64> {
 /// Whitened squared error of each run against the surface fitted without its fold.
 fn squared_errors(along: &Along, fold: &[usize], without: &[Surfaces]) -> BTreeMap<(usize, usize), f64> {
     let of_segments: Vec<f64> = along
-        .segments
+        .courses
         .par_iter()
         .zip(along.speeds)
         .zip(fold)
-        .map(|((segment, speed), fold)| {
-            let surface = &without[*fold][usize::from(segment.gear == Gear::Reverse)];
-            let model = predicted(segment, speed, &|t| (along.torque)(segment, t), surface);
+        .map(|((course, speed), fold)| {
+            let segment = course.segment;
+            let model = course.predicted(speed, surface_of(&without[*fold], segment));
             let mut error: Vec<f64> = segment.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
             whiten(&mut error, 1, &segment.readings, segment.start_s, along.noise, segment.start_std_mps);
             error.iter().map(|e| e * e).sum()
         })
         .collect();
     let mut of_runs = BTreeMap::new();
-    for (segment, sum) in along.segments.iter().zip(of_segments) {
-        *of_runs.entry((segment.log, segment.run)).or_insert(0.0) += sum;
+    for (course, sum) in along.courses.iter().zip(of_segments) {
+        *of_runs.entry((course.segment.log, course.segment.run)).or_insert(0.0) += sum;
     }
     of_runs
 }
@@ -151,14 +153,10 @@ fn compare(surface: &BTreeMap<(usize, usize), f64>, plain: &BTreeMap<(usize, usi
 mod tests {
     use super::*;
 
-    fn segment(log: usize, run: usize) -> Segment {
-        Segment { log, run, gear: Gear::Forward, start_s: 0.0, anchored: false, start_std_mps: 1.0, readings: Vec::new() }
-    }
-
     #[test]
     fn a_run_stays_in_one_fold_and_the_folds_are_even() {
-        let segments: Vec<Segment> = (0..2).flat_map(|log| (0..46).map(move |k| segment(log, k / 2))).collect();
-        let (fold, count) = deal(&segments);
+        let run_of: Vec<(usize, usize)> = (0..2).flat_map(|log| (0..46).map(move |k| (log, k / 2))).collect();
+        let (fold, count) = deal_runs(&run_of);
         assert_eq!(count, 5);
         for pair in fold.chunks(2) {
             assert_eq!(pair[0], pair[1]);

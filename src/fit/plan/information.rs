@@ -1,10 +1,11 @@
 //! What runs tell of the surface's coefficients.
 
 use super::super::anova::Design;
+use super::super::course::Course;
 use super::super::gram::LocalGram;
-use super::super::kalman::{Noise, whiten};
+use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
-use super::super::regressors::{matrix, nuisance};
+use super::super::regressors::{Free, nuisance, whitened};
 use super::super::{Error, Result, Settings};
 use super::PlanSettings;
 use super::drive::{Part, READING_S, Vehicle};
@@ -151,14 +152,14 @@ impl Model {
             .iter()
             .map(|part| {
                 let s = &part.segment;
-                let mut local = matrix(s, &part.speed_mps, &part.command, self.vehicles[0].dead_time_s, &self.surface, true);
+                let course = Course::new(s, &part.command, self.vehicles[0].dead_time_s);
+                let mut local = whitened(&course, &part.speed_mps, &self.surface, &self.noise, Free::Delays);
                 let width = local.columns.len();
                 for row in local.data.chunks_exact_mut(width) {
                     for (value, column) in row.iter_mut().zip(&local.columns) {
                         *value *= (*column as usize).checked_sub(base).map_or(1.0, |n| self.delay_std_s(n));
                     }
                 }
-                whiten(&mut local.data, width, &s.readings, s.start_s, &self.noise, s.start_std_mps);
                 let gram = LocalGram::new(local.columns, &local.data);
                 let root = pivoted_root(&gram.values, width - 1, LEFT_OUT, MOST_ROWS);
                 let touched = Mat::from_fn(width - 1, q + DELAYS, |r, c| match (gram.columns[r] as usize).checked_sub(base) {
@@ -299,7 +300,8 @@ pub(super) fn pivoted_root(gram: &Mat<f64>, size: usize, left_out: f64, most_row
         if scale.is_nan() || scale <= 0.0 {
             break;
         }
-        let row: Vec<f64> = (0..size).map(|k| (gram[(pivot, k)] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
+        let row: Vec<f64> =
+            (0..size).map(|k| (gram[(pivot.max(k), pivot.min(k))] - rows.iter().map(|r| r[pivot] * r[k]).sum::<f64>()) / scale).collect();
         left.iter_mut().zip(&row).for_each(|(l, r)| *l = (*l - r * r).max(0.0));
         left[pivot] = 0.0;
         rows.push(row);

@@ -1,0 +1,105 @@
+//! A segment with the effective torque along it, ready to be integrated with any speeds and any surface.
+//!
+//! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, of at most 20 ms while it stands, and never across
+//! a reading.
+
+use super::actuator::{LaggedCommand, Torque};
+use super::lattice::LatticeSurface;
+use super::segment::{Calibration, Segment};
+use crate::map::Gear;
+use rayon::prelude::*;
+
+/// Longest step of the integration while the torque moves, and while it stands [s].
+const LONGEST_STEP_S: [f64; 2] = [5e-3, 20e-3];
+
+/// One step of the integration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    /// Where its middle lies between the reading before and the reading after.
+    pub(crate) fraction: f64,
+    pub(crate) length_s: f64,
+    /// In the gear's frame.
+    pub(crate) torque: Torque,
+}
+
+/// The way of one segment.
+#[derive(Debug, Clone)]
+pub(crate) struct Course<'a> {
+    pub(crate) segment: &'a Segment,
+    steps: Vec<Step>,
+    /// Number of steps up to and including each reading.
+    ends: Vec<u32>,
+}
+
+impl<'a> Course<'a> {
+    /// Along `segment` with the lagged command of its log, `dead_time_s` late.
+    pub(crate) fn new(segment: &'a Segment, lagged: &LaggedCommand, dead_time_s: f64) -> Self {
+        let sign = segment.gear.sign();
+        let mut cursor = lagged.cursor();
+        let mut steps = Vec::with_capacity(2 * segment.readings.len());
+        let mut ends = Vec::with_capacity(segment.readings.len());
+        let mut from_s = segment.start_s;
+        for reading in &segment.readings {
+            let length_s = (reading.t_s - from_s).max(0.0);
+            let first = cursor.at(from_s - dead_time_s);
+            let moving = cursor.moves_until(&first, reading.t_s - dead_time_s);
+            let count = (length_s / LONGEST_STEP_S[usize::from(!moving)]).ceil().max(1.0);
+            for k in 0..count as usize {
+                let fraction = (k as f64 + 0.5) / count;
+                let Torque { torque_nm, by_dead_time, by_lag } = cursor.at(from_s + fraction * length_s - dead_time_s);
+                let torque = Torque { torque_nm: sign * torque_nm, by_dead_time: sign * by_dead_time, by_lag: sign * by_lag };
+                steps.push(Step { fraction, length_s: length_s / count, torque });
+            }
+            ends.push(steps.len() as u32);
+            from_s = reading.t_s.max(from_s);
+        }
+        Self { segment, steps, ends }
+    }
+
+    /// Number of readings.
+    pub(crate) fn rows(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The steps that lead to a reading.
+    pub(crate) fn steps(&self, row: usize) -> &[Step] {
+        let from = if row > 0 { self.ends[row - 1] as usize } else { 0 };
+        &self.steps[from..self.ends[row] as usize]
+    }
+
+    /// The steps that lead to a reading, each with its speed: linear between the readings, 0 at an anchored start, never negative [m/s].
+    pub(crate) fn along<'b>(&'b self, speed_mps: &'b [f64], row: usize) -> impl Iterator<Item = (f64, &'b Step)> + 'b {
+        let before = if row > 0 {
+            speed_mps[row - 1]
+        } else if self.segment.anchored {
+            0.0
+        } else {
+            speed_mps[0]
+        };
+        let rise = speed_mps[row] - before;
+        self.steps(row).iter().map(move |step| ((before + step.fraction * rise).max(0.0), step))
+    }
+
+    /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
+    pub(crate) fn predicted(&self, speed_mps: &[f64], surface: &LatticeSurface) -> Vec<f64> {
+        let mut sum = 0.0;
+        (0..self.rows())
+            .map(|row| {
+                for (v, step) in self.along(speed_mps, row) {
+                    sum += step.length_s * surface.accel_mps2(v, step.torque.torque_nm);
+                }
+                sum
+            })
+            .collect()
+    }
+}
+
+/// The courses of segments: `lagged` holds the command of each log.
+pub(crate) fn courses<'a>(segments: &'a [Segment], lagged: &[LaggedCommand], calibration: &Calibration) -> Vec<Course<'a>> {
+    segments.par_iter().map(|s| Course::new(s, &lagged[s.log], calibration.dead_time_s[s.log])).collect()
+}
+
+/// The surface of a segment's gear among those of both: forward, reverse.
+pub(crate) fn surface_of<'a>(surfaces: &'a [LatticeSurface; 2], segment: &Segment) -> &'a LatticeSurface {
+    &surfaces[usize::from(segment.gear == Gear::Reverse)]
+}

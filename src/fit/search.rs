@@ -1,0 +1,341 @@
+//! The rounds of the estimator.
+//!
+//! First with delays free: on a sample of a long campaign, then once on everything. Then with the delays held and without the moments after
+//! steps: the surface alone. Each round smooths the speeds along the segments with the surface of the last one, adds up the whitened sums, solves
+//! them with penalties chosen by the data, and moves on to the new surface, calibration and noise.
+
+use super::actuator::LaggedCommand;
+use super::anova::Design;
+use super::course::{Course, courses};
+use super::estimate::{CalibrationErrors, Estimate};
+use super::gram::Gram;
+use super::hyper;
+use super::kalman::Noise;
+use super::lattice::LatticeSurface;
+use super::passes::{Along, Pass, total, wide_speeds};
+use super::penalised::{Solution, System, nuisance_prior_std};
+use super::regressors::{Free, nuisance};
+use super::robust::Judge;
+use super::sampling;
+use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
+use super::start::Start;
+use super::validation::{self, Validation};
+use super::{Error, Result, Settings};
+use crate::campaign::Survey;
+use crate::map::Gear;
+use faer::Mat;
+
+/// Movement of the surface below which it stands still [m/s², root mean square].
+const STILL_MPS2: f64 = 2e-4;
+/// Largest step of a delay in one round [s].
+const DELAY_STEP_S: f64 = 0.02;
+/// Threshold of the cuts in the first rounds, and later.
+const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
+/// Rounds of the penalties' own iteration: while other things still move, and for good.
+const PENALTY_ROUNDS: [usize; 2] = [4, 50];
+
+/// The state from one round to the next.
+pub(crate) struct Search<'a> {
+    settings: Settings,
+    logs: Vec<LogData<'a>>,
+    gears: Vec<Gear>,
+    has_yaw: bool,
+    calibration: Calibration,
+    errors: CalibrationErrors,
+    noise: Noise,
+    noise_bounds: Vec<&'static str>,
+    design: Design,
+    /// Forward, reverse; zero before the first round.
+    surfaces: [LatticeSurface; 2],
+    penalties: Vec<f64>,
+    /// Whether the first rounds looked at a part of the data only.
+    sampled: bool,
+    rounds: usize,
+    converged: bool,
+}
+
+/// What rounds work on.
+struct Stretch {
+    lagged: Vec<LaggedCommand>,
+    transients: Vec<Vec<(f64, f64)>>,
+    segments: Vec<Segment>,
+}
+
+/// What a round found.
+struct Found {
+    solution: Solution,
+    system: System,
+    /// The sums, fold by fold, and the fold of each segment.
+    parts: Vec<[Gram; 2]>,
+    fold: Vec<usize>,
+    along: Along,
+    moved_mps2: f64,
+}
+
+impl<'a> Search<'a> {
+    /// Before the first round.
+    pub(crate) fn new(surveys: &'a [Survey], settings: &Settings) -> Result<Self> {
+        let Start { logs, gears, has_yaw, calibration, noise, lattice } = Start::new(surveys, settings)?;
+        let design = Design::new(&lattice, gears.len() > 1);
+        let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
+        let nuisances = nuisance::DEAD_TIME + logs.len();
+        let errors = CalibrationErrors {
+            dead_time_s: vec![0.0; logs.len()],
+            lag_s: 0.0,
+            encoder_scale: 0.0,
+            covariance: Mat::zeros(nuisances, nuisances),
+        };
+        Ok(Self {
+            settings: settings.clone(),
+            logs,
+            gears,
+            has_yaw,
+            calibration,
+            errors,
+            noise,
+            noise_bounds: Vec::new(),
+            design,
+            surfaces: [zero.clone(), zero],
+            penalties: Vec::new(),
+            sampled: false,
+            rounds: 0,
+            converged: false,
+        })
+    }
+
+    /// Rounds with delays free: on a sample of a long campaign, then once on everything.
+    pub(crate) fn delays(&mut self) -> Result<()> {
+        let (chosen, sampled) = sampling::choose(&self.logs);
+        self.sampled = sampled;
+        for (log, chosen) in self.logs.iter_mut().zip(chosen) {
+            log.chosen = chosen;
+        }
+        for round in 0..self.settings.iterations[0] {
+            if round >= 2 {
+                self.cut(CUT_BEYOND[usize::from(round > 2)]);
+            }
+            let stretch = self.stretch(false);
+            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
+            let speeds = self.speeds(&courses);
+            let free = if round == 0 { Free::Surface } else { Free::DelaysAndEncoder };
+            let found = self.round(&courses, &speeds, free, false)?;
+            if (1..=4).contains(&round) {
+                // before the first cuts pushes and slips are still in: only what is well explained tells the noise
+                self.update_noise(&stretch.segments, &found.along, 0.6);
+            }
+            if found.moved_mps2 < STILL_MPS2 && round >= 5 {
+                break;
+            }
+        }
+        for log in &mut self.logs {
+            log.chosen.fill(true);
+        }
+        if sampled {
+            self.cut(CUT_BEYOND[1]);
+            let stretch = self.stretch(false);
+            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
+            let speeds = self.speeds(&courses);
+            self.round(&courses, &speeds, Free::Delays, false)?;
+        }
+        Ok(())
+    }
+
+    /// Rounds with delays held and without the moments after steps, until the surface stands still.
+    pub(crate) fn surface(mut self) -> Result<Estimate<'a>> {
+        self.penalties.clear();
+        // everything was judged a moment ago, after a sample; what was cut is judged again by the better surface
+        if !self.sampled || self.logs.iter().any(|l| l.cuts != Cuts::default()) {
+            self.cut(CUT_BEYOND[1]);
+        }
+        let mut stretch = self.stretch(true);
+        let mut found = {
+            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
+            let speeds = self.speeds(&courses);
+            self.round(&courses, &speeds, Free::Surface, true)?
+        };
+        self.update_noise(&stretch.segments, &found.along, 0.98);
+        // the first surface moves the starts from rest a little, where it was not known already; then they stay
+        if !self.sampled {
+            stretch = self.stretch(true);
+        }
+        let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
+        let mut speeds = if self.sampled { std::mem::take(&mut found.along.speeds) } else { self.speeds(&courses) };
+        for _ in 1..self.settings.iterations[1].max(2) {
+            found = self.round(&courses, &speeds, Free::Surface, true)?;
+            self.converged = found.moved_mps2 < STILL_MPS2;
+            if self.converged {
+                break;
+            }
+            speeds = std::mem::take(&mut found.along.speeds);
+        }
+        if found.along.speeds.is_empty() {
+            found.along.speeds = speeds;
+        }
+        let judged = self.judge(&courses, found)?;
+        drop(courses);
+        Ok(self.handed_over(stretch, judged))
+    }
+
+    /// Cross-validates, and takes the plain form alone where it tells as much.
+    fn judge(&mut self, courses: &[Course], mut found: Found) -> Result<(Found, Option<Validation>)> {
+        let validation = {
+            let along = validation::Along { courses, speeds: &found.along.speeds, noise: &self.noise };
+            let whole = (&found.system, &found.solution);
+            validation::validate(&self.design, &self.surfaces[0].lattice, &self.gears, (&found.fold, &found.parts), whole, &along)
+        };
+        if validation.as_ref().is_some_and(|v| v.comparison.plain_alone) {
+            let penalties = validation::plain_penalties(&self.design.blocks, &found.solution.penalties);
+            found.solution = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &[]).ok_or(Error::Singular)?;
+            self.surfaces = self.surfaces_of(&found.solution);
+            found.along = Pass { courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(&found.along.speeds));
+        }
+        Ok((found, validation))
+    }
+
+    fn handed_over(self, stretch: Stretch, (found, validation): (Found, Option<Validation>)) -> Estimate<'a> {
+        Estimate {
+            logs: self.logs,
+            design: self.design,
+            calibration: self.calibration,
+            calibration_errors: self.errors,
+            noise: self.noise,
+            noise_bounds: self.noise_bounds,
+            gears: self.gears,
+            surfaces: self.surfaces,
+            solution: found.solution,
+            system: found.system,
+            segments: stretch.segments,
+            speeds: found.along.speeds,
+            offsets: found.along.offsets,
+            white: found.along.white,
+            transients: stretch.transients,
+            iterations: self.rounds,
+            converged: self.converged,
+            has_yaw: self.has_yaw,
+            validation,
+        }
+    }
+
+    /// One round: sums, solution, new surface; with delays free, a step of the calibration. The penalties settle when nothing else moves.
+    fn round(&mut self, courses: &[Course], speeds: &[Vec<f64>], free: Free, settle: bool) -> Result<Found> {
+        self.rounds += 1;
+        let logs = self.logs.len();
+        let pass = Pass { courses, surfaces: &self.surfaces, noise: &self.noise };
+        // the last sums are kept apart by fold for the cross-validation
+        let (fold, folds) = if settle { validation::deal(courses) } else { (vec![0; courses.len()], 1) };
+        let parts = pass.assemble(speeds, free, logs, (&fold, folds));
+        let grams = total(&parts);
+        let pairs: Vec<(Gear, &Gram)> = self.gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
+        let system = System::new(&self.design, &pairs, free.nuisances(logs));
+        let prior = if free == Free::Surface { Vec::new() } else { nuisance_prior_std(logs, self.has_yaw) };
+        let updates = PENALTY_ROUNDS[usize::from(settle)];
+        let solution = system.solve(&self.design.blocks, &self.penalties, updates, &prior).ok_or(Error::Singular)?;
+        self.penalties.clone_from(&solution.penalties);
+        let next = self.surfaces_of(&solution);
+        let pass = Pass { courses, surfaces: &next, noise: &self.noise };
+        let moved_mps2 = pass.movement(speeds, &self.surfaces);
+        let along = pass.along(Some(speeds));
+        self.surfaces = next;
+        if free != Free::Surface {
+            self.calibrate(&solution, free);
+        }
+        Ok(Found { solution, system, parts, fold, along, moved_mps2 })
+    }
+
+    /// Speeds along the courses: by the surface, where there is one.
+    fn speeds(&self, courses: &[Course]) -> Vec<Vec<f64>> {
+        if self.has_surface() {
+            Pass { courses, surfaces: &self.surfaces, noise: &self.noise }.along(None).speeds
+        } else {
+            wide_speeds(courses)
+        }
+    }
+
+    fn surfaces_of(&self, solution: &Solution) -> [LatticeSurface; 2] {
+        let lattice = &self.surfaces[0].lattice;
+        let beta = &solution.beta[..self.design.coefficients()];
+        Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: self.design.lattice_values(g, beta) })
+    }
+
+    /// Whether a round has been made.
+    fn has_surface(&self) -> bool {
+        self.rounds > 0
+    }
+
+    fn lagged(&self) -> Vec<LaggedCommand> {
+        self.logs.iter().map(|l| LaggedCommand::new(&l.survey.track.command_nm, self.calibration.lag_s)).collect()
+    }
+
+    /// The segments as they are now; without the moments after steps, if so asked.
+    fn stretch(&self, without_transients: bool) -> Stretch {
+        let lagged = self.lagged();
+        let transients = if without_transients { self.transients(&lagged) } else { vec![Vec::new(); self.logs.len()] };
+        let known = self.has_surface().then_some(&self.surfaces);
+        let segments = all_segments(&self.logs, &self.calibration, &lagged, known, &transients);
+        Stretch { lagged, transients, segments }
+    }
+
+    /// The moments after steps of the effective torque.
+    fn transients(&self, lagged: &[LaggedCommand]) -> Vec<Vec<(f64, f64)>> {
+        let after = |(lagged, dead_s): (&LaggedCommand, &f64)| {
+            lagged.steps(0.05 * lagged.largest_nm()).into_iter().map(|t| (t + dead_s, t + dead_s + self.settings.transient_s)).collect()
+        };
+        lagged.iter().zip(&self.calibration.dead_time_s).map(after).collect()
+    }
+
+    /// Robust cuts with the surface as it is.
+    fn cut(&mut self, threshold: f64) {
+        let lagged = self.lagged();
+        let transients = self.transients(&lagged);
+        let judge = Judge {
+            calibration: &self.calibration,
+            lagged: &lagged,
+            surfaces: &self.surfaces,
+            noise: &self.noise,
+            transients: &transients,
+        };
+        judge.cut(&mut self.logs, threshold);
+    }
+
+    /// Noise from the `share` of the segments that the surface explains best.
+    fn update_noise(&mut self, segments: &[Segment], along: &Along, share: f64) {
+        let (kept, residuals) = hyper::well_explained(segments, &along.residuals, &along.white, share);
+        let spread = hyper::offset_spread(segments, &along.residuals, &self.noise);
+        let found = hyper::estimate(&kept, &residuals, self.noise, spread);
+        self.noise = found.noise;
+        self.noise_bounds = found.at_bounds;
+    }
+
+    /// A step of delays and encoder calibration, and how sure they are.
+    fn calibrate(&mut self, solution: &Solution, free: Free) {
+        let q = self.design.coefficients();
+        let of = |k: usize| solution.beta[q + k];
+        let step = |k: usize| of(k).clamp(-DELAY_STEP_S, DELAY_STEP_S);
+        if self.settings.lag_s.is_none() {
+            self.calibration.lag_s = (self.calibration.lag_s + step(nuisance::LAG)).clamp(0.0, 0.3);
+        }
+        if self.settings.dead_time_s.is_none() {
+            for (k, dead_time) in self.calibration.dead_time_s.iter_mut().enumerate() {
+                *dead_time = (*dead_time + step(nuisance::DEAD_TIME + k)).clamp(-0.1, 0.5);
+            }
+        }
+        let covariance = |a: usize, b: usize| solution.covariance[(q + a, q + b)];
+        let std_err = |k: usize| covariance(k, k).max(0.0).sqrt();
+        self.errors.lag_s = std_err(nuisance::LAG);
+        self.errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
+        if free == Free::DelaysAndEncoder {
+            self.errors.encoder_scale = std_err(nuisance::ENCODER_SCALE);
+            if self.has_yaw {
+                self.calibration.encoder_scale *= 1.0 + of(nuisance::ENCODER_SCALE).clamp(-0.02, 0.02);
+                let delay_s = self.calibration.encoder_delay_s + step(nuisance::ENCODER_DELAY);
+                self.calibration.encoder_delay_s = delay_s.clamp(-0.3, 0.3);
+            }
+        }
+        // what is given from outside is taken to be exact
+        let given = |k: usize| {
+            (k == nuisance::LAG && self.settings.lag_s.is_some()) || (k >= nuisance::DEAD_TIME && self.settings.dead_time_s.is_some())
+        };
+        let n = self.errors.covariance.nrows();
+        self.errors.covariance = Mat::from_fn(n, n, |a, b| if given(a) || given(b) { 0.0 } else { covariance(a, b) });
+    }
+}

@@ -1,0 +1,147 @@
+//! Before the first round: what the logs hold, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
+
+use super::actuator::LaggedCommand;
+use super::coarse;
+use super::kalman::Noise;
+use super::lattice::Lattice;
+use super::passes::wide_speed;
+use super::segment::{Calibration, Cuts, LogData, Segment, all_segments, span_s};
+use super::{Error, Result, Settings};
+use crate::campaign::Survey;
+use crate::map::Gear;
+use crate::signal::{Series, noise_std, quantum};
+use rayon::prelude::*;
+
+/// Quantum of speed above which a start cannot be anchored: the first reading after it comes late and biased [m/s].
+const COARSE_QUANTUM_MPS: f64 = 0.01;
+/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
+const SLOW_HZ: f64 = 10.0;
+/// Least time in motion that a fit is worth starting with [s].
+const LEAST_MOTION_S: f64 = 5.0;
+
+/// Where the rounds start from.
+pub(crate) struct Start<'a> {
+    pub(crate) logs: Vec<LogData<'a>>,
+    pub(crate) gears: Vec<Gear>,
+    pub(crate) has_yaw: bool,
+    pub(crate) calibration: Calibration,
+    pub(crate) noise: Noise,
+    pub(crate) lattice: Lattice,
+}
+
+impl<'a> Start<'a> {
+    /// Looks at the surveys.
+    ///
+    /// # Errors
+    /// A slow speed signal without a yaw rate, too little motion, one torque only.
+    pub(crate) fn new(surveys: &'a [Survey], settings: &Settings) -> Result<Self> {
+        if let Some((survey, rate_hz)) =
+            surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
+        {
+            return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
+        }
+        let logs: Vec<LogData> = surveys.iter().map(log_data).collect();
+        let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
+        let mut calibration = first_calibration(surveys);
+        let noise = first_noise(surveys);
+        let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
+        let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
+        let seconds: f64 = segments.iter().map(span_s).sum();
+        if seconds < LEAST_MOTION_S {
+            return Err(Error::TooLittle { seconds, needed_s: LEAST_MOTION_S });
+        }
+        let speeds: Vec<Vec<f64>> = segments.par_iter().map(wide_speed).collect();
+        let views: Vec<coarse::LogView> = (0..logs.len())
+            .map(|k| {
+                let own: Vec<usize> = (0..segments.len()).filter(|s| segments[*s].log == k).collect();
+                coarse::LogView {
+                    segments: own.iter().map(|s| &segments[*s]).collect(),
+                    speed_mps: own.iter().map(|s| speeds[*s].as_slice()).collect(),
+                    command: &surveys[k].track.command_nm,
+                }
+            })
+            .collect();
+        (calibration.dead_time_s, calibration.lag_s) = coarse::search(&views, &noise, settings.dead_time_s, settings.lag_s);
+        let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
+        let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
+        Ok(Self { logs, gears, has_yaw, calibration, noise, lattice })
+    }
+}
+
+/// The rate of a speed signal that is too slow to tell accelerations by itself [Hz]; `None` when it is fast enough.
+pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
+    let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
+    let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
+    (rate_hz < SLOW_HZ).then_some(rate_hz)
+}
+
+fn log_data(survey: &Survey) -> LogData<'_> {
+    let yaw_outliers = survey.track.yaw_speed_mps.as_ref().map(hampel).unwrap_or_default();
+    let encoder = &survey.track.encoder_mps.value;
+    let dithered = noise_std(encoder) > 0.2 * quantum(encoder);
+    let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum(encoder) < COARSE_QUANTUM_MPS || dithered;
+    LogData { survey, yaw_outliers, cuts: Cuts::default(), may_anchor, chosen: vec![true; survey.stretches.len()] }
+}
+
+/// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.
+fn hampel(series: &Series) -> Vec<bool> {
+    let floor = noise_std(&series.value).max(quantum(&series.value)).max(1e-6);
+    let n = series.len();
+    (0..n)
+        .map(|i| {
+            let range = i.saturating_sub(3)..(i + 4).min(n);
+            let centre = crate::signal::median(&series.value[range.clone()]);
+            let spread: Vec<f64> = series.value[range].iter().map(|v| (v - centre).abs()).collect();
+            (series.value[i] - centre).abs() > 6.0 * (1.4826 * crate::signal::median(&spread)).max(floor)
+        })
+        .collect()
+}
+
+fn first_calibration(surveys: &[Survey]) -> Calibration {
+    let alignments: Vec<_> = surveys.iter().filter_map(|s| s.alignment).collect();
+    let median_of = |f: fn(&crate::signal::Alignment) -> f64, otherwise: f64| {
+        let values: Vec<f64> = alignments.iter().map(f).collect();
+        if values.is_empty() { otherwise } else { crate::signal::median(&values) }
+    };
+    Calibration {
+        dead_time_s: vec![0.05; surveys.len()],
+        lag_s: 0.05,
+        encoder_scale: median_of(|a| a.scale, 1.0),
+        encoder_delay_s: median_of(|a| a.delay_s, 0.0),
+    }
+}
+
+fn first_noise(surveys: &[Survey]) -> Noise {
+    let largest = |f: &dyn Fn(&Survey) -> Option<f64>| surveys.iter().filter_map(f).fold(0.0, f64::max).clamp(1e-3, 0.1);
+    let reading = |s: &Series| noise_std(&s.value).max(quantum(&s.value) / 12f64.sqrt());
+    Noise {
+        disturbance_mps2: 0.15,
+        disturbance_time_s: 0.3,
+        offset_mps2: 0.05,
+        reading_mps: [largest(&|s| Some(reading(&s.track.encoder_mps))), largest(&|s| s.track.yaw_speed_mps.as_ref().map(reading))],
+    }
+}
+
+/// The lattice over the speeds and torques of the segments.
+fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], settings: &Settings) -> Result<Lattice> {
+    let fastest = speeds.iter().flatten().fold(0.0f64, |m, v| m.max(*v));
+    let (mut low, mut high) = (0.0f64, 0.0f64);
+    let mut torques = Vec::new();
+    for s in segments {
+        let command = &surveys[s.log].track.command_nm;
+        if let (Some(first), Some(last)) = (s.readings.first(), s.readings.last()) {
+            for k in command.range(first.t_s, last.t_s) {
+                let u = s.gear.sign() * command.value[k];
+                low = low.min(u);
+                high = high.max(u);
+                torques.push(u);
+            }
+        }
+    }
+    let (least, most) = torques.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(*u), b.max(*u)));
+    if most - least < 1e-6 * most.abs().max(1e-9) || high - low <= 0.0 {
+        let torque_nm = most;
+        return Err(Error::OneTorque { torque_nm, suggestion_nm: 0.5 * torque_nm, suggestion2_nm: 1.5 * torque_nm });
+    }
+    Ok(Lattice::new(fastest, low, high, settings.speed_nodes, settings.torque_nodes))
+}
