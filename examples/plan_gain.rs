@@ -1,122 +1,254 @@
 //! What five minutes of `plan` are worth beside five minutes of the uniform campaign:
-//! `cargo run --release --example plan_gain -- [SEEDS]`; docs/plan.md tells the figures.
-//!
-//! The bundled scrubber drives two minutes of the uniform campaign, which are fitted. Then it drives either five minutes of the plan made
-//! from that fit, or five minutes more of the uniform campaign. Each is fitted together with the first log and inverted; Table 2 is judged
-//! against the simulator's own map. The uniform campaign is `data/campaigns/torque_steps.toml` with its runs shuffled and repeated, cut
-//! where the time is over; the plan is cut at the same time.
+//! `cargo run --release --example plan_gain -- [--seeds 101:116] [--minutes 5] [--first 1] [--quiet] [--model] [--dump cells.csv]`.
+//! docs/plan.md states the protocol and tells the figures. `--quiet` takes the disturbance and the spread of the friction away: what is left is
+//! what no campaign removes. `--model` stops at what the model of `plan` expects. `--dump` writes errors and standard errors cell by cell.
 
 #![allow(clippy::print_stdout)] // a study prints
 
-use pivot_cal::campaign::{self, Survey};
-use pivot_cal::fit::{self, PlanSettings, fit, plan};
-use pivot_cal::invert::{self, invert};
-use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{CsvRef, Gear, Table1File};
-use pivot_cal::record::{Campaign, RunGroup, Torques, record};
-use pivot_cal::signal::Track;
+#[path = "plan_gain/campaigns.rs"]
+mod campaigns;
+#[path = "plan_gain/yardstick.rs"]
+mod yardstick;
+
+use campaigns::{drive, in_order, shuffled};
+use pivot_cal::fit::{self, ExpectedCell, PlanSettings, PlannedRun, expected, fit, plan};
+use pivot_cal::map::Table1File;
+use pivot_cal::record::{Campaign, RunGroup, Torques};
 use pivot_cal::sim::VehicleFile;
-use pivot_cal::units::RAD_PER_DEG;
+use pivot_cal::verify::known_maps;
+use std::fmt::Write as _;
+use yardstick::{Errors, Yardstick, rms};
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
-const FIRST_S: f64 = 120.0;
-const MORE_S: f64 = 300.0;
 /// What the plan must reach of the uniform campaign's torque error.
 const ENOUGH: f64 = 0.8;
+/// Slowest speed of the cells [m/s]: no reading tells the row of a wheel that has just begun to move, which is told apart.
+const SLOWEST_MPS: f64 = 0.05;
+/// Speed up to which maps are judged [m/s]: the uniform campaign's speed limit, ...
+const FASTEST_MPS: f64 = 1.2;
+/// ... and the speed from which it brakes: up to there it drives every level.
+const BRAKING_MPS: f64 = 1.0;
+/// Torques over which maps are judged [N·m]: those of the uniform campaign.
+const TORQUES_NM: [f64; 2] = [-24.0, 40.0];
+/// Draws of the bootstrap.
+const DRAWS: u64 = 10_000;
+
+/// The value after a flag, or its default.
+fn after(flag: &str, otherwise: &str) -> String {
+    let arguments: Vec<String> = std::env::args().collect();
+    arguments.iter().position(|a| a == flag).and_then(|k| arguments.get(k + 1)).cloned().unwrap_or_else(|| otherwise.to_owned())
+}
+
+/// What is told of each seed: before, uniform, planned [N·m].
+const FIGURES: [&str; 6] = [
+    "exact inverse",
+    "exact inverse up to the speed of braking",
+    "Table 2",
+    "Table 2 up to the speed of braking",
+    "exact inverse, just moving",
+    "exact inverse with the cells that just move",
+];
+type Figures = [[f64; 3]; 6];
 
 fn main() -> Fallible<()> {
-    let seeds: u64 = std::env::args().nth(1).map_or(Ok(5), |text| text.parse())?;
-    let vehicle = VehicleFile::from_toml(include_str!("../data/vehicles/scrubber.toml"))?;
-    let uniform = Campaign::from_toml(include_str!("../data/campaigns/torque_steps.toml"))?;
-    let mut sums = [0.0; 3];
-    for seed in 1..=seeds {
-        let (first, _) = drive(&vehicle, &shuffled(&uniform, 100 * seed)?, FIRST_S, 100 * seed)?;
-        let start = fit(vec![first.clone()], &fit::Settings::default())?;
-        let planned = plan(&start.file, &PlanSettings { budget_s: MORE_S })?;
-        let (more, more_s) = drive(&vehicle, &shuffled(&uniform, 100 * seed + 1)?, MORE_S, 100 * seed + 1)?;
-        let (wanted, wanted_s) = drive(&vehicle, &Campaign::from_toml(&planned.to_toml())?, MORE_S, 100 * seed + 1)?;
-        let before_nm = judged(&vehicle, &start.file)?;
-        let uniform_nm = judged(&vehicle, &fit(vec![first.clone(), more], &fit::Settings::default())?.file)?;
-        let plan_nm = judged(&vehicle, &fit(vec![first, wanted], &fit::Settings::default())?.file)?;
-        println!(
-            "seed {seed}: {before_nm:.4} N·m after {FIRST_S:.0} s; {uniform_nm:.4} with {more_s:.0} s uniform, {plan_nm:.4} with {wanted_s:.0} s planned (expected {:.4} → {:.4}): {:.3}",
-            planned.std_err_nm,
-            planned.std_err_after_nm,
-            plan_nm / uniform_nm
-        );
-        for (sum, error) in sums.iter_mut().zip([before_nm, uniform_nm, plan_nm]) {
-            *sum += error * error;
-        }
+    let seeds = after("--seeds", "101:116");
+    let (from, to) = seeds.split_once(':').unwrap_or((&seeds, &seeds));
+    let (from, to): (u64, u64) = (from.parse()?, to.parse()?);
+    let more_s = 60.0 * after("--minutes", "5").parse::<f64>()?;
+    let first_s = 60.0 * after("--first", "1").parse::<f64>()?;
+    let dump = after("--dump", "");
+    let flag = |name: &str| std::env::args().any(|a| a == name);
+    let (model_only, quiet) = (flag("--model"), flag("--quiet"));
+    let mut text = include_str!("../data/vehicles/scrubber.toml").to_owned();
+    if quiet {
+        text = text.replace("disturbance_nm = 0.25", "disturbance_nm = 0.0").replace("friction_spread = 0.01", "friction_spread = 0.0");
     }
-    let [before_nm, uniform_nm, plan_nm] = sums.map(|s| (s / seeds as f64).sqrt());
-    let ratio = plan_nm / uniform_nm;
-    println!("all: {before_nm:.4} N·m before, {uniform_nm:.4} uniform, {plan_nm:.4} planned: ratio {ratio:.3}");
-    println!("{}: at most {ENOUGH} is asked for", if ratio <= ENOUGH { "reached" } else { "missed" });
+    // plans are made by what the vehicle is really like
+    let planning = VehicleFile::from_toml(include_str!("../data/vehicles/scrubber.toml"))?;
+    let vehicle = VehicleFile::from_toml(&text)?;
+    let uniform = Campaign::from_toml(include_str!("../data/campaigns/torque_steps.toml"))?;
+    let yardstick = Yardstick::new(&vehicle, FASTEST_MPS, TORQUES_NM)?;
+    let known = yardstick.judge(&known_maps(&vehicle.settings())?.0)?;
+    println!(
+        "{} cells; the known map, which ends at {BRAKING_MPS} m/s, up to there through the same inversion: {:.4} N·m by Table 2, {:.4} exactly inverted",
+        yardstick.cells.len(),
+        yardstick.rms_between(&known.table, SLOWEST_MPS, BRAKING_MPS),
+        yardstick.rms_between(&known.surface, SLOWEST_MPS, BRAKING_MPS)
+    );
+    let mut all: Vec<Figures> = Vec::new();
+    let mut rows = "seed,arm,gear,speed_mps,torque_nm,table_nm,surface_nm,std_err_nm,model_nm\n".to_owned();
+    for seed in from..=to {
+        // the first campaign, and the uniform one going on from there
+        let runs = shuffled(&uniform, seed, 4)?;
+        let first = drive(&vehicle, &uniform, &runs, first_s, 100 * seed)?;
+        let more = drive(&vehicle, &uniform, &runs[first.runs..], more_s, 100 * seed + 1)?;
+        let start = fit(vec![drive(&planning, &uniform, &runs, first_s, 100 * seed)?.survey], &fit::Settings::default())?.file;
+        let wish =
+            PlanSettings { budget_s: more_s, speed_breaks_mps: Some(yardstick.speeds_mps()), torque_breaks_nm: Some(in_steps_of_4()) };
+        let planned = plan(&start, &wish)?;
+        let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml())? };
+        let wanted_runs = in_order(&campaign)?;
+        let wanted = drive(&vehicle, &campaign, &wanted_runs, more_s, 100 * seed + 1)?;
+        let first_cells = model_cells(&start, &wish, &[])?;
+        let uniform_cells = model_cells(&start, &wish, &runs[first.runs..first.runs + more.runs])?;
+        let plan_cells = model_cells(&start, &wish, &wanted_runs[..wanted.runs])?;
+        let [uniform_expected, plan_expected] =
+            [&uniform_cells, &plan_cells].map(|cells| rms(&cells.iter().map(|c| c.std_err_nm).collect::<Vec<_>>()));
+        if model_only {
+            println!(
+                "seed {seed}: by the model {:.4} → {uniform_expected:.4}, {plan_expected:.4}: {:.3}",
+                planned.std_err_nm,
+                plan_expected / uniform_expected
+            );
+            if !dump.is_empty() {
+                std::fs::write(&dump, planned.to_toml())?;
+            }
+            continue;
+        }
+        let by_uniform = fit(vec![first.survey.clone(), more.survey], &fit::Settings::default())?.file;
+        let by_plan = fit(vec![first.survey, wanted.survey], &fit::Settings::default())?.file;
+        let files = [&start, &by_uniform, &by_plan];
+        let mut errors = Vec::new();
+        for file in files {
+            errors.push(yardstick.judge(file)?);
+        }
+        if !dump.is_empty() {
+            for (((arm, file), errors), cells) in
+                ["first", "uniform", "plan"].into_iter().zip(files).zip(&errors).zip([&first_cells, &uniform_cells, &plan_cells])
+            {
+                write_cells(&mut rows, (seed, arm), file, &yardstick, errors, cells)?;
+            }
+            std::fs::write(&dump, &rows)?;
+        }
+        let of = |f: &dyn Fn(&Errors) -> f64| [f(&errors[0]), f(&errors[1]), f(&errors[2])];
+        let figures: Figures = [
+            of(&|e| yardstick.rms_between(&e.surface, SLOWEST_MPS, FASTEST_MPS)),
+            of(&|e| yardstick.rms_between(&e.surface, SLOWEST_MPS, BRAKING_MPS)),
+            of(&|e| yardstick.rms_between(&e.table, SLOWEST_MPS, FASTEST_MPS)),
+            of(&|e| yardstick.rms_between(&e.table, SLOWEST_MPS, BRAKING_MPS)),
+            of(&|e| yardstick.rms_between(&e.surface, 0.0, 0.0)),
+            of(&|e| rms(&e.surface)),
+        ];
+        let shown: Vec<String> = figures.iter().map(|[a, b, c]| format!("{a:.4} {b:.4} {c:.4}: {:.3}", c / b)).collect();
+        println!(
+            "seed {seed}: exact inverse {}; to {BRAKING_MPS} m/s {}; Table 2 {}; to {BRAKING_MPS} m/s {}; just moving {}; with it {}; {:.0} s uniform, {:.0} s planned, {} of {} runs, \
+             {:.0} s promised; by the model {:.4} → {uniform_expected:.4}, {plan_expected:.4}: {:.3}; outside {} {} {}",
+            shown[0],
+            shown[1],
+            shown[2],
+            shown[3],
+            shown[4],
+            shown[5],
+            more.seconds,
+            wanted.seconds,
+            wanted.runs,
+            wanted_runs.len(),
+            planned.seconds,
+            planned.std_err_nm,
+            plan_expected / uniform_expected,
+            errors[0].outside,
+            errors[1].outside,
+            errors[2].outside,
+        );
+        all.push(figures.map(|e| e.map(|x| x * x)));
+    }
+    for (which, name) in FIGURES.into_iter().enumerate() {
+        let squares: Vec<[f64; 3]> = all.iter().map(|s| s[which]).collect();
+        tell(name, &squares);
+    }
     Ok(())
 }
 
-/// The campaign's runs one by one, in an order drawn from `seed`, three times over.
-fn shuffled(campaign: &Campaign, seed: u64) -> Fallible<Campaign> {
-    let mut runs = Vec::new();
-    for round in 0..3 {
-        let single: Vec<RunGroup> = campaign
-            .plan(seed + 1000 * round)?
-            .into_iter()
-            .map(|run| RunGroup { torque_nm: Torques::One(run.torque_nm), repeats: 1, shuffle: false, ..run.settings })
-            .collect();
-        // an order of its own: by a hash of place, round and seed
-        let key =
-            |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed + 1000 * round).wrapping_mul(0xD134_2543_DE82_EF95)) >> 20;
-        let mut order: Vec<usize> = (0..single.len()).collect();
-        order.sort_by_key(|k| (key(*k), *k));
-        runs.extend(order.into_iter().map(|k| single[k].clone()));
-    }
-    Ok(Campaign { runs, ..campaign.clone() })
-}
-
-/// Drives as many of the campaign's runs as fit into `limit_s`; the survey of the log and its length.
-fn drive(vehicle: &VehicleFile, campaign: &Campaign, limit_s: f64, seed: u64) -> Fallible<(Survey, f64)> {
-    let mut runs: Vec<RunGroup> = campaign
-        .plan(campaign.seed)?
-        .into_iter()
-        .map(|run| RunGroup { torque_nm: Torques::One(run.torque_nm), repeats: 1, shuffle: false, ..run.settings })
-        .collect();
-    loop {
-        let recording = record(vehicle, &Campaign { runs: runs.clone(), ..campaign.clone() }, Some(seed))?;
-        let length_s = recording.report.duration_s;
-        if length_s <= limit_s {
-            let log = read_bytes(
-                recording.bytes,
-                &format!("{}_{seed}.mcap", campaign.name.replace(' ', "_")),
-                &Source::Detect,
-                &VehicleOverrides::default(),
-            )?;
-            return Ok((Survey::new(Track::new(&log)?, &campaign::Settings::default())?, length_s));
-        }
-        // as many as ended in time, one fewer each time after that
-        let in_time = recording.report.runs.iter().filter(|r| r.start_s + r.duration_s <= limit_s).count();
-        runs.truncate(in_time.min(runs.len() - 1));
-    }
-}
-
-/// Root mean square error of Table 2's torque over speeds 0 to 1.1 m/s and torques −24 to 40 N·m of both gears [N·m].
-fn judged(vehicle: &VehicleFile, file: &Table1File) -> Fallible<f64> {
-    let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default())?;
-    let truth = vehicle.truth()?;
-    let (mut sum, mut count) = (0.0, 0);
-    for gear in Gear::ALL {
-        let map = inversion.file.maps.iter().find(|m| m.gear == gear).ok_or("no map of a gear")?;
-        let table = map.table()?;
-        for v in (0..=22).map(|k| 0.05 * f64::from(k)) {
-            for torque_nm in (-12..=20).map(|k| 2.0 * f64::from(k)) {
-                let accel = truth.gear_accel_mps2(gear, v, torque_nm, 90.0 * RAD_PER_DEG);
-                if let Some(found_nm) = table.torque_from_accel_clamped(v, accel) {
-                    sum += (found_nm - torque_nm).powi(2);
-                    count += 1;
-                }
+/// Pooled errors, their ratio and its spread over the seeds.
+fn tell(name: &str, squares: &[[f64; 3]]) {
+    let pooled = |k: usize| (squares.iter().map(|s| s[k]).sum::<f64>() / squares.len() as f64).sqrt();
+    let ratio = pooled(2) / pooled(1);
+    // bootstrap over the seeds, paired
+    let mut state = 1u64;
+    let mut ratios: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let (mut by_plan, mut by_uniform) = (0.0, 0.0);
+            for _ in squares {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let drawn = squares[((state >> 33) as usize) % squares.len()];
+                by_uniform += drawn[1];
+                by_plan += drawn[2];
             }
-        }
+            (by_plan / by_uniform).sqrt()
+        })
+        .collect();
+    ratios.sort_unstable_by(f64::total_cmp);
+    let quantile = |q: f64| ratios[((q * DRAWS as f64) as usize).min(ratios.len() - 1)];
+    let better = squares.iter().filter(|s| s[2] < s[1]).count();
+    println!(
+        "{name}: {:.4} N·m before, {:.4} uniform, {:.4} planned: ratio {ratio:.3}, 95 % {:.3} to {:.3} by bootstrap; better in {better} of {} seeds; {}: at most {ENOUGH} is asked for",
+        pooled(0),
+        pooled(1),
+        pooled(2),
+        quantile(0.025),
+        quantile(0.975),
+        squares.len(),
+        if ratio <= ENOUGH { "reached" } else { "missed" }
+    );
+}
+
+/// What the model of `plan` expects of runs: root mean square over the cells at which maps are judged [N·m].
+fn model_cells(start: &Table1File, wish: &PlanSettings, runs: &[RunGroup]) -> Fallible<Vec<ExpectedCell>> {
+    let runs: Vec<PlannedRun> = runs
+        .iter()
+        .filter_map(|run| {
+            let Torques::One(torque_nm) = run.torque_nm else { return None };
+            Some(PlannedRun {
+                gear: run.gear,
+                torque_nm,
+                start_speed_mps: run.start_speed_mps,
+                spin_up_nm: (run.start_speed_mps > 0.0).then_some(run.spin_up_nm),
+                speed_limit_mps: run.speed_limit_mps,
+                end_speed_mps: run.end_speed_mps,
+                hold_s: run.hold_s,
+            })
+        })
+        .collect();
+    Ok(expected(start, wish, &runs)?)
+}
+
+/// The torques of the cells that the plan is asked for [N·m].
+fn in_steps_of_4() -> Vec<f64> {
+    (-6..=10).map(|k| 4.0 * f64::from(k)).collect()
+}
+
+/// One line per cell, for maps of the error.
+fn write_cells(
+    rows: &mut String,
+    (seed, arm): (u64, &str),
+    file: &Table1File,
+    yardstick: &Yardstick,
+    errors: &Errors,
+    model: &[ExpectedCell],
+) -> Fallible<()> {
+    for ((cell, table_nm), surface_nm) in yardstick.cells.iter().zip(&errors.table).zip(&errors.surface) {
+        let map = file.maps.iter().find(|m| m.gear == cell.gear).ok_or("no Table 1 of a gear")?;
+        let nearest = |breaks: &[f64], x: f64| {
+            (0..breaks.len()).min_by(|a, b| (breaks[*a] - x).abs().total_cmp(&(breaks[*b] - x).abs())).unwrap_or_default()
+        };
+        let (i, j) = (nearest(&map.torque_nm, cell.torque_nm), nearest(&map.speed_mps, cell.speed_mps));
+        let surface = map.surface.table()?;
+        let at = |u: f64| surface.accel_from_torque_clamped(cell.speed_mps, u).unwrap_or_default();
+        let slope = (at(cell.torque_nm + 1.0) - at(cell.torque_nm - 1.0)) / 2.0;
+        let expected = model
+            .iter()
+            .filter(|c| c.gear == cell.gear && (c.speed_mps - cell.speed_mps).abs() < 1e-6)
+            .min_by(|a, b| (a.torque_nm - cell.torque_nm).abs().total_cmp(&(b.torque_nm - cell.torque_nm).abs()));
+        writeln!(
+            rows,
+            "{seed},{arm},{},{:.2},{},{table_nm:.5},{surface_nm:.5},{:.5},{:.5}",
+            cell.gear,
+            cell.speed_mps,
+            cell.torque_nm,
+            map.std_err_mps2[i][j] / slope,
+            expected.map_or(f64::NAN, |c| c.std_err_nm)
+        )?;
     }
-    Ok((sum / f64::from(count)).sqrt())
+    Ok(())
 }

@@ -44,6 +44,6 @@ mod validation;
 pub use angle_groups::fit_angles;
 pub use error::{Error, Result};
 pub use known::KnownCalibration;
-pub use plan::{Plan, PlanEntry, PlanSettings, plan};
+pub use plan::{ExpectedCell, Plan, PlanEntry, PlanSettings, PlannedRun, expected, plan};
 pub use product::{Fit, fit, fit_traced};
 pub use settings::Settings;

@@ -1,5 +1,6 @@
 //! `plan`: the campaign still to drive after Table 1.
 
+use super::breaks::Breaks;
 use super::{Outcome, Ui};
 use crate::fit::{Plan, PlanSettings, plan};
 use crate::map::{PlanFile, SAME_ANGLE_DEG, Table1File, sha256_hex, write_whole};
@@ -16,6 +17,7 @@ const SHOWN: usize = 12;
 Examples:
   pivot-cal plan                           what to drive next, as a table
   pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
+  pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells that are to be known
 
 Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
 table, by the estimator's own information matrix.")]
@@ -29,6 +31,12 @@ pub(super) struct Arguments {
     /// Time to drive, with spin-ups, stops and pauses [min]
     #[arg(long, value_name = "MIN", default_value_t = 5.0)]
     minutes: f64,
+    /// Speeds of the cells that are to be known [m/s], as `start:step:stop` or a list; those of Table 1 that were driven if left out
+    #[arg(long, value_name = "BREAKS")]
+    speed_breaks: Option<Breaks>,
+    /// Torques of the cells that are to be known [N·m]; those of Table 1 if left out
+    #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
+    torque_breaks: Option<Breaks>,
     /// Campaign file to write (TOML)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -44,7 +52,12 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let angle_deg = arguments.angle.unwrap_or(file.vehicle.test_angle_deg);
     let steered = (angle_deg - file.vehicle.test_angle_deg).abs() >= SAME_ANGLE_DEG;
     let file = super::angles::at(file, angle_deg, ui).with_context(|| path.display().to_string())?;
-    let plan = plan(&file, &PlanSettings { budget_s: 60.0 * arguments.minutes }).with_context(|| path.display().to_string())?;
+    let settings = PlanSettings {
+        budget_s: 60.0 * arguments.minutes,
+        speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
+        torque_breaks_nm: arguments.torque_breaks.clone().map(|b| b.0),
+    };
+    let plan = plan(&file, &settings).with_context(|| path.display().to_string())?;
     // for the report
     let for_page = PlanFile::new(sha256_hex(text.as_bytes()), serde_json::to_value(&plan)?)?;
     if let Err(error) = write_whole(&arguments.maps.join("plan.json"), for_page.to_json()?.as_bytes()) {
@@ -76,9 +89,9 @@ fn show(plan: &Plan, ui: Ui) {
     for (k, entry) in plan.entries.iter().take(shown).enumerate() {
         table.add_row([
             (k + 1).to_string(),
-            entry.gear.to_string(),
-            format!("{:.1}", entry.torque_nm),
-            entry.start(),
+            entry.run.gear.to_string(),
+            format!("{:.1}", entry.run.torque_nm),
+            entry.run.start(),
             entry.repeats.to_string(),
             format!("{:.1}", entry.seconds),
             format!("{:.4}", entry.gain_nm),

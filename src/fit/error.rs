@@ -32,6 +32,10 @@ pub enum Error {
     Singular,
     #[error("Table 1 holds no driven run with motion and a torque range: nothing to plan from. Drive a first campaign and fit it")]
     NothingToPlan,
+    #[error(
+        "no cell is left to be known: torques {low_nm} to {high_nm} N·m within the vehicle's limit; a speed above 0 and two torques, one of them positive, are needed"
+    )]
+    NoCells { low_nm: f64, high_nm: f64 },
     #[error("no run fits a plan of {budget_s:.0} s: give it more time")]
     NoPlan { budget_s: f64 },
     #[error(transparent)]

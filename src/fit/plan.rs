@@ -12,22 +12,31 @@ mod text;
 
 use super::{Error, Result};
 use crate::map::{Gear, Table1File};
-use drive::{Candidate, Vehicle};
+pub use drive::PlannedRun;
 use greedy::Greedy;
 use information::{Information, Model};
 use rayon::prelude::*;
 use serde::Serialize;
 
+/// Turning the wheel to its angle before the first run [s].
+const STEER_S: f64 = 2.0;
+
 /// What a plan may spend.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlanSettings {
-    /// Time of driving [s], with spin-ups, stops and pauses. Default 300.
+    /// Time of driving [s], with turning the wheel to its angle, spin-ups and stops. Default 300.
     pub budget_s: f64,
+    /// Speeds of the cells whose torque is to be known [m/s], rising; by default those of Table 1 that were driven. Runs go a little faster
+    /// than the last. A speed of 0 is left out: no reading tells it.
+    pub speed_breaks_mps: Option<Vec<f64>>,
+    /// Torques of these cells [N·m], rising; by default those of Table 1. Levels lie between the first and the last, none above the
+    /// vehicle's limit.
+    pub torque_breaks_nm: Option<Vec<f64>>,
 }
 
 impl Default for PlanSettings {
     fn default() -> Self {
-        Self { budget_s: 300.0 }
+        Self { budget_s: 300.0, speed_breaks_mps: None, torque_breaks_nm: None }
     }
 }
 
@@ -51,16 +60,9 @@ pub struct Plan {
 /// A run, and how often it is driven.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlanEntry {
-    /// Gear.
-    pub gear: Gear,
-    /// Torque [N·m], gear frame.
-    pub torque_nm: f64,
-    /// Speed from which it is applied [m/s]; 0 is from rest.
-    pub start_speed_mps: f64,
-    /// Torque of the spin-up to that speed [N·m]; absent from rest.
-    pub spin_up_nm: Option<f64>,
-    /// The level ends at this speed [m/s].
-    pub speed_limit_mps: f64,
+    /// What is driven.
+    #[serde(flatten)]
+    pub run: PlannedRun,
     /// How often.
     pub repeats: u32,
     /// Time of one run with everything around it [s].
@@ -80,27 +82,17 @@ pub struct PlanEntry {
 /// # Errors
 /// A budget that is not positive or that no run fits, no tables, runs or tables that tell no motion.
 pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Plan> {
-    let model = Model::new(file)?;
-    let candidates: Vec<(Candidate, f64, Information)> = model
-        .vehicles
-        .iter()
-        .flat_map(|vehicle| vehicle.candidates(&model.levels_nm).into_iter().map(move |c| (vehicle, c)))
-        .collect::<Vec<(&Vehicle, Candidate)>>()
-        .into_par_iter()
-        .filter_map(|(vehicle, candidate)| {
-            let driven = vehicle.drive(&candidate)?;
-            let information = model.information(candidate.gear, &driven.parts);
-            Some((candidate, driven.seconds, information))
-        })
-        .collect();
+    let model = Model::new(file, settings)?;
+    let runs: Vec<PlannedRun> = model.vehicles.iter().flat_map(|vehicle| vehicle.candidates(&model.levels_nm)).collect();
+    let candidates = informed(&model, &runs);
     let covariance = model.covariance(file)?;
     let cells = model.cells();
     let mut greedy = Greedy::new(&model, &covariance, &candidates, &cells);
     let std_err_nm = greedy.std_err_nm();
-    let mut left_s = settings.budget_s;
+    let mut left_s = settings.budget_s - STEER_S;
     let mut picked: Vec<(usize, PlanEntry)> = Vec::new();
     while let Some(best) = greedy.best(left_s) {
-        let (candidate, seconds, _) = &candidates[best];
+        let (run, seconds, _) = &candidates[best];
         let before = greedy.std_err_nm();
         let reason = greedy.reason(best, &cells);
         greedy.take(best);
@@ -111,11 +103,7 @@ pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Plan> {
             None => picked.push((
                 best,
                 PlanEntry {
-                    gear: candidate.gear,
-                    torque_nm: candidate.torque_nm,
-                    start_speed_mps: candidate.start_speed_mps,
-                    spin_up_nm: (candidate.start_speed_mps > 0.0).then_some(candidate.spin_up_nm),
-                    speed_limit_mps: candidate.speed_limit_mps,
+                    run: *run,
                     repeats: 1,
                     seconds: (seconds * 100.0).round() / 100.0,
                     gain_nm,
@@ -138,4 +126,44 @@ pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Plan> {
         std_err_after_nm: greedy.std_err_nm(),
         entries,
     })
+}
+
+/// How well a cell's torque is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ExpectedCell {
+    /// Gear.
+    pub gear: Gear,
+    /// Speed [m/s].
+    pub speed_mps: f64,
+    /// Torque [N·m], gear frame.
+    pub torque_nm: f64,
+    /// Expected standard error [N·m].
+    pub std_err_nm: f64,
+}
+
+/// What the cells' standard errors are expected to be after `runs` were driven beside those behind `file`: by the same model as [`plan`].
+/// A run that the vehicle cannot drive tells nothing.
+///
+/// # Errors
+/// As [`plan`].
+pub fn expected(file: &Table1File, settings: &PlanSettings, runs: &[PlannedRun]) -> Result<Vec<ExpectedCell>> {
+    let model = Model::new(file, settings)?;
+    let informed = informed(&model, runs);
+    let cells = model.cells();
+    let mut greedy = Greedy::new(&model, &model.covariance(file)?, &informed, &cells);
+    for k in 0..informed.len() {
+        greedy.take(k);
+    }
+    let told = cells.iter().zip(greedy.std_errs_nm());
+    Ok(told.map(|(c, std_err_nm)| ExpectedCell { gear: c.gear, speed_mps: c.speed_mps, torque_nm: c.torque_nm, std_err_nm }).collect())
+}
+
+/// Runs with their time [s] and what they tell; those that cannot be driven are left out.
+fn informed(model: &Model, runs: &[PlannedRun]) -> Vec<(PlannedRun, f64, Information)> {
+    runs.par_iter()
+        .filter_map(|run| {
+            let driven = model.vehicles.iter().find(|v| v.gear == run.gear)?.drive(run)?;
+            Some((*run, driven.seconds, model.information(run.gear, &driven.parts, 1)))
+        })
+        .collect()
 }

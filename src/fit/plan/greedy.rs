@@ -1,14 +1,21 @@
 //! One run after the other, each the one that takes most off the cells' mean variance per second.
 //!
-//! With C the posterior covariance, R the rows of a run and K the cells' contrasts, a run takes tr[(I + R·C·Rᵀ)⁻¹·(R·C·K)(R·C·K)ᵀ] off the
-//! sum of the variances (Woodbury). R·C and R·C·K of all runs are kept, and follow each choice by an update of low rank.
+//! With W the posterior covariance, R the rows of a run and M the sum of kᵀk over the cells' contrasts k, a run takes
+//! tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] off the sum of the variances (Woodbury). All is told in coordinates in which the covariance before the
+//! plan is the identity, as many as it takes: what the data so far leave open is far less than the design has coefficients. R·W and R·W·F of
+//! all runs, with F·Fᵀ = M, are kept, and follow each choice by an update of low rank.
 
-use super::drive::Candidate;
-use super::information::{Cell, Information, Model};
+use super::drive::PlannedRun;
+use super::information::{Cell, Information, Model, pivoted_root};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatRef, Par};
 use std::ops::Range;
+
+/// Share of the covariance's trace, in units of the surface, that the coordinates may leave out.
+const LEFT_OUT: f64 = 1e-6;
+/// The same of the criterion.
+const CRITERION_LEFT_OUT: f64 = 1e-5;
 
 /// A candidate's rows in the stack.
 struct Run {
@@ -21,46 +28,64 @@ pub(super) struct Greedy {
     runs: Vec<Run>,
     /// R of all candidates, stacked.
     rows: Mat<f64>,
-    /// R·C.
+    /// W.
+    covariance: Mat<f64>,
+    /// R·W.
     spread: Mat<f64>,
-    /// R·C·K.
+    /// R·W·F.
     reach: Mat<f64>,
-    /// Variance of each cell's torque [(N·m)²].
-    variance: Vec<f64>,
+    /// One column per cell.
+    contrasts: Mat<f64>,
+    /// M.
+    criterion: Mat<f64>,
 }
 
-fn product(a: faer::MatRef<f64>, b: faer::MatRef<f64>) -> Mat<f64> {
+fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
     let mut c = Mat::zeros(a.nrows(), b.ncols());
     matmul(c.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
     c
 }
 
 impl Greedy {
-    pub(super) fn new(model: &Model, covariance: &Mat<f64>, candidates: &[(Candidate, f64, Information)], cells: &[Cell]) -> Self {
-        let q = model.design.coefficients();
-        let mut rows = Mat::zeros(candidates.iter().map(|c| c.2.nrows()).sum(), q);
+    pub(super) fn new(model: &Model, covariance: &Mat<f64>, candidates: &[(PlannedRun, f64, Information)], cells: &[Cell]) -> Self {
+        let q = model.size();
+        // coordinates: the rows of L with LᵀL = C, coefficients measured by what they give the surface
+        let unit: Vec<f64> = model.unit_mps2();
+        let scaled = Mat::from_fn(q, q, |a, b| unit[a] * covariance[(a, b)] * unit[b]);
+        let root = pivoted_root(&scaled, q, LEFT_OUT, q);
+        let root = Mat::from_fn(root.nrows(), q, |r, c| root[(r, c)] / unit[c]);
+        let size = root.nrows();
+        let mut rows = Mat::zeros(candidates.iter().map(|c| c.2.nrows()).sum(), size);
         let mut runs = Vec::new();
         let mut at = 0;
         for (_, seconds, information) in candidates {
             let n = information.nrows();
-            rows.submatrix_mut(at, 0, n, q).copy_from(information);
+            rows.submatrix_mut(at, 0, n, size).copy_from(product(information.as_ref(), root.transpose()));
             runs.push(Run { rows: at..at + n, seconds: *seconds });
             at += n;
         }
-        let contrasts = Mat::from_fn(q, cells.len(), |r, c| cells[c].contrast[r]);
-        let spread = product(rows.as_ref(), covariance.as_ref());
-        let reach = product(spread.as_ref(), contrasts.as_ref());
-        let by_cell = product(covariance.as_ref(), contrasts.as_ref());
-        let variance = (0..cells.len()).map(|c| (0..q).map(|r| contrasts[(r, c)] * by_cell[(r, c)]).sum::<f64>().max(0.0)).collect();
-        Self { runs, rows, spread, reach, variance }
+        let contrasts = product(root.as_ref(), Mat::from_fn(q, cells.len(), |r, c| cells[c].contrast[r]).as_ref());
+        let criterion = product(contrasts.as_ref(), contrasts.transpose());
+        let factor = pivoted_root(&criterion, size, CRITERION_LEFT_OUT, size);
+        let reach = product(rows.as_ref(), factor.transpose());
+        Self { runs, spread: rows.clone(), rows, covariance: Mat::identity(size, size), reach, contrasts, criterion }
     }
 
     /// Root mean square standard error of the cells' torques [N·m].
     pub(super) fn std_err_nm(&self) -> f64 {
-        (self.variance.iter().sum::<f64>() / self.variance.len().max(1) as f64).sqrt()
+        let size = self.covariance.nrows();
+        let sum: f64 = (0..size).map(|a| (0..size).map(|b| self.covariance[(a, b)] * self.criterion[(a, b)]).sum::<f64>()).sum();
+        (sum / self.contrasts.ncols().max(1) as f64).max(0.0).sqrt()
     }
 
-    /// I + R·C·Rᵀ of a run, solved for the rows of `right`.
+    /// Standard error of each cell's torque [N·m].
+    pub(super) fn std_errs_nm(&self) -> Vec<f64> {
+        let moved = product(self.covariance.as_ref(), self.contrasts.as_ref());
+        let variance = |c: usize| (0..moved.nrows()).map(|r| moved[(r, c)] * self.contrasts[(r, c)]).sum::<f64>();
+        (0..moved.ncols()).map(|c| variance(c).max(0.0).sqrt()).collect()
+    }
+
+    /// I + R·W·Rᵀ of a run, solved for the rows of `right`.
     fn solved(&self, run: &Run, right: &Mat<f64>) -> Option<Mat<f64>> {
         let n = run.rows.len();
         let mut inner = product(self.spread.subrows(run.rows.start, n), self.rows.subrows(run.rows.start, n).transpose());
@@ -95,20 +120,19 @@ impl Greedy {
     /// What a run takes off each cell's variance [(N·m)²].
     fn decreases(&self, run: &Run) -> Vec<f64> {
         let n = run.rows.len();
-        let reach = self.reach.subrows(run.rows.start, n).to_owned();
-        let Some(solved) = self.solved(run, &reach) else { return vec![0.0; self.variance.len()] };
-        (0..self.variance.len()).map(|c| (0..n).map(|r| reach[(r, c)] * solved[(r, c)]).sum()).collect()
+        let by_cell = product(self.spread.subrows(run.rows.start, n), self.contrasts.as_ref());
+        let Some(solved) = self.solved(run, &by_cell) else { return vec![0.0; by_cell.ncols()] };
+        (0..by_cell.ncols()).map(|c| (0..n).map(|r| by_cell[(r, c)] * solved[(r, c)]).sum()).collect()
     }
 
     /// Counts a run as driven.
     pub(super) fn take(&mut self, index: usize) {
         let run = &self.runs[index];
         let (from, n) = (run.rows.start, run.rows.len());
-        let decreases = self.decreases(run);
-        self.variance.iter_mut().zip(&decreases).for_each(|(v, d)| *v = (*v - d).max(0.0));
         let cross = product(self.spread.as_ref(), self.rows.subrows(from, n).transpose());
         let (spread, reach) = (self.spread.subrows(from, n).to_owned(), self.reach.subrows(from, n).to_owned());
         let (Some(by_spread), Some(by_reach)) = (self.solved(run, &spread), self.solved(run, &reach)) else { return };
+        matmul(self.covariance.as_mut(), Accum::Add, spread.transpose(), by_spread.as_ref(), -1.0, Par::Seq);
         matmul(self.spread.as_mut(), Accum::Add, cross.as_ref(), by_spread.as_ref(), -1.0, Par::Seq);
         matmul(self.reach.as_mut(), Accum::Add, cross.as_ref(), by_reach.as_ref(), -1.0, Par::Seq);
     }
@@ -124,7 +148,8 @@ impl Greedy {
             own.iter().map(|k| f(&cells[*k])).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
         };
         let (v, u) = (range(&|c| c.speed_mps), range(&|c| c.torque_nm));
-        let known = (own.iter().map(|k| self.variance[*k]).sum::<f64>() / own.len().max(1) as f64).sqrt();
+        let errors = self.std_errs_nm();
+        let known = (own.iter().map(|k| errors[*k].powi(2)).sum::<f64>() / own.len().max(1) as f64).sqrt();
         format!("{gear} cells {:.2} to {:.2} m/s, {:.0} to {:.0} N·m are known to ±{known:.2} N·m only", v.0, v.1, u.0, u.1)
     }
 }

@@ -5,13 +5,15 @@ use super::super::course::Course;
 use super::super::gram::LocalGram;
 use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
-use super::super::regressors::{Free, whitened};
+use super::super::regressors::{Free, nuisance, whitened};
 use super::super::{Error, Result, Settings};
+use super::PlanSettings;
 use super::drive::{Part, READING_S, Vehicle};
-use crate::map::{Gear, Table1File};
+use crate::map::{DelayEstimate, Gear, Table1File};
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rows of a run's information are added until so little of its trace is left.
 const LEFT_OUT: f64 = 1e-3;
@@ -20,10 +22,18 @@ const MOST_ROWS: usize = 12;
 /// Standard deviation that a block of coefficients may at least add to the surface [m/s², root mean square over the lattice]: what the data
 /// so far did not ask for is not thereby known to be nothing.
 const UNSEEN_MPS2: f64 = 0.01;
+/// The lag, and the dead times of the log driven before and of the one to come.
+const DELAYS: usize = 3;
+/// What a standard error of a delay counts as beside coefficients, which are measured by what they give the surface [m/s²].
+const DELAY_UNIT_MPS2: f64 = 0.01;
+/// A delay that the data hardly tell is no worse than this [s].
+const MOST_DELAY_STD_S: f64 = 5e-3;
 /// Usual rates of an encoder and of a yaw rate [Hz].
 const RATE_HZ: [f64; 2] = [50.0, 100.0];
+/// How much faster than the cells runs go where cells were asked for [m/s].
+const BEYOND_MPS: f64 = 0.1;
 /// Most speeds of a gear's cells.
-const MOST_SPEEDS: usize = 15;
+const MOST_SPEEDS: usize = 40;
 
 /// A matrix R of few rows with RᵀR the information on the coefficients of the design.
 pub(super) type Information = Mat<f64>;
@@ -46,23 +56,44 @@ pub(super) struct Model {
     /// Torques that may be driven [N·m], rising.
     pub(super) levels_nm: Vec<f64>,
     breaks: (Vec<f64>, Vec<f64>),
+    dead_time_std_s: f64,
+    lag_std_s: f64,
 }
 
 impl Model {
-    pub(super) fn new(file: &Table1File) -> Result<Self> {
+    pub(super) fn new(file: &Table1File, asked: &PlanSettings) -> Result<Self> {
         let settings: Settings = serde_json::from_value(file.settings.clone()).unwrap_or_default();
         let used: Vec<_> = file.report.runs.iter().filter(|r| r.used_s > 0.0).collect();
-        let mut torques: Vec<f64> = file.maps.iter().flat_map(|m| m.torque_nm.iter().copied()).collect();
+        let limit_nm = file.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY);
+        let mut torques: Vec<f64> = match &asked.torque_breaks_nm {
+            Some(breaks) => breaks.clone(),
+            None => file.maps.iter().flat_map(|m| m.torque_nm.iter().copied()).collect(),
+        };
+        torques.retain(|u| u.abs() <= limit_nm + 1e-9);
         torques.sort_unstable_by(f64::total_cmp);
         torques.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
-        let speeds: Vec<f64> = file.maps.iter().map(|m| m.speed_mps.clone()).max_by_key(Vec::len).unwrap_or_default();
-        let (Some(&low), Some(&high), Some(&fastest)) = (torques.first(), torques.last(), speeds.last()) else {
+        let driven: Vec<f64> = file.maps.iter().map(|m| m.speed_mps.clone()).max_by_key(Vec::len).unwrap_or_default();
+        let (Some(&low), Some(&high), Some(&fastest)) = (torques.first(), torques.last(), driven.last()) else {
             return Err(Error::NothingToPlan);
         };
-        if used.is_empty() || high <= low || high <= 0.0 || fastest <= 0.0 {
+        if used.is_empty() || fastest <= 0.0 {
             return Err(Error::NothingToPlan);
         }
-        let high = file.vehicle.torque_limit_nm.map_or(high, |limit| high.min(limit));
+        // a level that ends at a speed overshoots it by some 0.04 m/s
+        let reached = used.iter().fold(0.0f64, |m, r| m.max(r.start_speed_mps).max(r.end_speed_mps)).min(fastest);
+        let reached = ((reached - 0.04) * 20.0).floor().max(1.0) / 20.0;
+        let speeds = match &asked.speed_breaks_mps {
+            Some(breaks) => breaks.clone(),
+            None => driven.into_iter().filter(|v| *v <= reached + 1e-9).collect(),
+        };
+        // no reading tells the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error stays
+        let speeds: Vec<f64> = speeds.into_iter().filter(|v| *v > 1e-9).collect();
+        let Some(&fastest_wanted) = speeds.last().filter(|_| high > low && high > 0.0) else {
+            return Err(Error::NoCells { low_nm: low, high_nm: high });
+        };
+        // cells are known best from both sides
+        let fastest_mps = if asked.speed_breaks_mps.is_some() { fastest_wanted + BEYOND_MPS } else { reached };
+        let fastest = fastest.max(fastest_mps);
         let lattice = Lattice::new(fastest, low, high, settings.speed_nodes.clamp(4, 40), settings.torque_nodes.clamp(6, 60));
         let design = Design::new(&lattice, file.maps.iter().any(|m| m.gear != file.maps[0].gear));
         // one series of readings that tells as much as all witnesses together
@@ -74,9 +105,6 @@ impl Model {
             offset_mps2: file.noise.run_offset_mps2.max(1e-4),
             reading_mps: [(1.0 / (precision * READING_S)).sqrt(); 2],
         };
-        let reached = used.iter().fold(0.0f64, |m, r| m.max(r.start_speed_mps).max(r.end_speed_mps));
-        // a level that ends at a speed overshoots it by some 0.04 m/s
-        let fastest_mps = ((reached.min(fastest) - 0.04) * 20.0).floor().max(1.0) / 20.0;
         let mut vehicles = Vec::new();
         for map in &file.maps {
             vehicles.push(Vehicle {
@@ -94,45 +122,77 @@ impl Model {
         let first = (low / step).ceil() as i64;
         let last = (high / step + 1e-9).floor() as i64;
         let levels_nm = (first..=last).map(|k| k as f64 * step).collect();
-        let torques = torques.into_iter().filter(|u| *u <= high + 1e-9).collect();
-        let every = speeds.iter().filter(|v| **v <= fastest_mps + 1e-9).count().div_ceil(MOST_SPEEDS).max(1);
-        let speeds = speeds.into_iter().filter(|v| *v <= fastest_mps + 1e-9).step_by(every).collect();
-        let theta = vec![0.0; lattice.columns()];
-        Ok(Self { surface: LatticeSurface { lattice, theta }, design, noise, vehicles, levels_nm, breaks: (speeds, torques) })
+        let every = speeds.len().div_ceil(MOST_SPEEDS).max(1);
+        let speeds = speeds.into_iter().step_by(every).collect();
+        // the slopes in torque, driving and braking, are all that delays ask of the surface
+        let theta = {
+            let vehicle = &vehicles[0];
+            let slope = |u: f64| vehicle.accel_mps2(0.3 * fastest_mps, u) - vehicle.accel_mps2(0.3 * fastest_mps, 0.0);
+            let at = |u: f64| if u > 0.0 { u * slope(high) / high } else { u * slope(low.min(-high)) / low.min(-high) };
+            (0..lattice.speed_mps.len()).flat_map(|_| lattice.torque_nm.iter().map(|u| at(*u))).collect()
+        };
+        let delay = |d: &DelayEstimate| d.std_err_s.unwrap_or(0.0).clamp(0.0, MOST_DELAY_STD_S);
+        Ok(Self {
+            surface: LatticeSurface { lattice, theta },
+            design,
+            noise,
+            vehicles,
+            levels_nm,
+            breaks: (speeds, torques),
+            dead_time_std_s: delay(&file.actuator.dead_time),
+            lag_std_s: delay(&file.actuator.lag),
+        })
     }
 
-    /// The information of stretches of a gear.
-    pub(super) fn information(&self, gear: Gear, parts: &[Part]) -> Information {
+    /// The information of stretches of a gear, in the log driven before (0) or the one to come (1).
+    pub(super) fn information(&self, gear: Gear, parts: &[Part], log: usize) -> Information {
         let t = self.design.transform(gear);
-        let q = t.ncols();
+        let (q, base) = (t.ncols(), t.nrows());
         let blocks: Vec<Mat<f64>> = parts
             .iter()
             .map(|part| {
                 let s = &part.segment;
-                // the command holds its dead time already only where it was taken off here
-                let dead_time_s = self.vehicles[0].dead_time_s;
-                let course = Course::new(s, &part.command, dead_time_s);
-                let local = whitened(&course, &part.speed_mps, &self.surface, &self.noise, Free::Surface);
+                let course = Course::new(s, &part.command, self.vehicles[0].dead_time_s);
+                let mut local = whitened(&course, &part.speed_mps, &self.surface, &self.noise, Free::Delays);
                 let width = local.columns.len();
+                for row in local.data.chunks_exact_mut(width) {
+                    for (value, column) in row.iter_mut().zip(&local.columns) {
+                        *value *= (*column as usize).checked_sub(base).map_or(1.0, |n| self.delay_std_s(n));
+                    }
+                }
                 let gram = LocalGram::new(local.columns, &local.data);
-                let root = pivoted_root(&gram.values, width - 1);
-                let touched = Mat::from_fn(width - 1, q, |r, c| t[(gram.columns[r] as usize, c)]);
+                let root = pivoted_root(&gram.values, width - 1, LEFT_OUT, MOST_ROWS);
+                let touched = Mat::from_fn(width - 1, q + DELAYS, |r, c| match (gram.columns[r] as usize).checked_sub(base) {
+                    None if c < q => t[(gram.columns[r] as usize, c)],
+                    Some(nuisance::LAG) if c == q => 1.0,
+                    Some(nuisance::DEAD_TIME) if c == q + 1 + log => 1.0,
+                    _ => 0.0,
+                });
                 &root * &touched
             })
             .collect();
         let rows = blocks.iter().map(Mat::nrows).sum();
-        let mut all = Mat::zeros(rows, q);
+        let mut all = Mat::zeros(rows, q + DELAYS);
         let mut at = 0;
         for block in &blocks {
-            all.submatrix_mut(at, 0, block.nrows(), q).copy_from(block);
+            all.submatrix_mut(at, 0, block.nrows(), q + DELAYS).copy_from(block);
             at += block.nrows();
         }
         all
     }
 
+    /// Standard error of what a nuisance column of the estimator stands for [s]; the speed itself and what is not a delay count nothing.
+    fn delay_std_s(&self, nuisance: usize) -> f64 {
+        match nuisance {
+            nuisance::LAG => self.lag_std_s,
+            nuisance::DEAD_TIME => self.dead_time_std_s,
+            _ => 0.0,
+        }
+    }
+
     /// (XᵀX + Λ)⁻¹ of the runs that the file reports.
     pub(super) fn covariance(&self, file: &Table1File) -> Result<Mat<f64>> {
-        let q = self.design.coefficients();
+        let q = self.size();
         let driven: Vec<Information> = file
             .report
             .runs
@@ -141,7 +201,7 @@ impl Model {
             .filter_map(|r| {
                 let vehicle = self.vehicles.iter().find(|v| v.gear == r.gear)?;
                 let parts = vehicle.driven(r.torque_nm, r.start_speed_mps.max(0.0), r.used_s.min(30.0));
-                Some(self.information(r.gear, &parts))
+                Some(self.information(r.gear, &parts, 0))
             })
             .collect();
         let mut h: Mat<f64> = Mat::zeros(q, q);
@@ -156,17 +216,36 @@ impl Model {
         Ok(factor.inverse())
     }
 
+    /// Number of unknowns: the coefficients of the design, the lag, the dead times of both logs.
+    pub(super) fn size(&self) -> usize {
+        self.design.coefficients() + DELAYS
+    }
+
+    /// The variance that unit coefficients of a block give the surface, mean over the lattice [m²/s⁴].
+    fn unit_variance(&self, columns: &Range<usize>) -> f64 {
+        let t = self.design.transform(Gear::Forward);
+        columns.clone().map(|c| (0..t.nrows()).map(|r| t[(r, c)].powi(2)).sum::<f64>()).sum::<f64>() / t.nrows() as f64
+    }
+
+    /// What a unit of each coefficient gives the surface, root mean square over its block and the lattice [m/s²].
+    pub(super) fn unit_mps2(&self) -> Vec<f64> {
+        let mut unit = vec![DELAY_UNIT_MPS2; self.size()];
+        for block in &self.design.blocks {
+            unit[block.range.clone()].fill((self.unit_variance(&block.range) / block.range.len() as f64).max(1e-12).sqrt());
+        }
+        unit
+    }
+
     /// The diagonal of Λ: what the fit chose, yet no tighter than [`UNSEEN_MPS2`] allows.
     fn ridge(&self, file: &Table1File) -> Vec<f64> {
-        let t = self.design.transform(Gear::Forward);
         let told = |name: &str| {
             let blocks = file.report.diagnostics.get("blocks")?.as_array()?;
             blocks.iter().find(|b| b.get("block").and_then(serde_json::Value::as_str) == Some(name))?.get("penalty")?.as_f64()
         };
-        let mut ridge = vec![0.0; self.design.coefficients()];
+        // delays are measured by their standard errors
+        let mut ridge = vec![1.0; self.size()];
         for block in &self.design.blocks {
-            // the variance that unit coefficients of this block give the surface, mean over the lattice
-            let unit = block.range.clone().map(|c| (0..t.nrows()).map(|r| t[(r, c)].powi(2)).sum::<f64>()).sum::<f64>() / t.nrows() as f64;
+            let unit = self.unit_variance(&block.range);
             let penalty = if block.penalised {
                 let most = unit / (UNSEEN_MPS2 * UNSEEN_MPS2);
                 told(block.name).filter(|p| *p > 0.0).map_or(most, |p| p.min(most))
@@ -179,7 +258,7 @@ impl Model {
         ridge
     }
 
-    /// The cells of both gears whose torque is to be known, just moving included.
+    /// The cells of both gears whose torque is to be known.
     pub(super) fn cells(&self) -> Vec<Cell> {
         let mut cells = Vec::new();
         let (speeds, torques) = &self.breaks;
@@ -197,9 +276,10 @@ impl Model {
                     // where the surface is nearly level its slope is not known well enough to weigh a cell by
                     let slope = slope_at(speed_mps, torque_nm).max(0.3 * mean.abs()).max(1e-9);
                     let spot = self.surface.lattice.spot(speed_mps, torque_nm);
-                    let contrast = (0..t.ncols())
+                    let mut contrast: Vec<f64> = (0..t.ncols())
                         .map(|c| spot.columns(&self.surface.lattice).map(|(r, w)| w * t[(r, c)]).sum::<f64>() / slope)
                         .collect();
+                    contrast.resize(self.size(), 0.0);
                     cells.push(Cell { gear: vehicle.gear, speed_mps, torque_nm, contrast });
                 }
             }
@@ -208,12 +288,13 @@ impl Model {
     }
 }
 
-/// Rows R with RᵀR nearly the leading `size` × `size` part of a symmetric matrix: Cholesky's factor with diagonal pivots.
-fn pivoted_root(gram: &Mat<f64>, size: usize) -> Mat<f64> {
+/// Rows R with RᵀR nearly the leading `size` × `size` part of a symmetric matrix: Cholesky's factor with diagonal pivots, as many as leave
+/// `left_out` of the trace, at most `most_rows`.
+pub(super) fn pivoted_root(gram: &Mat<f64>, size: usize, left_out: f64, most_rows: usize) -> Mat<f64> {
     let mut left: Vec<f64> = (0..size).map(|k| gram[(k, k)]).collect();
     let total: f64 = left.iter().sum();
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    while rows.len() < MOST_ROWS.min(size) && left.iter().sum::<f64>() > LEFT_OUT * total {
+    while rows.len() < most_rows.min(size) && left.iter().sum::<f64>() > left_out * total {
         let pivot = (0..size).fold(0, |best, k| if left[k] > left[best] { k } else { best });
         let scale = left[pivot].sqrt();
         if scale.is_nan() || scale <= 0.0 {

@@ -1,6 +1,6 @@
 //! The plan as a campaign file that `record` reads.
 
-use super::drive::{HOLD_S, PAUSE_S, STALL_S};
+use super::drive::{PAUSE_S, PlannedRun, STALL_S};
 use super::{Plan, PlanEntry};
 use std::fmt::Write;
 
@@ -22,7 +22,7 @@ impl Plan {
     }
 }
 
-impl PlanEntry {
+impl PlannedRun {
     /// What is driven: `from rest`, or the spin-up.
     pub fn start(&self) -> String {
         match self.spin_up_nm {
@@ -30,20 +30,27 @@ impl PlanEntry {
             None => "from rest".to_owned(),
         }
     }
+}
 
+impl PlanEntry {
     fn write(&self, text: &mut String) -> std::fmt::Result {
-        writeln!(text, "\n# {} at {:.1} N·m: {}", self.start(), self.torque_nm, self.reason)?;
+        let run = &self.run;
+        writeln!(text, "\n# {} at {:.1} N·m: {}", run.start(), run.torque_nm, self.reason)?;
         writeln!(
             text,
             "# the first run: {:.1} s, {:.4} N·m off the standard error ({:.2} %)",
             self.seconds, self.gain_nm, self.gain_percent
         )?;
-        writeln!(text, "[[runs]]\ngear = \"{}\"\ntorque_nm = {:?}", self.gear, self.torque_nm)?;
+        writeln!(text, "[[runs]]\ngear = \"{}\"\ntorque_nm = {:?}", run.gear, run.torque_nm)?;
         writeln!(text, "repeats = {}", self.repeats)?;
-        if let Some(spin_up_nm) = self.spin_up_nm {
-            writeln!(text, "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}", self.start_speed_mps)?;
+        if let Some(spin_up_nm) = run.spin_up_nm {
+            writeln!(
+                text,
+                "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}",
+                run.start_speed_mps, run.end_speed_mps
+            )?;
         }
-        writeln!(text, "hold_s = {HOLD_S:?}\nspeed_limit_mps = {:?}", self.speed_limit_mps)?;
+        writeln!(text, "hold_s = {:?}\nspeed_limit_mps = {:?}", run.hold_s, run.speed_limit_mps)?;
         writeln!(text, "stall_s = {STALL_S:?}\npause_s = {PAUSE_S:?}")
     }
 }
