@@ -77,7 +77,11 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
 
     // a CSV of another angle that was edited is found
     let csv = text(&maps, "table2.angle60.csv");
-    std::fs::write(maps.join("table2.angle60.csv"), map_copy::with_last_decimal_changed(&csv, table2.maps[3].torque_nm[2][2])).unwrap();
+    std::fs::write(
+        maps.join("table2.angle60.csv"),
+        map_copy::with_last_decimal_changed(&csv, table2.map(Gear::Forward, 60.0, 0.5).unwrap().torque_nm[2][2]),
+    )
+    .unwrap();
     assert_eq!(run(folder, &["check", "maps/table2.json"]).0, 3);
     let (status, _, errors) = run(folder, &["verify", "--scenario", "polyline-pure-pursuit", "--draws", "1"]);
     assert!(status == 1 && errors.contains("table2.angle60.csv"), "{errors}");
