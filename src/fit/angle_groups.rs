@@ -112,7 +112,9 @@ struct Pooled {
 impl Pooled {
     fn add(&mut self, estimate: &Estimate) {
         let calibration = &estimate.calibration;
-        for ((log, dead_time_s), std_err_s) in estimate.logs.iter().zip(&calibration.dead_time_s).zip(&estimate.calibration_errors.dead_time_s) {
+        for ((log, dead_time_s), std_err_s) in
+            estimate.logs.iter().zip(&calibration.dead_time_s).zip(&estimate.calibration_errors.dead_time_s)
+        {
             self.dead_time_s.entry(log.survey.track.source.sha256.clone()).or_default().add(*dead_time_s, *std_err_s);
         }
         self.lag_s.add(calibration.lag_s, estimate.calibration_errors.lag_s);

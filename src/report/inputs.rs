@@ -167,19 +167,7 @@ impl Inputs {
                 table2.maps.retain(|m| shown(m.wheel_angle_deg));
             }
         }
-        Ok(Self {
-            table1,
-            table2,
-            verdict,
-            fit_traces,
-            closed_loop,
-            manoeuvres,
-            plan,
-            files,
-            notes,
-            verdict_is_current,
-            other_angles_deg,
-        })
+        Ok(Self { table1, table2, verdict, fit_traces, closed_loop, manoeuvres, plan, files, notes, verdict_is_current, other_angles_deg })
     }
 
     /// Whether the map may be deployed.
