@@ -1,8 +1,10 @@
 //! Signal maps with series names as PlotJuggler shows them: they mean what the message path beside them means.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use pivot_cal::log::{Recording, Result, SignalMap, Source, VehicleOverrides, read};
+use mcap::records::MessageHeader;
+use pivot_cal::log::{Recording, Result, SignalMap, Source, VehicleOverrides, read, read_bytes};
 use std::fmt::Write as _;
+use std::io::Cursor;
 use std::path::Path;
 
 /// Signal, message path, series names for the same, and whatever else the map's line holds.
@@ -149,4 +151,21 @@ fn an_optional_signal_whose_topic_is_missing_is_left_out_though_the_front_of_its
         assert!(recording.signals.torque_feedback.is_none());
         assert!(recording.notes.iter().any(|note| note.contains("torque_feedback is left out")), "{:?}", recording.notes);
     }
+}
+
+#[test]
+fn json_fields_that_the_first_message_lacks_are_found_by_either_name() {
+    let mut writer = mcap::Writer::new(Cursor::new(Vec::new())).unwrap();
+    let channel = writer.add_channel(0, "/drive", "json", &std::collections::BTreeMap::new()).unwrap();
+    for (time, text) in [(1, r#"{"torque":5,"angle":1}"#), (2, r#"{"torque":5,"angle":1,"wheel/v":0.5,"extra":{"fb":4}}"#)] {
+        let header = MessageHeader { channel_id: channel, sequence: 0, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, text.as_bytes()).unwrap();
+    }
+    writer.finish().unwrap();
+    let bytes = writer.into_inner().into_inner();
+    let map = "[vehicle]\nwheelbase_m = 1\nwheel_radius_m = 0.1\n[signals]\nspeed = { path = '/drive.wheel/v' }\ntorque = { path = '/drive/torque' }\nangle = { path = '/drive.angle' }\ntorque_feedback = { path = '/drive/extra/fb' }\n";
+    let recording = read_bytes(bytes, "log", &Source::Map(SignalMap::from_toml(map).unwrap()), &VehicleOverrides::default()).unwrap();
+    assert_eq!(recording.signals.speed.value, [0.5]);
+    assert_eq!(recording.signals.torque.value, [5.0, 5.0]);
+    assert_eq!(recording.signals.torque_feedback.unwrap().value, [4.0]);
 }

@@ -210,6 +210,11 @@ mod tests {
     }
 
     #[test]
+    fn slices_of_everything_before_a_filter_are_the_filter_alone() {
+        assert_eq!(parse("/a.b[:][0:][:-1]{c==1}.d").steps, parse("/a.b{c==1}.d").steps);
+    }
+
+    #[test]
     fn a_path_without_end_is_refused() {
         assert!(matches!(("/a".to_owned() + &".b".repeat(100_000)).parse::<MessagePath>(), Err(crate::log::Error::BadPath { .. })));
     }

@@ -17,7 +17,7 @@ pub(super) fn is_plain(path: &MessagePath) -> bool {
 }
 
 /// The path that the series name `name` means in this log, and whether it leads to a value: if none does, the way behind the longest
-/// topic. `None` when no topic is the beginning of the name.
+/// topic. JSON, whose messages need not hold the same fields, is trusted to lead there. `None` when no topic is the beginning of the name.
 pub(super) fn path(name: &MessagePath, container: &Container, candidates: &Candidates<'_>) -> Option<(MessagePath, bool)> {
     let mut first = None;
     for (topic, behind) in cuts(&name.topic) {
@@ -25,7 +25,12 @@ pub(super) fn path(name: &MessagePath, container: &Container, candidates: &Candi
         let steps: Vec<Step> = behind.chain(name.steps.iter().flat_map(single)).collect();
         let written = (topic == name.topic).then(|| name.steps.clone()); // JSON may have slashes in its names
         for (id, channel) in container.inventory.channels.iter().filter(|(_, channel)| channel.topic == topic) {
-            first.get_or_insert_with(|| (MessagePath::new(topic.to_owned(), steps.clone()), false));
+            let is_json = channel.message_encoding == "json";
+            first.get_or_insert_with(|| {
+                let as_written = written.clone().filter(|steps| is_json && !steps.is_empty());
+                let way = as_written.unwrap_or_else(|| steps.clone());
+                (MessagePath::new(topic.to_owned(), way), is_json && !is_plain(name))
+            });
             let schema = container.inventory.schema(channel).map(AsRef::as_ref);
             let Ok(layout) = Layout::parse(&channel.message_encoding, schema) else { continue };
             let sample = candidates.samples.get(id).map(Vec::as_slice);

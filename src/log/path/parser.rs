@@ -17,10 +17,11 @@ impl FromStr for MessagePath {
         while parser.at < text.len() {
             let step = parser.step()?;
             // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array says the same
-            let everything = matches!(step, Step::Slice(None | Some(0), None | Some(-1)));
-            if !(everything && parser.rest().starts_with('{')) {
-                steps.push(step);
+            let everything = |step: &Step| matches!(step, Step::Slice(None | Some(0), None | Some(-1)));
+            while matches!(step, Step::Filter(_)) && steps.last().is_some_and(everything) {
+                steps.pop();
             }
+            steps.push(step);
             if steps.len() > MAX_STEPS {
                 return parser.wrong("the end: no message is that deep,");
             }
