@@ -125,8 +125,11 @@ fn an_angle_with_too_little_data_is_left_out_and_told_and_the_others_are_fitted(
     let folder = folder.path();
     let thin = "[[runs]]\nwheel_angle_deg = 45\ntorque_nm = [12, 20, 28]\nhold_s = 0.5\npause_s = 0.1\n";
     record(folder, &(campaign("[90]") + thin));
-    let (status, said, errors) = run(folder, &["fit", "log.mcap"]);
-    assert_eq!(status, 3, "{said}{errors}");
-    assert!(said.contains("45° is left out: too little data"), "{said}");
-    assert_eq!(csvs(folder, "table1"), ["table1.csv", "table1.reverse.csv"]);
+    // asked for by name it is missed; met by chance it spoils nothing
+    for (arguments, wanted) in [(&["fit", "--angle", "45,90", "log.mcap"][..], 3), (&["fit", "log.mcap"][..], 0)] {
+        let (status, said, errors) = run(folder, arguments);
+        assert_eq!(status, wanted, "{said}{errors}");
+        assert!(said.contains("45° is left out: too little data"), "{said}");
+        assert_eq!(csvs(folder, "table1"), ["table1.csv", "table1.reverse.csv"]);
+    }
 }

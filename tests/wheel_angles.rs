@@ -93,14 +93,14 @@ struct Outcome {
 
 fn outcome(seed: Option<u64>) -> Outcome {
     let (recording, truth) = recorded(seed);
-    let (all, _) = fit_angles(grouped(&recording, &ANGLES_DEG), 90.0, &fit::Settings::default()).unwrap();
+    let (all, _) = fit_angles(grouped(&recording, &ANGLES_DEG), true, 90.0, &fit::Settings::default()).unwrap();
     let together = inverted(&all);
     let family = &all.file.families[0];
     println!("inertia {:?}, departures {} N·m, left out {:?}", family.inertia, family.departure_nm, family.left_out);
     let measured: Vec<(f64, f64)> = ANGLES_DEG
         .iter()
         .map(|angle| {
-            let (alone, _) = fit_angles(grouped(&recording, &[*angle]), *angle, &fit::Settings::default()).unwrap();
+            let (alone, _) = fit_angles(grouped(&recording, &[*angle]), true, *angle, &fit::Settings::default()).unwrap();
             let cells = measured_cells(&alone, *angle);
             let of = |inversion: &Inversion| with_tables(inversion, |maps| torque_rms_nm(maps, &truth, &cells, *angle));
             let (together_nm, alone_nm) = (of(&together), of(&inverted(&alone)));

@@ -80,7 +80,7 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
     let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
     let chosen = super::angles::choose(&recordings, &census, &arguments.angle, ui)?;
     let (fit, traces) = if let Some(Choice { grouped, test_angle_deg }) = chosen {
-        fit_angles(grouped, test_angle_deg, &settings)?
+        fit_angles(grouped, !arguments.angle.is_empty(), test_angle_deg, &settings)?
     } else {
         let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
         fit_traced(surveys, &settings)?

@@ -29,11 +29,13 @@ const LEAST_DELAY_STD_ERR_S: f64 = 1e-4;
 /// Fits every group, the maps of `test_angle_deg` being those of the plain file names. One group, with no angle left empty, is fitted as by
 /// [`fit`](super::fit).
 ///
-/// An angle that cannot be fitted is left out, a note says why, and the fit is not sound; unless it is `test_angle_deg`, which is an error.
+/// An angle that cannot be fitted is left out, and a note says why; at `test_angle_deg` it is an error. With `asked`, the angles were asked for
+/// by name: one that is left out, or whose table is not sound, makes the fit not sound. Without, angles were only found in the logs, and one that makes no
+/// sound table is left out like one that cannot be fitted: a drive across the yard spoils no campaign.
 ///
 /// # Errors
 /// As [`fit`](super::fit); no group at `test_angle_deg`.
-pub fn fit_angles(grouped: Grouped, test_angle_deg: f64, settings: &Settings) -> Result<(Fit, FitTraces)> {
+pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: &Settings) -> Result<(Fit, FitTraces)> {
     let Grouped { mut groups, empty, notes } = grouped;
     for group in &mut groups {
         group.surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
@@ -52,21 +54,25 @@ pub fn fit_angles(grouped: Grouped, test_angle_deg: f64, settings: &Settings) ->
     let (known, delays, mut failed) = shared(&groups, settings);
     let held = Settings { known: Some(known), ..settings.clone() };
     let mut parts: Vec<(f64, Part)> = Vec::new();
+    let mut unsound = Vec::new();
     for group in &groups {
         if failed.iter().any(|(angle, _)| angle.total_cmp(&group.wheel_angle_deg).is_eq()) {
             continue;
         }
         match Part::new(&group.surveys, &held, test_angle_deg) {
-            Ok(part) => parts.push((group.wheel_angle_deg, part)),
+            Ok(part) if asked || part.objections.is_empty() || is_test(group.wheel_angle_deg) => parts.push((group.wheel_angle_deg, part)),
+            Ok(part) => unsound.push((group.wheel_angle_deg, part.objections.join("; "))),
             Err(error) => failed.push((group.wheel_angle_deg, error)),
         }
     }
     if let Some(at) = failed.iter().position(|(angle, _)| is_test(*angle)) {
         return Err(failed.swap_remove(at).1);
     }
-    let mut left_out: Vec<(f64, String)> = failed.iter().map(|(angle, error)| (*angle, error.to_string())).chain(empty).collect();
+    let mut left_out: Vec<(f64, String)> = failed.iter().map(|(angle, error)| (*angle, error.to_string())).chain(unsound).chain(empty).collect();
     left_out.sort_by(|a, b| a.0.total_cmp(&b.0));
-    assemble(&groups, &parts, (&left_out, notes), (test_angle_deg, &delays), settings)
+    let (mut fit, traces) = assemble(&groups, &parts, (&left_out, notes), (test_angle_deg, &delays), settings)?;
+    fit.sound &= left_out.is_empty() || !asked;
+    Ok((fit, traces))
 }
 
 /// Wheelbase and wheel radius are the same at every angle.
@@ -246,7 +252,7 @@ fn assemble(
         families,
         report,
     };
-    let sound = left_out.is_empty() && parts.iter().all(|(_, p)| p.objections.is_empty());
+    let sound = parts.iter().all(|(_, p)| p.objections.is_empty());
     let fit = Fit { file, csvs, verdicts, sound };
     let traces = merged_traces(&fit, parts, &places, test_angle_deg)?;
     Ok((fit, traces))
