@@ -61,7 +61,7 @@ impl Judge<'_> {
 
 /// The noise for judging what does not belong: offset and disturbance at most a fiftieth of the accelerations that the torque commands, so
 /// that a push, which is a disturbance, does not explain itself.
-fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
+pub(crate) fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
     let torques = &surface.lattice.torque_nm;
     let range = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, torques[0]);
     let most = (0.02 * range.abs()).max(0.01);

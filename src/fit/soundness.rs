@@ -4,6 +4,7 @@ use super::Settings;
 use super::course::Course;
 use super::estimate::Estimate;
 use super::kalman::whiten;
+use super::robust::calm;
 use super::tables::UsedSample;
 use crate::map::{AccelMap, CellStatus, Gear};
 use std::collections::BTreeMap;
@@ -116,9 +117,11 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
     })
 }
 
-/// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration.
+/// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration. The noise is bounded as for the cuts: what
+/// parts the logs is in it already, and would pass for chance.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
     let lagged = estimate.lagged(log);
+    let noise = calm(&estimate.noise, estimate.surface(estimate.gears[0]));
     // normal equations of (prediction, time, residual)
     let mut n = [[0.0; 3]; 3];
     for (segment, speed) in estimate.segments.iter().zip(&estimate.speeds).filter(|(s, _)| s.log == log) {
@@ -126,7 +129,7 @@ fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
         let model = course.predicted(speed, estimate.surface(segment.gear));
         let mut rows: Vec<f64> =
             segment.readings.iter().zip(&model).flat_map(|(r, m)| [*m, r.t_s - segment.start_s, r.speed_mps - m]).collect();
-        whiten(&mut rows, 3, &segment.readings, segment.start_s, &estimate.noise, segment.start_std_mps);
+        whiten(&mut rows, 3, &segment.readings, segment.start_s, &noise, segment.start_std_mps);
         for row in rows.chunks_exact(3) {
             for (a, line) in n.iter_mut().enumerate() {
                 line.iter_mut().zip(row).for_each(|(sum, b)| *sum += row[a] * b);
