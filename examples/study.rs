@@ -49,7 +49,7 @@ fn row(minutes: f64, o: &[Outcome]) -> [String; 2] {
         mean(o, |o| o.width_ratio),
         bins / ours,
         quadratic.min(golay) / ours,
-        o.iter().filter(|o| o.plain_alone).count(),
+        o.iter().filter(|o| o.simpler_form).count(),
         o.len(),
     );
     [accuracy, honesty]

@@ -68,7 +68,8 @@ pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: 
     if let Some(at) = failed.iter().position(|(angle, _)| is_test(*angle)) {
         return Err(failed.swap_remove(at).1);
     }
-    let mut left_out: Vec<(f64, String)> = failed.iter().map(|(angle, error)| (*angle, error.to_string())).chain(unsound).chain(empty).collect();
+    let mut left_out: Vec<(f64, String)> =
+        failed.iter().map(|(angle, error)| (*angle, error.to_string())).chain(unsound).chain(empty).collect();
     left_out.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut fit, traces) = assemble(&groups, &parts, (&left_out, notes), (test_angle_deg, &delays), settings)?;
     fit.sound &= left_out.is_empty() || !asked;

@@ -254,9 +254,9 @@ pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         })
         .collect();
     let model_choice = estimate.validation.as_ref().map(|v| {
-        let Comparison { gain, std_err, runs, plain_alone } = v.comparison;
+        let Comparison { gain, std_err, runs, chosen } = v.comparison;
         serde_json::json!({
-            "chosen": if plain_alone { "plain form" } else { "plain form and surface" },
+            "chosen": chosen.name(),
             "gain_of_surface": round(gain, 1e3),
             "std_err": round(std_err, 1e3),
             "in_std_errs": round(gain / std_err.max(1e-12), 1e2),

@@ -19,7 +19,7 @@ use super::robust::Judge;
 use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
 use super::start::{Start, hold_known};
-use super::validation::{self, Validation};
+use super::validation::{self, Form, Validation};
 use super::{Error, Result, Settings};
 use crate::campaign::Survey;
 use crate::map::Gear;
@@ -176,15 +176,15 @@ impl<'a> Search<'a> {
         Ok(self.handed_over(stretch, judged))
     }
 
-    /// Cross-validates, and takes the plain form alone where it tells as much.
+    /// Cross-validates, and takes a simpler form where it tells as much.
     fn judge(&mut self, courses: &[Course], mut found: Found) -> Result<(Found, Option<Validation>)> {
         let validation = {
             let along = validation::Along { courses, speeds: &found.along.speeds, noise: &self.noise };
             let whole = (&found.system, &found.solution);
             validation::validate(&self.design, &self.surfaces[0].lattice, &self.gears, (&found.fold, &found.parts), whole, &along)
         };
-        if validation.as_ref().is_some_and(|v| v.comparison.plain_alone) {
-            let penalties = validation::plain_penalties(&self.design.blocks, &found.solution.penalties);
+        if let Some(form) = validation.as_ref().map(|v| v.comparison.chosen).filter(|form| *form != Form::Surface) {
+            let penalties = form.penalties(&self.design.blocks, &found.solution.penalties);
             found.solution = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &[]).ok_or(Error::Singular)?;
             self.surfaces = self.surfaces_of(&found.solution);
             found.along = Pass { courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(&found.along.speeds));

@@ -1,11 +1,12 @@
 //! Cross-validation blocked by run: what each model tells about runs that it has not seen.
 //!
 //! Whole runs are dealt into five folds. The whitened normal equations are sums over segments, so the equations without a fold are the
-//! whole ones minus the fold's; they are solved at the final calibration, noise and penalties. Two models are compared on the runs left
-//! out, by the whitened squared error S_r of each run r: the plain form alone, and the plain form with the surface's blocks. The surface's
-//! gain is D = Σ_r (S_r,plain − S_r,surface), its standard error √R times the standard deviation of the differences over the R runs.
+//! whole ones minus the fold's; they are solved at the final calibration, noise and penalties. Three models are compared on the runs left
+//! out, by the whitened squared error S_r of each run r: the plain form alone, the physics form (with friction near standstill that fades
+//! over a speed of its own), and the whole surface. The surface's gain over a simpler form is D = Σ_r (S_r,simpler − S_r,surface), its
+//! standard error √R times the standard deviation of the differences over the R runs.
 //!
-//! The plain form alone is taken when D does not exceed one standard error (the one-standard-error rule of Breiman et al. 1984,
+//! The simplest form is taken over which D does not exceed one standard error (the one-standard-error rule of Breiman et al. 1984,
 //! *Classification and Regression Trees*): a simpler model that tells new runs as well is the surer one where nothing was measured.
 
 use super::anova::{Block, Design};
@@ -27,17 +28,54 @@ const FEWEST_RUNS: usize = 10;
 /// Surfaces of both gears: forward, reverse.
 pub(crate) type Surfaces = [LatticeSurface; 2];
 
+/// The models, from the simplest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// The plain form alone.
+    Plain,
+    /// With friction near standstill that fades over a speed of its own.
+    Physics,
+    /// With every block.
+    Surface,
+}
+
+impl Form {
+    const ALL: [Self; 3] = [Self::Plain, Self::Physics, Self::Surface];
+
+    /// Its name, for the report.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain form",
+            Self::Physics => "physics form",
+            Self::Surface => "plain form and surface",
+        }
+    }
+
+    fn holds(self, block: &Block) -> bool {
+        match self {
+            Self::Plain => !block.penalised || block.name.ends_with("plain form"),
+            Self::Physics => Self::Plain.holds(block) || block.name == "near standstill",
+            Self::Surface => true,
+        }
+    }
+
+    /// The penalties of the whole surface, infinite where this form holds nothing.
+    pub(crate) fn penalties(self, blocks: &[Block], penalties: &[f64]) -> Vec<f64> {
+        blocks.iter().zip(penalties).map(|(block, penalty)| if self.holds(block) { *penalty } else { f64::INFINITY }).collect()
+    }
+}
+
 /// What the comparison found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Comparison {
-    /// D: how much less the surface's whitened squared error is on runs left out, summed over the runs.
+    /// D: how much less the surface's whitened squared error is on runs left out than that of the plain form, summed over the runs.
     pub(crate) gain: f64,
     /// Its standard error.
     pub(crate) std_err: f64,
     /// Number of runs compared.
     pub(crate) runs: usize,
-    /// Whether the plain form alone was taken.
-    pub(crate) plain_alone: bool,
+    /// The form that was taken.
+    pub(crate) chosen: Form,
 }
 
 /// Folds, the surfaces fitted without each, and which model won.
@@ -90,34 +128,30 @@ pub(crate) fn validate(
     if folds.len() < 2 {
         return None;
     }
-    let plain = plain_penalties(&design.blocks, &solution.penalties);
-    let mut fitted: [Vec<Surfaces>; 2] = [Vec::new(), Vec::new()];
+    let mut fitted: [Vec<Surfaces>; 3] = [Vec::new(), Vec::new(), Vec::new()];
     for grams in folds {
         let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
         let rest = whole.without(&System::new(design, &pairs, 0));
-        for (model, penalties) in [&solution.penalties, &plain].into_iter().enumerate() {
-            let beta = rest.solve(&design.blocks, penalties, 0, &[])?.beta;
-            fitted[model].push(Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, &beta) }));
+        for (form, surfaces) in Form::ALL.into_iter().zip(&mut fitted) {
+            let beta = rest.solve(&design.blocks, &form.penalties(&design.blocks, &solution.penalties), 0, &[])?.beta;
+            surfaces.push(Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, &beta) }));
         }
     }
-    let errors = |model: usize| squared_errors(along, fold, &fitted[model]);
-    let comparison = compare(&errors(0), &errors(1));
-    let [surface, plain] = fitted;
-    let without = if comparison.plain_alone { plain } else { surface };
+    let errors = fitted.each_ref().map(|surfaces| squared_errors(along, fold, surfaces));
+    let comparison = choose(&errors);
+    let [plain, physics, surface] = fitted;
+    let without = match comparison.chosen {
+        Form::Plain => plain,
+        Form::Physics => physics,
+        Form::Surface => surface,
+    };
     Some(Validation { fold: fold.to_vec(), without, comparison })
 }
 
-/// Penalties of the plain form alone: every deviation at infinity, but for the plain form's copy per gear.
-pub(crate) fn plain_penalties(blocks: &[Block], penalties: &[f64]) -> Vec<f64> {
-    blocks
-        .iter()
-        .zip(penalties)
-        .map(|(block, penalty)| if block.penalised && !block.name.ends_with("plain form") { f64::INFINITY } else { *penalty })
-        .collect()
-}
+type RunErrors = BTreeMap<(usize, usize), f64>;
 
 /// Whitened squared error of each run against the surface fitted without its fold.
-fn squared_errors(along: &Along, fold: &[usize], without: &[Surfaces]) -> BTreeMap<(usize, usize), f64> {
+fn squared_errors(along: &Along, fold: &[usize], without: &[Surfaces]) -> RunErrors {
     let of_segments: Vec<f64> = along
         .courses
         .par_iter()
@@ -138,15 +172,28 @@ fn squared_errors(along: &Along, fold: &[usize], without: &[Surfaces]) -> BTreeM
     of_runs
 }
 
-/// Compares the models over the runs.
-fn compare(surface: &BTreeMap<(usize, usize), f64>, plain: &BTreeMap<(usize, usize), f64>) -> Comparison {
-    let gains: Vec<f64> = plain.values().zip(surface.values()).map(|(p, s)| p - s).collect();
-    let runs = gains.len();
+/// The surface's gain over a simpler form, with its standard error.
+fn gain(surface: &RunErrors, simpler: &RunErrors) -> (f64, f64) {
+    let gains: Vec<f64> = simpler.values().zip(surface.values()).map(|(p, s)| p - s).collect();
+    let runs = gains.len() as f64;
     let gain: f64 = gains.iter().sum();
-    let mean = gain / runs as f64;
-    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (runs as f64 - 1.0).max(1.0);
-    let std_err = (runs as f64 * variance).sqrt();
-    Comparison { gain, std_err, runs, plain_alone: runs >= FEWEST_RUNS && gain <= std_err }
+    let variance = gains.iter().map(|g| (g - gain / runs).powi(2)).sum::<f64>() / (runs - 1.0).max(1.0);
+    (gain, (runs * variance).sqrt())
+}
+
+/// The simplest form that tells the runs as well as the surface, by their errors under plain, physics form and surface.
+fn choose([plain, physics, surface]: &[RunErrors; 3]) -> Comparison {
+    let runs = surface.len();
+    let (gained, std_err) = gain(surface, plain);
+    let as_good = |(gain, std_err): (f64, f64)| runs >= FEWEST_RUNS && gain <= std_err;
+    let chosen = if as_good((gained, std_err)) {
+        Form::Plain
+    } else if as_good(gain(surface, physics)) {
+        Form::Physics
+    } else {
+        Form::Surface
+    };
+    Comparison { gain: gained, std_err, runs, chosen }
 }
 
 #[cfg(test)]
@@ -168,11 +215,12 @@ mod tests {
     }
 
     #[test]
-    fn the_plain_form_wins_ties_and_loses_by_more_than_a_standard_error() {
-        let runs = |shift: f64| (0..20).map(|k| ((0, k), 100.0 + shift + (k % 3) as f64)).collect::<BTreeMap<_, _>>();
-        let even: BTreeMap<_, _> = runs(0.0).into_iter().map(|(r, e)| (r, e + if r.1 % 2 == 0 { 1.0 } else { -1.0 })).collect();
-        assert!(compare(&runs(0.0), &even).plain_alone);
-        let worse: BTreeMap<_, _> = even.iter().map(|(r, e)| (*r, e + 1.0)).collect();
-        assert!(!compare(&runs(0.0), &worse).plain_alone);
+    fn the_simplest_form_wins_ties_and_loses_by_more_than_a_standard_error() {
+        let runs = |shift: f64| (0..20).map(|k| ((0, k), 100.0 + shift + (k % 3) as f64)).collect::<RunErrors>();
+        let even: RunErrors = runs(0.0).into_iter().map(|(r, e)| (r, e + if r.1 % 2 == 0 { 1.0 } else { -1.0 })).collect();
+        let worse: RunErrors = even.iter().map(|(r, e)| (*r, e + 1.0)).collect();
+        assert_eq!(choose(&[even.clone(), even.clone(), runs(0.0)]).chosen, Form::Plain);
+        assert_eq!(choose(&[worse.clone(), even, runs(0.0)]).chosen, Form::Physics);
+        assert_eq!(choose(&[worse.clone(), worse, runs(0.0)]).chosen, Form::Surface);
     }
 }
