@@ -2,11 +2,11 @@
 //!
 //! In: [`Grouped`] surveys, an [`AngleGroup`] per wheel angle. Out: one [`Fit`] with the maps of all angles and what they have in common.
 //!
-//! Drive and encoder are the same at every angle, and so are dead times (one per log), lag and encoder calibration. Each angle with a yaw rate
-//! is fitted by itself first and tells the delays, which are pooled by their standard errors; the encoder's scale and delay come from the
-//! angle with the largest |sin δ|, where the yaw rate tells speeds best. Angles without a yaw rate then tell the dead times of logs
-//! that no other angle shares. With all of that held, every angle is fitted again. Angles never share samples: friction and inertia
-//! are each angle's own. What the finished maps have in common is found from them, and draws them together as far as their standard errors
+//! Drive and encoder are the same at every angle, and so are dead times (one per log), lag and encoder calibration. Each angle with a yaw
+//! rate is fitted by itself first and tells the delays, which are pooled by their standard errors; the encoder's scale and delay come from
+//! the angle with the largest |sin δ|, where the yaw rate tells speeds best. Angles without a yaw rate then tell the dead times of logs
+//! that no other angle shares. With all of that held, every angle is fitted again. Angles never share samples: friction and inertia are
+//! each angle's own. What the finished maps have in common is found from them, and draws them together as far as their standard errors
 //! allow (`family`).
 
 use super::estimate::{Estimate, estimate};
@@ -29,9 +29,9 @@ const LEAST_DELAY_STD_ERR_S: f64 = 1e-4;
 /// Fits every group, the maps of `test_angle_deg` being those of the plain file names. One group, with no angle left empty, is fitted as by
 /// [`fit`](super::fit).
 ///
-/// An angle that cannot be fitted is left out, and a note says why; at `test_angle_deg` it is an error. With `asked`, the angles were asked for
-/// by name: one that is left out, or whose table is not sound, makes the fit not sound. Without, angles were only found in the logs, and one that makes no
-/// sound table is left out like one that cannot be fitted: a drive across the yard spoils no campaign.
+/// An angle that cannot be fitted is left out, and a note says why; at `test_angle_deg` it is an error. With `asked`, the angles were asked
+/// for by name: one that is left out, or whose table is not sound, makes the fit not sound. Without, angles were only found in the logs,
+/// and one that makes no sound table is left out like one that cannot be fitted: a drive across the yard spoils no campaign.
 ///
 /// # Errors
 /// As [`fit`](super::fit); no group at `test_angle_deg`.

@@ -2,10 +2,11 @@
 //! its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric copies where both gears were driven.
 //!
 //! Penalised blocks are scaled so that their penalty is the identity: with D the second differences of the splines' coefficients over
-//! Greville's abscissae (Eilers & Marx, P-splines) and Z = Dᵀ(DDᵀ)⁻¹, the deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖².
-//! Driving and braking may meet in a kink at U = 0: U⁺ is part of the plain form, and a kink that changes with speed is a block of its own, so that what is smooth
-//! across U = 0 need not be put together from bends and kinks that cancel. The interaction f(V)·g(U) is penalised by how much it bends along either axis, λ·(‖D_V·θ‖² + ‖D_U·θ‖²)
-//! (Wood 2006, *Low-rank scale-invariant tensor product smooths*), in the modes z ⊗ y of both, where that penalty is diagonal: one on mixed differences would let it run away in corners.
+//! Greville's abscissae (Eilers & Marx, P-splines) and Z = Dᵀ(DDᵀ)⁻¹, the deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖². Driving and braking may meet
+//! in a kink at U = 0: U⁺ is part of the plain form, and a kink that changes with speed is a block of its own, so that what is smooth
+//! across U = 0 need not be put together from bends and kinks that cancel. The interaction f(V)·g(U) is penalised by how much it bends
+//! along either axis, λ·(‖D_V·θ‖² + ‖D_U·θ‖²) (Wood 2006, *Low-rank scale-invariant tensor product smooths*), in the modes z ⊗ y of both,
+//! where that penalty is diagonal: one on mixed differences would let it run away in corners.
 
 use super::lattice::Lattice;
 use crate::map::Gear;
@@ -169,8 +170,8 @@ fn bends(nodes: &[f64]) -> Vec<Vec<f64>> {
     columns(&z)
 }
 
-/// The functions on `nodes` that bend, from the least to the most: eigenvectors of DᵀD, each with its ‖D·z‖² as a share of an axis of length
-/// one, so that bending along one axis compares with bending along another.
+/// The functions on `nodes` that bend, from the least to the most: eigenvectors of DᵀD, each with its ‖D·z‖² as a share of an axis of
+/// length one, so that bending along one axis compares with bending along another.
 fn modes(nodes: &[f64]) -> Vec<(Vec<f64>, f64)> {
     let Some(d) = second_differences(nodes) else { return Vec::new() };
     let Ok(eigen) = (d.transpose() * &d).self_adjoint_eigen(faer::Side::Lower) else { return Vec::new() };

@@ -1,7 +1,8 @@
 //! The surface made to rise with torque everywhere, moved as little as the data allow.
 //!
-//! Minimises (β − β̂)ᵀ·H·(β − β̂), H = XᵀX + Λ, subject to θ_{i,j+1} − θ_{i,j} ≥ ε·(U_{j+1} − U_j) over the coefficients along
-//! torque (U_j their Greville abscissae), with ε = 0.02 × the median slope: splines with rising coefficients rise (de Boor, chapter XI). Only differences that are violated enter the quadratic programme (a working set); the answer is verified.
+//! Minimises (β − β̂)ᵀ·H·(β − β̂), H = XᵀX + Λ, subject to θ_{i,j+1} − θ_{i,j} ≥ ε·(U_{j+1} − U_j) over the coefficients along torque (U_j
+//! their Greville abscissae), with ε = 0.02 × the median slope: splines with rising coefficients rise (de Boor, chapter XI). Only
+//! differences that are violated enter the quadratic programme (a working set); the answer is verified.
 
 use super::anova::Design;
 use super::lattice::Lattice;

@@ -3,8 +3,9 @@
 //! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Beside them what the delays and the encoder's calibration would
 //! change: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
 //!
-//! Readings within 25 ms of one another enter as one: their mean, weighted by precision, at their mean time. Within so short a time the speed is as good as straight, and what
-//! is lost is what their differences tell of the acceleration: less than a hundredth of what the neighbours tell.
+//! Readings within 25 ms of one another enter as one: their mean, weighted by precision, at their mean time. Within so short a time the
+//! speed is as good as straight, and what is lost is what their differences tell of the acceleration: over a
+//! quarter of a second a hundredth, (25 ms / 250 ms)², of what all readings tell.
 
 use super::course::Course;
 use super::kalman::{Filter, Noise};
@@ -32,8 +33,8 @@ pub(crate) enum Free {
     Surface,
     /// Dead times and lag too.
     Delays,
-    /// The encoder's scale and delay as well. Readings stay apart then: what two witnesses of one moment tell differently is what calibrates
-    /// one by the other.
+    /// The encoder's scale and delay as well. Readings stay apart then: what two witnesses of one moment tell differently is what
+    /// calibrates one by the other.
     DelaysAndEncoder,
 }
 

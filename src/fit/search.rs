@@ -1,8 +1,8 @@
 //! The rounds of the estimator.
 //!
 //! First with delays free: on a sample of a long campaign, then once on everything. Then with the delays held and without the moments after
-//! steps: the surface alone. Each round smooths the speeds along the segments with the surface of the last one, adds up the whitened sums, solves
-//! them with penalties chosen by the data, and moves on to the new surface, calibration and noise.
+//! steps: the surface alone. Each round smooths the speeds along the segments with the surface of the last one, adds up the whitened sums,
+//! solves them with penalties chosen by the data, and moves on to the new surface, calibration and noise.
 
 use super::actuator::LaggedCommand;
 use super::anova::Design;

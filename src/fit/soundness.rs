@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 const FEWEST_TORQUES: f64 = 2.5;
 /// Torques nearer than this share of the largest count as one.
 const SAME_TORQUE: f64 = 0.04;
-/// Difference of two logs' accelerations under the same torque that a day, a battery or a warm gear may make; more is another vehicle or load.
+/// Difference of two logs' accelerations under the same torque that a day, a battery or a warm gear may make; more is another vehicle or
+/// load.
 const SAME_VEHICLE: f64 = 0.10;
 /// Constant difference of acceleration between two logs, relative to what the largest torque gives, that a floor or a slope may make.
 const SAME_FLOOR: f64 = 0.05;
@@ -117,8 +118,8 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
     })
 }
 
-/// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration. The noise is bounded as for the cuts: what
-/// parts the logs is in it already, and would pass for chance.
+/// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration. The noise is bounded as for the
+/// cuts: what parts the logs is in it already, and would pass for chance.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
     let lagged = estimate.lagged(log);
     let noise = calm(&estimate.noise, estimate.surface(estimate.gears[0]));

@@ -79,8 +79,8 @@ fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> 
     (0..t.ncols()).map(|c| spot.columns(lattice).map(|(r, w)| w * t[(r, c)]).sum()).collect()
 }
 
-/// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe, and XᵀX between the coefficients of the design and the nuisance columns, the encoder's left at
-/// zero.
+/// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe, and XᵀX between the coefficients of the design and the nuisance columns, the encoder's left
+/// at zero.
 fn meat_and_coupling(estimate: &Estimate) -> (Mat<f64>, Mat<f64>) {
     let lagged = estimate.lagged_commands();
     let courses = courses(&estimate.segments, &lagged, &estimate.calibration);
