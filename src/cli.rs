@@ -21,6 +21,7 @@ mod record;
 mod report;
 mod ui;
 mod verify;
+mod verify_text;
 
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;

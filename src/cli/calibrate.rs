@@ -1,6 +1,6 @@
 //! `calibrate LOG…`: fit, invert, verify and report in one go, with one summary at the end.
 
-use super::{Outcome, Ui, fit, invert, report, verify};
+use super::{Outcome, Ui, fit, invert, report, verify, verify_text};
 use crate::invert::ZeroRow;
 use serde_json::json;
 
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     invert::show(&inversion.file, ui);
     ui.say("");
     ui.say("── Verdict ──");
-    verify::show(&verdict, ui);
+    verify_text::show(&verdict, ui);
     ui.say("written: verify.json");
     let folder = arguments.fit.maps.display();
     let used = fit.file.report.ledger.iter().find(|r| r.verdict == "used").map_or(0.0, |r| r.seconds);

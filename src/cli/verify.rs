@@ -1,17 +1,17 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
 use super::logs::LogArguments;
+use super::verify_text::{new_table, show};
 use super::{Outcome, Ui, points};
 use crate::log::Preset;
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::verify::{
-    Check, Class, Comparison, Error, Gate, Manoeuvre, Maps, Metric, ReplayedRun, Scenario, ScenarioVerdict, Settings, Statistic, Status,
-    Verdict, closed_loop, log_of, log_of_manoeuvre, manoeuvre_traces, replayed, verify_watched,
+    Class, Error, Gate, Manoeuvre, Maps, ReplayedRun, Scenario, Settings, Status, Verdict, closed_loop, log_of, log_of_manoeuvre,
+    manoeuvre_traces, replayed, verify_watched,
 };
 use anyhow::{Context, bail};
-use comfy_table::{ContentArrangement, Table, presets};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `verify`.
@@ -226,181 +226,4 @@ fn list(ui: Ui) -> anyhow::Result<()> {
     }
     ui.say(table.to_string());
     Ok(())
-}
-
-fn new_table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Disabled).set_header(header.to_vec());
-    table
-}
-
-/// Prints a verdict for people.
-pub(super) fn show(verdict: &Verdict, ui: Ui) {
-    let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
-    for trip in &verdict.round_trip {
-        let value = trip.worst.map_or("none".to_owned(), |w| format!("{:.3} m/s²", w.error_mps2.abs()));
-        let limit = trip.worst.map_or(String::new(), |w| format!("≤ {:.3}", w.limit_mps2));
-        let angle = trip.wheel_angle_deg.map_or(String::new(), |angle| format!(" at {angle}°"));
-        let name = format!("round trip, {}{angle} ({} places)", trip.gear, trip.places);
-        table.add_row([name, "worst |Δa|".to_owned(), String::new(), value, limit, mark(trip.pass).to_owned()]);
-    }
-    for scenario in &verdict.scenarios {
-        rows(&mut table, scenario);
-    }
-    ui.say(table.to_string());
-    for scenario in &verdict.scenarios {
-        detail(scenario, ui);
-    }
-    manoeuvres(verdict, Class::Polyline, &[Metric::CornerErrorM, Metric::SegmentErrorM, Metric::SegmentRmsM, Metric::TimeS], ui);
-    let compensated = [Metric::LateralBeforeM, Metric::LateralAfterM, Metric::LateralRatio, Metric::HeadingRateRatio];
-    manoeuvres(verdict, Class::Compensation, &compensated, ui);
-    if let Some(comparison) = &verdict.comparison {
-        compare(comparison, ui);
-    }
-    show_replayed(&verdict.replayed, ui);
-    for note in &verdict.notes {
-        ui.say(format!("note: {note}"));
-    }
-    if verdict.scenarios.iter().any(|s| s.notes.iter().any(|n| n.starts_with("symmetry"))) {
-        ui.say("note: mirrored right turns use the table of the wheel to the left: symmetry assumed");
-    }
-    ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
-}
-
-/// Shown of a scenario: the limits that are not kept, or the one nearest to not being kept. `verify.json` has them all.
-fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
-    if scenario.status == Status::NotTested {
-        table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
-        return;
-    }
-    let failed = scenario.checks.iter().any(|c| !c.pass);
-    let nearest = scenario.checks.iter().enumerate().max_by(|a, b| used(a.1).total_cmp(&used(b.1))).map(|(k, _)| k);
-    let shown = scenario.checks.iter().enumerate().filter(|(k, c)| if failed { !c.pass } else { Some(*k) == nearest });
-    for (row, (_, check)) in shown.enumerate() {
-        let name = if row == 0 { scenario.name.clone() } else { String::new() };
-        let (metric, statistic) = (check.metric.title().to_owned(), check.statistic.title().to_owned());
-        table.add_row([name, metric, statistic, value(check), limit(check), mark(check.pass).to_owned()]);
-    }
-}
-
-/// How much of a limit is used up: 1 at the limit. A limit from below counts little while it is kept.
-fn used(check: &Check) -> f64 {
-    match (check.value, check.at_most) {
-        (Some(value), Some(limit)) if limit > 0.0 => value / limit,
-        _ => 0.0,
-    }
-}
-
-fn mark(pass: bool) -> &'static str {
-    if pass { "pass" } else { "FAIL" }
-}
-
-fn value(check: &Check) -> String {
-    check.value.map_or("none".to_owned(), |v| number(check.metric, v))
-}
-
-fn limit(check: &Check) -> String {
-    let at_most = check.at_most.map(|m| format!("≤ {}", number(check.metric, m)));
-    at_most.or_else(|| check.at_least.map(|m| format!("≥ {}", number(check.metric, m)))).unwrap_or_default()
-}
-
-/// A value with its unit; shares in per cent.
-fn number(metric: Metric, value: f64) -> String {
-    match metric.unit() {
-        "" => format!("{:.1} %", 100.0 * value),
-        "°" => format!("{value:.2}°"),
-        unit => format!("{value:.3} {unit}"),
-    }
-}
-
-/// Every metric of a scenario, with `-v`.
-fn detail(scenario: &ScenarioVerdict, ui: Ui) {
-    if scenario.status == Status::NotTested {
-        return;
-    }
-    ui.detail(format!("{}: {}", scenario.name, scenario.what));
-    let statistics = [Statistic::Nominal, Statistic::Median, Statistic::P95, Statistic::P99, Statistic::Max];
-    let mut table = new_table(&["metric", "nominal", "median", "95 %", "99 %", "max"]);
-    for summary in &scenario.metrics {
-        let figure = |s: Statistic| summary.figure(s).map_or("none".to_owned(), |v| number(summary.metric, v));
-        table.add_row(std::iter::once(summary.metric.title().to_owned()).chain(statistics.map(figure)));
-    }
-    ui.detail(table.to_string());
-}
-
-/// The replayed runs, one a row, and their medians.
-fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
-    if runs.is_empty() {
-        return;
-    }
-    let mut table = new_table(&["replayed run", "gear", "from", "length", "R²", "RMSE", "largest"]);
-    for run in runs {
-        let r_squared = run.r_squared.map_or("none".to_owned(), |r| format!("{r:.4}"));
-        let (from, length) = (format!("{:.2} s", run.from_s), format!("{:.2} s", run.seconds));
-        let (rmse, largest) = (format!("{:.4} m/s", run.rmse_mps), format!("{:.4} m/s", run.max_mps));
-        table.add_row([run.file.clone(), run.gear.to_string(), from, length, r_squared, rmse, largest]);
-    }
-    ui.say(table.to_string());
-    let median = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).map_or("none".to_owned(), |v| format!("{v:.4}"))
-    };
-    let held_out = runs.iter().filter(|r| !r.fitted).count();
-    ui.say(format!(
-        "replayed open loop: {} runs, {held_out} of them held out of the fit; median R² {}, median RMSE {} m/s",
-        runs.len(),
-        median(runs.iter().filter_map(|r| r.r_squared).collect()),
-        median(runs.iter().map(|r| r.rmse_mps).collect())
-    ));
-}
-
-/// The figures of manoeuvres of one class: nominal, and the largest over the draws.
-fn manoeuvres(verdict: &Verdict, class: Class, metrics: &[Metric], ui: Ui) {
-    let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class == class && s.status != Status::NotTested).collect();
-    if tested.is_empty() {
-        return;
-    }
-    let header: Vec<_> = std::iter::once("nominal (largest)").chain(metrics.iter().map(|m| m.title())).collect();
-    let mut table = new_table(&header);
-    for scenario in tested {
-        let figure = |metric: &Metric| {
-            let shown = |v: f64| match metric.unit() {
-                "m" => format!("{:.1}", 1e3 * v),
-                "s" => format!("{v:.1}"),
-                _ => format!("{v:.3}"),
-            };
-            let unit = if metric.unit() == "m" { "mm" } else { metric.unit() };
-            let summary = scenario.metrics.iter().find(|s| s.metric == *metric);
-            let nominal = summary.and_then(|s| s.nominal).map_or("none".to_owned(), |v| format!("{} {unit}", shown(v)));
-            summary.and_then(|s| s.max).map_or(nominal.clone(), |v| format!("{nominal} ({})", shown(v)))
-        };
-        table.add_row(std::iter::once(scenario.name.clone()).chain(metrics.iter().map(figure)));
-    }
-    ui.say(table.to_string());
-}
-
-/// The map beside the other laws: medians over the draws.
-fn compare(comparison: &Comparison, ui: Ui) {
-    let metrics = [
-        Metric::AsExpected,
-        Metric::HeadingErrorDeg,
-        Metric::SpeedRmsMps,
-        Metric::StartJerkMps3,
-        Metric::PeakAccelMps2,
-        Metric::SettlingTimeS,
-    ];
-    let header: Vec<_> = std::iter::once(comparison.scenario.as_str()).chain(metrics.map(Metric::title)).collect();
-    let mut table = new_table(&header);
-    for law in &comparison.laws {
-        let figure = |metric: Metric| {
-            let statistic = if metric == Metric::AsExpected { Statistic::Mean } else { Statistic::Median };
-            let found = law.metrics.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic));
-            found.map_or("none".to_owned(), |v| number(metric, v))
-        };
-        table.add_row(std::iter::once(law.name.clone()).chain(metrics.map(figure)));
-    }
-    ui.say(table.to_string());
-    let told = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| format!("{r:.2}"));
-    ui.say(format!("start jerk, map over conventional law: {} (goal: at most 0.33)", told(comparison.start_jerk_ratio)));
-    ui.say(format!("speed tracking, map over perfect inverse: {} (goal: at most 1.15)", told(comparison.speed_rms_ratio)));
 }
