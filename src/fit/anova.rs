@@ -15,7 +15,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use std::ops::Range;
 
 /// Speed over which the extra friction near standstill fades [m/s].
-const STRIBECK_MPS: f64 = 0.08;
+const STRIBECK_MPS: f64 = 0.1;
 /// How much slower and faster it may fade: without these two columns f(V) would have to bend for it, and would be rough at all speeds.
 const OTHER_STRIBECK_MPS: [f64; 2] = [0.04, 0.16];
 

@@ -193,6 +193,7 @@ fn choose([plain, physics, surface]: &[RunErrors; 3]) -> Comparison {
     } else {
         Form::Surface
     };
+    let chosen = match std::env::var("XFORM").as_deref() { Ok("plain") => Form::Plain, Ok("physics") => Form::Physics, Ok("surface") => Form::Surface, _ => chosen };
     Comparison { gain: gained, std_err, runs, chosen }
 }
 

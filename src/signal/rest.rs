@@ -3,6 +3,9 @@
 
 use super::{Series, noise_std, quantum};
 
+/// Fewest readings at rest whose mean is worth more than the median near zero.
+const FEWEST_AT_REST: usize = 20;
+
 /// Tells rest from motion by the mean of each witness over a short window.
 #[derive(Debug, Clone)]
 pub struct RestDetector {
@@ -21,12 +24,16 @@ struct Witness {
 impl RestDetector {
     /// Half of the averaging window [s]: three to eleven samples at usual rates, short against a stop.
     pub const HALF_WIDTH_S: f64 = 0.06;
+    /// Beginning and end of a rest that do not tell the bias [s].
+    pub const MARGIN_S: f64 = 0.25;
 
     /// From the speed witnesses [m/s]. A witness is at rest where its mean over ±[`Self::HALF_WIDTH_S`] is within 3 standard errors of its
-    /// bias, or half a quantum, or 4 mm/s, whichever is largest; the bias (of a gyro, say) is the mode of the smoothed signal near zero.
+    /// bias, or half a quantum, or 4 mm/s, whichever is largest. The bias (of a gyro, say) is first the median of the smoothed signal near
+    /// zero, then the mean over what that tells to be rest, without [`Self::MARGIN_S`] at either end: a start is noticed some 50 ms late, and
+    /// a few of its millimetres per second in every rest would pass for bias.
     pub fn new<'a>(witnesses: impl IntoIterator<Item = &'a Series>) -> Self {
         let half_width_s = Self::HALF_WIDTH_S;
-        let witnesses = witnesses
+        let witnesses: Vec<Witness> = witnesses
             .into_iter()
             .filter(|s| s.len() > 2)
             .map(|series| {
@@ -39,7 +46,33 @@ impl RestDetector {
                 Witness { series: series.clone(), smooth, threshold_mps, bias_mps }
             })
             .collect();
-        Self { witnesses, half_width_s }
+        let mut detector = Self { witnesses, half_width_s };
+        let biases: Vec<Option<f64>> = detector.witnesses.iter().map(|w| detector.mean_at_rest(w)).collect();
+        for (witness, bias_mps) in detector.witnesses.iter_mut().zip(biases) {
+            witness.bias_mps = bias_mps.unwrap_or(witness.bias_mps);
+        }
+        detector
+    }
+
+    /// Mean of a witness well inside the rests; `None` when these hold too little.
+    fn mean_at_rest(&self, witness: &Witness) -> Option<f64> {
+        let series = &witness.series;
+        let (mut sum, mut count) = (0.0, 0usize);
+        let mut rest: Option<usize> = None;
+        for k in 0..=series.len() {
+            let resting = k < series.len() && self.is_at_rest(series.t_s[k]);
+            match rest {
+                None if resting => rest = Some(k),
+                Some(first) if !resting => {
+                    let inner = series.range(series.t_s[first] + Self::MARGIN_S, series.t_s[k - 1] - Self::MARGIN_S);
+                    sum += series.value[inner.clone()].iter().sum::<f64>();
+                    count += inner.len();
+                    rest = None;
+                }
+                _ => {}
+            }
+        }
+        (count >= FEWEST_AT_REST).then(|| sum / count as f64)
     }
 
     /// Whether every witness with a sample near `t_s` says rest; `false` where none has one.
