@@ -36,6 +36,7 @@ mod settings;
 mod soundness;
 mod spline;
 mod start;
+mod stribeck;
 mod tables;
 mod traces;
 mod uncertainty;

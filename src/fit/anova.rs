@@ -1,9 +1,10 @@
-//! The surface's coefficients as an analysis of variance: a plain form that no penalty touches, then smooth deviations in blocks, each with
+//! The surface's coefficients as an analysis of variance: a physics form that no penalty touches (inertia, drive and brake efficiency and how
+//! they change with speed, Coulomb, Stribeck, viscous and quadratic friction), then smooth deviations in blocks, each with
 //! its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric copies where both gears were driven.
 //!
 //! Penalised blocks are scaled so that their penalty is the identity: with D the second differences of the splines' coefficients over
 //! Greville's abscissae (Eilers & Marx, P-splines) and Z = Dᵀ(DDᵀ)⁻¹, the deviation is Z·γ and ‖D·Zγ‖² = ‖γ‖². Driving and braking may meet
-//! in a kink at U = 0: U⁺ is part of the plain form, and a kink that changes with speed is a block of its own, so that what is smooth
+//! in a kink at U = 0: U⁺ is part of the physics form, and a kink that changes with speed is a block of its own, so that what is smooth
 //! across U = 0 need not be put together from bends and kinks that cancel. The interaction f(V)·g(U) is penalised by how much it bends
 //! along either axis, λ·(‖D_V·θ‖² + ‖D_U·θ‖²) (Wood 2006, *Low-rank scale-invariant tensor product smooths*), in the modes z ⊗ y of both,
 //! where that penalty is diagonal: one on mixed differences would let it run away in corners.
@@ -14,10 +15,11 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use std::ops::Range;
 
-/// Speed over which the extra friction near standstill fades [m/s].
-const STRIBECK_MPS: f64 = 0.1;
-/// How much slower and faster it may fade: without these two columns f(V) would have to bend for it, and would be rough at all speeds.
-const OTHER_STRIBECK_MPS: [f64; 2] = [0.04, 0.16];
+/// Speed over which the extra friction near standstill fades, before the data have told it [m/s].
+pub(crate) const STRIBECK_MPS: f64 = 0.1;
+
+/// The name of the physics form, which that of its gear-antisymmetric copy ends with.
+const PHYSICS: &str = "physics form";
 
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +30,8 @@ pub(crate) struct Block {
     pub(crate) range: Range<usize>,
     /// Whether it is penalised (and its penalty estimated).
     pub(crate) penalised: bool,
+    /// Whether it belongs to the physics form.
+    pub(crate) physics: bool,
 }
 
 /// How coefficients become lattice values.
@@ -35,6 +39,8 @@ pub(crate) struct Block {
 pub(crate) struct Design {
     /// The blocks, in the order of the coefficients.
     pub(crate) blocks: Vec<Block>,
+    /// Speed over which the extra friction near standstill fades [m/s].
+    pub(crate) stribeck_mps: f64,
     /// For forward and reverse: lattice columns × coefficients.
     transforms: [Mat<f64>; 2],
 }
@@ -53,13 +59,15 @@ impl Builder {
         }
         let start = self.columns.len();
         self.columns.extend(columns.into_iter().map(|c| (c, antisymmetric)));
-        self.blocks.push(Block { name, range: start..self.columns.len(), penalised });
+        let physics = name.ends_with(PHYSICS);
+        self.blocks.push(Block { name, range: start..self.columns.len(), penalised, physics });
     }
 }
 
 impl Design {
-    /// The design over `lattice`; `both_gears` adds the antisymmetric copies.
-    pub(crate) fn new(lattice: &Lattice, both_gears: bool) -> Self {
+    /// The design over `lattice`, with extra friction near standstill that fades over `stribeck_mps`; `both_gears` adds the antisymmetric
+    /// copies.
+    pub(crate) fn new(lattice: &Lattice, both_gears: bool, stribeck_mps: f64) -> Self {
         let (speeds, torques) = (&lattice.speed_mps, &lattice.torque_nm);
         let reference_nm = torques.iter().fold(0.0f64, |m, u| m.max(u.abs()));
         let fastest = lattice.fastest_mps();
@@ -67,9 +75,6 @@ impl Design {
         let drive: Vec<f64> = u.iter().map(|u| u.max(0.0)).collect();
         let v: Vec<f64> = lattice.along_speed(|s| s / fastest);
         let w: Vec<f64> = speeds.iter().map(|s| lattice.warp(*s)).collect();
-        let square = lattice.along_speed(|s| (s / fastest).powi(2));
-        let fading = |speed_mps: f64| lattice.along_speed(|s| (-(s / speed_mps).powi(2)).exp());
-        let stribeck = fading(STRIBECK_MPS);
         let one_v = vec![1.0; speeds.len()];
         let one_u = vec![1.0; torques.len()];
         let bends_w = bends(&w);
@@ -86,17 +91,16 @@ impl Design {
             }
             column
         };
-        let plain = || {
-            vec![
-                tensor(&one_v, &one_u),
-                tensor(&one_v, &u),
-                tensor(&one_v, &drive),
-                tensor(&w, &one_u),
-                tensor(&v, &one_u),
-                tensor(&v, &u),
-                tensor(&stribeck, &one_u),
-                tensor(&square, &one_u),
-            ]
+        let physics = || {
+            let along_speed = friction(lattice, stribeck_mps);
+            let mut columns = vec![tensor(&one_v, &u), tensor(&one_v, &drive), tensor(&v, &u)];
+            columns.extend(along_speed.iter().map(|f| tensor(f, &one_u)));
+            columns
+        };
+        // friction near standstill of another shape: without these f(V) would have to bend for it, and would be rough at all speeds
+        let near_standstill = || {
+            let other = [0.5, 2.0].map(|share| lattice.along_speed(|s| (-(s / (share * stribeck_mps)).powi(2)).exp()));
+            [&w, &other[0], &other[1]].map(|f| tensor(f, &one_u)).to_vec()
         };
         let f = || bends_w.iter().map(|z| tensor(z, &one_u)).collect::<Vec<_>>();
         let g = || bends_u.iter().map(|z| tensor(&one_v, z)).collect::<Vec<_>>();
@@ -114,8 +118,8 @@ impl Design {
         };
 
         let mut builder = Builder { rows, columns: Vec::new(), blocks: Vec::new() };
-        builder.block("plain form", false, false, plain());
-        builder.block("near standstill", true, false, OTHER_STRIBECK_MPS.map(|s| tensor(&fading(s), &one_u)).to_vec());
+        builder.block(PHYSICS, false, false, physics());
+        builder.block("near standstill", true, false, near_standstill());
         builder.block("f(V)", true, false, f());
         builder.block("g(U)", true, false, g());
         builder.block("w(V)·U", true, false, w_by_u());
@@ -124,7 +128,7 @@ impl Design {
         builder.block("f(V)·U⁺", true, false, f_by(&drive));
         builder.block("f(V)·g(U)", true, false, f_by_g());
         if both_gears {
-            builder.block("gear: plain form", true, true, plain());
+            builder.block("gear: physics form", true, true, physics());
             builder.block("gear: f(V)", true, true, f());
             builder.block("gear: g(U)", true, true, g());
             builder.block("gear: w(V)·U", true, true, w_by_u());
@@ -138,7 +142,7 @@ impl Design {
                 if *antisymmetric { 0.5 * gear.sign() * column[r] } else { column[r] }
             })
         });
-        Self { blocks, transforms }
+        Self { blocks, stribeck_mps, transforms }
     }
 
     /// Number of coefficients.
@@ -159,6 +163,21 @@ impl Design {
         let t = self.transform(gear);
         (0..t.nrows()).map(|r| (0..t.ncols()).map(|c| t[(r, c)] * beta[c]).sum()).collect()
     }
+}
+
+/// What friction may be made of along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction,
+/// Stribeck's (extra friction that fades over `stribeck_mps` as exp(−(V/v_s)²)), and its derivative by the logarithm of that speed, which
+/// leaves room for a speed that is not quite known.
+pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 5] {
+    let fastest = lattice.fastest_mps();
+    let squared = |s: f64| (s / stribeck_mps).powi(2);
+    [
+        lattice.along_speed(|_| 1.0),
+        lattice.along_speed(|s| s / fastest),
+        lattice.along_speed(|s| (s / fastest).powi(2)),
+        lattice.along_speed(|s| (-squared(s)).exp()),
+        lattice.along_speed(|s| 2.0 * squared(s) * (-squared(s)).exp()),
+    ]
 }
 
 /// Z = Dᵀ(DDᵀ)⁻¹ for the second differences D over uneven `nodes`: one column per difference.
@@ -228,11 +247,11 @@ mod tests {
     #[test]
     fn gears_share_their_common_part_and_differ_by_the_antisymmetric_one() {
         let lattice = Lattice::new(1.0, -20.0, 40.0, 6, 8);
-        let design = Design::new(&lattice, true);
+        let design = Design::new(&lattice, true, STRIBECK_MPS);
         let beta = vec![1.0; design.coefficients()];
         let forward = design.lattice_values(Gear::Forward, &beta);
         let reverse = design.lattice_values(Gear::Reverse, &beta);
-        let alone = Design::new(&lattice, false);
+        let alone = Design::new(&lattice, false, STRIBECK_MPS);
         let common = alone.lattice_values(Gear::Forward, &vec![1.0; alone.coefficients()]);
         for ((f, r), c) in forward.iter().zip(&reverse).zip(&common) {
             assert!((0.5 * (f + r) - c).abs() < 1e-9);

@@ -82,11 +82,17 @@ impl<'a> Course<'a> {
 
     /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
     pub(crate) fn predicted(&self, speed_mps: &[f64], surface: &LatticeSurface) -> Vec<f64> {
+        self.predicted_with(speed_mps, surface, [0.0, 0.0])
+    }
+
+    /// The same with lag and dead time changed by so much [s].
+    pub(crate) fn predicted_with(&self, speed_mps: &[f64], surface: &LatticeSurface, [lag_s, dead_time_s]: [f64; 2]) -> Vec<f64> {
         let mut sum = 0.0;
         (0..self.rows())
             .map(|row| {
                 for (v, step) in self.along(speed_mps, row) {
-                    sum += step.length_s * surface.accel_mps2(v, step.torque.torque_nm);
+                    let Torque { torque_nm, by_lag, by_dead_time } = step.torque;
+                    sum += step.length_s * surface.accel_mps2(v, torque_nm + lag_s * by_lag + dead_time_s * by_dead_time);
                 }
                 sum
             })
@@ -97,6 +103,11 @@ impl<'a> Course<'a> {
 /// The courses of segments: `lagged` holds the command of each log.
 pub(crate) fn courses<'a>(segments: &'a [Segment], lagged: &[LaggedCommand], calibration: &Calibration) -> Vec<Course<'a>> {
     segments.par_iter().map(|s| Course::new(s, &lagged[s.log], calibration.dead_time_s[s.log])).collect()
+}
+
+/// The same segments under other delays.
+pub(crate) fn courses_again<'a>(courses: &[Course<'a>], lagged: &[LaggedCommand], calibration: &Calibration) -> Vec<Course<'a>> {
+    courses.par_iter().map(|c| Course::new(c.segment, &lagged[c.segment.log], calibration.dead_time_s[c.segment.log])).collect()
 }
 
 /// The surface of a segment's gear among those of both: forward, reverse.

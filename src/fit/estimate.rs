@@ -11,7 +11,6 @@ use super::validation::Validation;
 use super::{Result, Settings};
 use crate::campaign::Survey;
 use crate::map::Gear;
-use faer::Mat;
 
 /// How sure the calibration is.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +21,6 @@ pub(crate) struct CalibrationErrors {
     pub(crate) lag_s: f64,
     /// Standard error of the encoder's scale.
     pub(crate) encoder_scale: f64,
-    /// Covariance of the nuisance columns, in their order.
-    pub(crate) covariance: Mat<f64>,
 }
 
 /// Everything that the estimator found out.
@@ -39,8 +36,10 @@ pub(crate) struct Estimate<'a> {
     pub(crate) solution: Solution,
     pub(crate) system: System,
     pub(crate) segments: Vec<Segment>,
-    /// Speeds along the segments, smoothed [m/s].
+    /// Speeds along the segments, smoothed [m/s]: the best that is known of them.
     pub(crate) speeds: Vec<Vec<f64>>,
+    /// The same, filtered: where the surface was looked up.
+    pub(crate) filtered: Vec<Vec<f64>>,
     /// Offset of each segment [m/s²].
     pub(crate) offsets: Vec<f64>,
     /// Whitened residuals of the segments.

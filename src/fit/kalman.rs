@@ -175,18 +175,39 @@ pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64,
     sum
 }
 
-/// Smoothed deviation from the surface over a stretch.
+/// Deviation from the surface over a stretch.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Smoothed {
+pub(crate) struct Deviation {
     /// v at each reading [m/s].
     pub(crate) speed_mps: Vec<f64>,
     /// b of the stretch [m/s²].
     pub(crate) offset_mps2: f64,
 }
 
+/// The filter over a residual sequence: what each reading and those before it tell.
+pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Deviation {
+    let mut p = start_covariance(noise, start_std_mps);
+    let mut x = [0.0; 3];
+    let mut last = start_s;
+    let mut speed_mps = Vec::with_capacity(readings.len());
+    for (reading, residual) in readings.iter().zip(residual_mps) {
+        let dt = (reading.t_s - last).max(0.0);
+        last = reading.t_s;
+        let (drift, decay) = predict(&mut p, noise, dt);
+        x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
+        let (gain, _) = measure(&mut p, noise.variance(reading.witness));
+        let innovation = residual - x[0];
+        for k in 0..3 {
+            x[k] += gain[k] * innovation;
+        }
+        speed_mps.push(x[0]);
+    }
+    Deviation { speed_mps, offset_mps2: x[2] }
+}
+
 /// Fixed-interval smoothing of a residual sequence, by Bryson and Frazier's adjoint recursion (Bierman 1973): with λ running backwards from
 /// zero, λ ← Hᵀ·(−e/S) + (I − K·H)ᵀ·λ at a reading and λ ← Fᵀ·λ between readings, the smoothed state is x⁻ − P⁻·λ. Nothing is inverted.
-pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Smoothed {
+pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Deviation {
     /// What the way back needs of one reading.
     struct Passed {
         predicted_mps: f64,
@@ -223,7 +244,7 @@ pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
         *speed = at.predicted_mps - (at.row[0] * adjoint[0] + at.row[1] * adjoint[1] + at.row[2] * adjoint[2]);
         adjoint = [adjoint[0], at.drift * adjoint[0] + at.decay * adjoint[1], at.dt * adjoint[0] + adjoint[2]];
     }
-    Smoothed { speed_mps, offset_mps2: x[2] }
+    Deviation { speed_mps, offset_mps2: x[2] }
 }
 
 #[cfg(test)]
@@ -275,6 +296,17 @@ mod tests {
         assert!(truth < at(Noise { disturbance_mps2: 0.2, ..NOISE }));
         assert!(truth < at(Noise { disturbance_mps2: 0.05, ..NOISE }));
         assert!(truth < at(Noise { reading_mps: [0.012, 0.016], ..NOISE }));
+    }
+
+    #[test]
+    fn the_filter_ends_where_the_smoother_does_and_knows_nothing_of_what_follows() {
+        let (readings, values) = simulated(500, 11);
+        let filtered = filter(&values, &readings, 0.0, &NOISE, 3e-3);
+        let smoothed = smooth(&values, &readings, 0.0, &NOISE, 3e-3);
+        assert!((filtered.speed_mps[499] - smoothed.speed_mps[499]).abs() < 1e-12);
+        assert!((filtered.offset_mps2 - smoothed.offset_mps2).abs() < 1e-12);
+        let shorter = filter(&values[..200], &readings[..200], 0.0, &NOISE, 3e-3);
+        assert_eq!(shorter.speed_mps, filtered.speed_mps[..200]);
     }
 
     #[test]

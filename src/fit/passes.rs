@@ -1,8 +1,12 @@
 //! Passes over all segments: speeds along them, residuals, and the sums of the normal equations.
+//!
+//! The speeds at which the surface is looked up are filtered, not smoothed: what a reading predicts may depend on earlier ones only (Ljung,
+//! *System Identification*). Smoothed speeds hold a part of the very disturbance that the innovations are to tell, and runs that are ended
+//! by their speed then bias surface and lag by several standard errors in an hour of data.
 
 use super::course::{Course, surface_of};
 use super::gram::{Gram, LocalGram};
-use super::kalman::{Noise, smooth, whiten};
+use super::kalman::{Noise, filter, smooth, whiten};
 use super::lattice::LatticeSurface;
 use super::regressors::{Free, whitened};
 use super::segment::Segment;
@@ -26,6 +30,15 @@ pub(crate) fn wide_speed(segment: &Segment) -> Vec<f64> {
     smooth(&readings, &segment.readings, segment.start_s, &WIDE, segment.start_std_mps).speed_mps
 }
 
+/// Smoothed speeds along segments, from the `residuals` of a pass.
+pub(crate) fn smoothed_speeds(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) -> Vec<Vec<f64>> {
+    let of = |(s, residual): (&Segment, &Vec<f64>)| -> Vec<f64> {
+        let deviation = smooth(residual, &s.readings, s.start_s, noise, s.start_std_mps).speed_mps;
+        s.readings.iter().zip(residual).zip(deviation).map(|((r, e), d)| (r.speed_mps - e + d).max(0.0)).collect()
+    };
+    segments.par_iter().zip(residuals).map(of).collect()
+}
+
 /// What a pass goes by.
 #[derive(Clone, Copy)]
 pub(crate) struct Pass<'a> {
@@ -38,7 +51,7 @@ pub(crate) struct Pass<'a> {
 /// What a pass finds along each segment, one entry per reading.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Along {
-    /// Smoothed speeds [m/s].
+    /// Filtered speeds [m/s].
     pub(crate) speeds: Vec<Vec<f64>>,
     /// Readings less what the surface predicts [m/s].
     pub(crate) residuals: Vec<Vec<f64>>,
@@ -60,7 +73,7 @@ impl Pass<'_> {
                 let speed = known.map_or_else(|| Cow::Owned(wide_speed(s)), |known| Cow::Borrowed(&known[k]));
                 let model = course.predicted(&speed, surface_of(self.surfaces, s));
                 let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-                let deviation = smooth(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps);
+                let deviation = filter(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps);
                 let speed = model.iter().zip(&deviation.speed_mps).map(|(m, d)| (m + d).max(0.0)).collect();
                 let mut white = residual.clone();
                 whiten(&mut white, 1, &s.readings, s.start_s, self.noise, s.start_std_mps);

@@ -1,18 +1,18 @@
 //! The rounds of the estimator.
 //!
-//! First with delays free: on a sample of a long campaign, then once on everything. Then with the delays held and without the moments after
-//! steps: the surface alone. Each round smooths the speeds along the segments with the surface of the last one, adds up the whitened sums,
-//! solves them with penalties chosen by the data, and moves on to the new surface, calibration and noise.
+//! First on a sample of a long campaign, with delays, encoder and noise free; then on everything, without the moments after steps, for the
+//! surface together with the delays. Each round filters the speeds along the segments with the surface of the last one, adds up the
+//! whitened sums, solves them with penalties chosen by the data, and moves on to the new surface and calibration.
 
 use super::actuator::LaggedCommand;
-use super::anova::Design;
-use super::course::{Course, courses};
+use super::anova::{Design, STRIBECK_MPS};
+use super::course::{Course, courses, courses_again};
 use super::estimate::{CalibrationErrors, Estimate};
 use super::gram::Gram;
 use super::hyper;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
-use super::passes::{Along, Pass, total, wide_speeds};
+use super::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
 use super::penalised::{Solution, System, nuisance_prior_std};
 use super::regressors::{Free, nuisance};
 use super::robust::Judge;
@@ -20,17 +20,20 @@ use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
 use super::start::{Start, hold_known};
 use super::validation::{self, Form, Validation};
-use super::{Error, Result, Settings};
+use super::{Error, Result, Settings, stribeck};
 use crate::campaign::Survey;
 use crate::map::Gear;
-use faer::Mat;
 
 /// Movement of the surface below which it stands still [m/s², root mean square].
 const STILL_MPS2: f64 = 2e-4;
+/// Step of a delay below which it stands still [s]: a tenth of what an hour of data leaves unsure.
+const STILL_S: f64 = 3e-5;
 /// Largest step of a delay in one round [s].
 const DELAY_STEP_S: f64 = 0.02;
 /// Threshold of the cuts in the first rounds, and later.
 const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
+/// Prior standard deviation of what is known.
+const FIXED_STD: f64 = 1e-9;
 /// Rounds of the penalties' own iteration: while other things still move, and for good.
 const PENALTY_ROUNDS: [usize; 2] = [4, 50];
 
@@ -56,7 +59,6 @@ pub(crate) struct Search<'a> {
 
 /// What rounds work on.
 struct Stretch {
-    lagged: Vec<LaggedCommand>,
     transients: Vec<Vec<(f64, f64)>>,
     segments: Vec<Segment>,
 }
@@ -70,21 +72,17 @@ struct Found {
     fold: Vec<usize>,
     along: Along,
     moved_mps2: f64,
+    /// Largest step of a delay [s].
+    stepped_s: f64,
 }
 
 impl<'a> Search<'a> {
     /// Before the first round.
     pub(crate) fn new(surveys: &'a [Survey], settings: &Settings) -> Result<Self> {
         let Start { logs, gears, has_yaw, calibration, noise, lattice } = Start::new(surveys, settings)?;
-        let design = Design::new(&lattice, gears.len() > 1);
+        let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
-        let nuisances = nuisance::DEAD_TIME + logs.len();
-        let errors = CalibrationErrors {
-            dead_time_s: vec![0.0; logs.len()],
-            lag_s: 0.0,
-            encoder_scale: 0.0,
-            covariance: Mat::zeros(nuisances, nuisances),
-        };
+        let errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], lag_s: 0.0, encoder_scale: 0.0 };
         Ok(Self {
             settings: settings.clone(),
             logs,
@@ -103,7 +101,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Rounds with delays free: on a sample of a long campaign, then once on everything.
+    /// Rounds on a sample of a long campaign, with delays, encoder and noise free.
     pub(crate) fn delays(&mut self) -> Result<()> {
         let (chosen, sampled) = sampling::choose(&self.logs);
         self.sampled = sampled;
@@ -115,7 +113,8 @@ impl<'a> Search<'a> {
                 self.cut(CUT_BEYOND[usize::from(round > 2)]);
             }
             let stretch = self.stretch(false);
-            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
+            let lagged = self.lagged();
+            let courses = courses(&stretch.segments, &lagged, &self.calibration);
             let speeds = self.speeds(&courses);
             let free = if round == 0 { Free::Surface } else { Free::DelaysAndEncoder };
             let found = self.round(&courses, &speeds, free, false)?;
@@ -130,64 +129,57 @@ impl<'a> Search<'a> {
         for log in &mut self.logs {
             log.chosen.fill(true);
         }
-        if sampled {
-            self.cut(CUT_BEYOND[1]);
-            let stretch = self.stretch(false);
-            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
-            let speeds = self.speeds(&courses);
-            self.round(&courses, &speeds, Free::Delays, false)?;
-        }
         Ok(())
     }
 
-    /// Rounds with delays held and without the moments after steps, until the surface stands still.
+    /// Rounds on everything, without the moments after steps, until surface and delays stand still.
     pub(crate) fn surface(mut self) -> Result<Estimate<'a>> {
         self.penalties.clear();
-        // everything was judged a moment ago, after a sample; what was cut is judged again by the better surface
-        if !self.sampled || self.logs.iter().any(|l| l.cuts != Cuts::default()) {
-            self.cut(CUT_BEYOND[1]);
-        }
+        self.cut(CUT_BEYOND[1]);
         let mut stretch = self.stretch(true);
-        let mut found = {
-            let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
-            let speeds = self.speeds(&courses);
-            self.round(&courses, &speeds, Free::Surface, true)?
-        };
-        self.update_noise(&stretch.segments, &found.along, 0.98);
-        // the first surface moves the starts from rest a little, where it was not known already; then they stay
-        if !self.sampled {
-            stretch = self.stretch(true);
-        }
-        let courses = courses(&stretch.segments, &stretch.lagged, &self.calibration);
-        let mut speeds = if self.sampled { std::mem::take(&mut found.along.speeds) } else { self.speeds(&courses) };
-        for _ in 1..self.settings.iterations[1].max(2) {
-            found = self.round(&courses, &speeds, Free::Surface, true)?;
-            self.converged = found.moved_mps2 < STILL_MPS2;
-            if self.converged {
-                break;
+        let mut speeds = None;
+        let most = self.settings.iterations[1].max(2);
+        for round in 1.. {
+            let lagged = self.lagged();
+            let courses = courses(&stretch.segments, &lagged, &self.calibration);
+            let along = speeds.take().unwrap_or_else(|| self.speeds(&courses));
+            let mut found = self.round(&courses, &along, Free::Delays, true)?;
+            self.converged = found.moved_mps2 < STILL_MPS2 && found.stepped_s < STILL_S;
+            if round == 1 {
+                self.update_noise(&stretch.segments, &found.along, 0.98);
+                // what was cut is judged again by the better surface, which moves the starts from rest a little as well; then they stay
+                if !self.sampled || self.logs.iter().any(|l| l.cuts != Cuts::default()) {
+                    drop(courses);
+                    self.cut(CUT_BEYOND[1]);
+                    stretch = self.stretch(true);
+                    continue;
+                }
+            } else if self.converged || round >= most {
+                let judged = self.judge(&courses, &along, found)?;
+                drop(courses);
+                return Ok(self.handed_over(stretch, judged));
             }
-            speeds = std::mem::take(&mut found.along.speeds);
+            speeds = Some(std::mem::take(&mut found.along.speeds));
         }
-        if found.along.speeds.is_empty() {
-            found.along.speeds = speeds;
-        }
-        let judged = self.judge(&courses, found)?;
-        drop(courses);
-        Ok(self.handed_over(stretch, judged))
+        Err(Error::Singular)
     }
 
-    /// Cross-validates, and takes a simpler form where it tells as much.
-    fn judge(&mut self, courses: &[Course], mut found: Found) -> Result<(Found, Option<Validation>)> {
+    /// Cross-validates, and takes the simpler form where it tells as much.
+    fn judge(&mut self, courses: &[Course], speeds: &[Vec<f64>], mut found: Found) -> Result<(Found, Option<Validation>)> {
+        let prior = self.nuisance_prior(Free::Delays);
         let validation = {
-            let along = validation::Along { courses, speeds: &found.along.speeds, noise: &self.noise };
+            let along = validation::Along { courses, speeds, noise: &self.noise };
             let whole = (&found.system, &found.solution);
-            validation::validate(&self.design, &self.surfaces[0].lattice, &self.gears, (&found.fold, &found.parts), whole, &along)
+            validation::validate(&self.design, &self.surfaces[0].lattice, &self.gears, (&found.fold, &found.parts), whole, &prior, &along)
         };
         if let Some(form) = validation.as_ref().map(|v| v.comparison.chosen).filter(|form| *form != Form::Surface) {
             let penalties = form.penalties(&self.design.blocks, &found.solution.penalties);
-            found.solution = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &[]).ok_or(Error::Singular)?;
+            found.solution = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
             self.surfaces = self.surfaces_of(&found.solution);
-            found.along = Pass { courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(&found.along.speeds));
+            self.calibrate(&found.solution, Free::Delays);
+            let lagged = self.lagged();
+            let courses = courses_again(courses, &lagged, &self.calibration);
+            found.along = Pass { courses: &courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(speeds));
         }
         Ok((found, validation))
     }
@@ -204,8 +196,9 @@ impl<'a> Search<'a> {
             surfaces: self.surfaces,
             solution: found.solution,
             system: found.system,
+            speeds: smoothed_speeds(&stretch.segments, &found.along.residuals, &self.noise),
             segments: stretch.segments,
-            speeds: found.along.speeds,
+            filtered: found.along.speeds,
             offsets: found.along.offsets,
             white: found.along.white,
             transients: stretch.transients,
@@ -226,8 +219,12 @@ impl<'a> Search<'a> {
         let parts = pass.assemble(speeds, free, logs, (&fold, folds));
         let grams = total(&parts);
         let pairs: Vec<(Gear, &Gram)> = self.gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
+        let prior = self.nuisance_prior(free);
+        if settle {
+            let stribeck_mps = stribeck::speed(&self.surfaces[0].lattice, &pairs, &prior);
+            self.design = Design::new(&self.surfaces[0].lattice, self.gears.len() > 1, stribeck_mps);
+        }
         let system = System::new(&self.design, &pairs, free.nuisances(logs));
-        let prior = if free == Free::Surface { Vec::new() } else { nuisance_prior_std(logs, self.has_yaw) };
         let updates = PENALTY_ROUNDS[usize::from(settle)];
         let solution = system.solve(&self.design.blocks, &self.penalties, updates, &prior).ok_or(Error::Singular)?;
         self.penalties.clone_from(&solution.penalties);
@@ -236,10 +233,31 @@ impl<'a> Search<'a> {
         let moved_mps2 = pass.movement(speeds, &self.surfaces);
         let along = pass.along(Some(speeds));
         self.surfaces = next;
-        if free != Free::Surface {
-            self.calibrate(&solution, free);
+        let stepped_s = if free == Free::Surface { 0.0 } else { self.calibrate(&solution, free) };
+        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s })
+    }
+
+    /// Prior standard deviations of the nuisance columns; what is known from outside does not move.
+    fn nuisance_prior(&self, free: Free) -> Vec<f64> {
+        if free == Free::Surface {
+            return Vec::new();
         }
-        Ok(Found { solution, system, parts, fold, along, moved_mps2 })
+        let known = self.settings.known.as_ref();
+        let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw && free == Free::DelaysAndEncoder);
+        let hold = |std: &mut f64| *std = FIXED_STD;
+        if self.settings.lag_s.is_some() || known.is_some_and(|k| k.lag_s.is_some()) {
+            hold(&mut prior[nuisance::LAG]);
+        }
+        if known.is_some_and(|k| k.encoder.is_some()) {
+            hold(&mut prior[nuisance::ENCODER_SCALE]);
+            hold(&mut prior[nuisance::ENCODER_DELAY]);
+        }
+        for (std, log) in prior[nuisance::DEAD_TIME..].iter_mut().zip(&self.logs) {
+            if self.settings.dead_time_s.is_some() || known.is_some_and(|k| k.dead_time_s.contains_key(&log.survey.track.source.sha256)) {
+                hold(std);
+            }
+        }
+        prior
     }
 
     /// Speeds along the courses: by the surface, where there is one.
@@ -272,7 +290,7 @@ impl<'a> Search<'a> {
         let transients = if without_transients { self.transients(&lagged) } else { vec![Vec::new(); self.logs.len()] };
         let known = self.has_surface().then_some(&self.surfaces);
         let segments = all_segments(&self.logs, &self.calibration, &lagged, known, &transients);
-        Stretch { lagged, transients, segments }
+        Stretch { transients, segments }
     }
 
     /// The moments after steps of the effective torque.
@@ -306,20 +324,16 @@ impl<'a> Search<'a> {
         self.noise_bounds = found.at_bounds;
     }
 
-    /// A step of delays and encoder calibration, and how sure they are.
-    fn calibrate(&mut self, solution: &Solution, free: Free) {
+    /// A step of delays and encoder calibration, and how sure they are; the largest step of a delay [s].
+    fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
         let q = self.design.coefficients();
         let of = |k: usize| solution.beta[q + k];
         let step = |k: usize| of(k).clamp(-DELAY_STEP_S, DELAY_STEP_S);
-        if self.settings.lag_s.is_none() {
-            self.calibration.lag_s = (self.calibration.lag_s + step(nuisance::LAG)).clamp(0.0, 0.3);
+        let before = self.calibration.clone();
+        self.calibration.lag_s = (before.lag_s + step(nuisance::LAG)).clamp(0.0, 0.3);
+        for (k, dead_time) in self.calibration.dead_time_s.iter_mut().enumerate() {
+            *dead_time = (*dead_time + step(nuisance::DEAD_TIME + k)).clamp(-0.1, 0.5);
         }
-        if self.settings.dead_time_s.is_none() {
-            for (k, dead_time) in self.calibration.dead_time_s.iter_mut().enumerate() {
-                *dead_time = (*dead_time + step(nuisance::DEAD_TIME + k)).clamp(-0.1, 0.5);
-            }
-        }
-        hold_known(&mut self.calibration, &self.logs, &self.settings);
         let covariance = |a: usize, b: usize| solution.covariance[(q + a, q + b)];
         let std_err = |k: usize| covariance(k, k).max(0.0).sqrt();
         self.errors.lag_s = std_err(nuisance::LAG);
@@ -332,11 +346,9 @@ impl<'a> Search<'a> {
                 self.calibration.encoder_delay_s = delay_s.clamp(-0.3, 0.3);
             }
         }
-        // what is given from outside is taken to be exact
-        let given = |k: usize| {
-            (k == nuisance::LAG && self.settings.lag_s.is_some()) || (k >= nuisance::DEAD_TIME && self.settings.dead_time_s.is_some())
-        };
-        let n = self.errors.covariance.nrows();
-        self.errors.covariance = Mat::from_fn(n, n, |a, b| if given(a) || given(b) { 0.0 } else { covariance(a, b) });
+        hold_known(&mut self.calibration, &self.logs, &self.settings);
+        let now = &self.calibration;
+        let steps = before.dead_time_s.iter().zip(&now.dead_time_s).map(|(a, b)| (b - a).abs());
+        steps.fold((now.lag_s - before.lag_s).abs(), f64::max)
     }
 }

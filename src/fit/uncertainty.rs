@@ -1,24 +1,22 @@
 //! How sure each value of the surface is.
 //!
 //! The larger of two variances: the posterior cᵀ(XᵀX + Λ)⁻¹c, right when the model is, and the sandwich cᵀ·H⁻¹(Σ_r s_r·s_rᵀ)H⁻¹·c over the
-//! scores s_r of whole runs, right when runs differ more than the model thinks. On top: what delays that are not exactly known make of the
-//! surface, the square of the smoothing bias cᵀ·H⁻¹Λβ, and what penalties that are not exactly known make of that (Kass & Steffey 1989;
-//! Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*).
+//! scores s_r of whole runs, right when runs differ more than the model thinks. X holds the columns of the delays as well, so that what is
+//! unsure of them is in both. On top: the square of the smoothing bias cᵀ·H⁻¹Λβ, and what penalties that are not exactly known make of that
+//! (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*).
 
 use super::course::courses;
 use super::estimate::Estimate;
-use super::regressors::{Free, nuisance, whitened};
+use super::regressors::{Free, whitened};
 use crate::map::Gear;
 use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Covariances and bias of the coefficients.
+/// Covariances and bias of the coefficients, those of the design and of the nuisance columns.
 pub(crate) struct Uncertainty {
     posterior: Mat<f64>,
     sandwich: Mat<f64>,
-    /// What the delays' own uncertainty makes of the coefficients: H⁻¹·C·Σ·Cᵀ·H⁻¹, with C the coupling and Σ the delays' covariance.
-    by_delays: Mat<f64>,
     /// H⁻¹·λ_j·β_j of each block: where its penalty pulls, and by how much of itself that is unsure.
     pulls: Vec<(Vec<f64>, f64)>,
 }
@@ -26,26 +24,21 @@ pub(crate) struct Uncertainty {
 impl Uncertainty {
     /// From the final estimate.
     pub(crate) fn new(estimate: &Estimate) -> Self {
-        let q = estimate.design.coefficients();
-        let posterior = Mat::from_fn(q, q, |a, b| estimate.solution.covariance[(a, b)]);
-        let pulls = pulls(estimate, &posterior);
-        let (meat, coupling) = meat_and_coupling(estimate);
-        let answer = &posterior * &coupling;
-        let by_delays = &answer * &estimate.calibration_errors.covariance * answer.transpose();
-        let half = &posterior * &meat;
+        let posterior = estimate.solution.covariance.clone();
+        let half = &posterior * &meat(estimate);
         let sandwich = &half * &posterior;
-        Self { posterior, sandwich, by_delays, pulls }
+        Self { pulls: pulls(estimate, &posterior), posterior, sandwich }
     }
 
     /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
     pub(crate) fn std_errs_mps2(&self, estimate: &Estimate, gear: Gear, points: &[(f64, f64)]) -> Vec<f64> {
-        let q = self.posterior.nrows();
+        let q = estimate.design.coefficients();
         let rows: Vec<Vec<f64>> = points.iter().map(|(v, u)| contrast(estimate, gear, *v, *u)).collect();
         let contrasts = Mat::from_fn(q, points.len(), |a, k| rows[k][a]);
-        let products = [&self.posterior, &self.sandwich, &self.by_delays].map(|m| m * &contrasts);
+        let products = [&self.posterior, &self.sandwich].map(|m| m.submatrix(0, 0, q, q) * &contrasts);
         (0..points.len())
             .map(|k| {
-                let [posterior, sandwich, by_delays] =
+                let [posterior, sandwich] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
                 let (mut bias, mut unsure) = (0.0, 0.0);
                 for (pull, relative_variance) in &self.pulls {
@@ -53,7 +46,7 @@ impl Uncertainty {
                     bias += pulled;
                     unsure += relative_variance * pulled * pulled;
                 }
-                (posterior.max(sandwich) + by_delays + bias * bias + unsure).sqrt()
+                (posterior.max(sandwich) + bias * bias + unsure).sqrt()
             })
             .collect()
     }
@@ -62,7 +55,7 @@ impl Uncertainty {
 /// The pull of each block's penalty. λ_j is known to a relative variance of about 2/edf_j: it is a ratio of edf_j squares to their number.
 fn pulls(estimate: &Estimate, posterior: &Mat<f64>) -> Vec<(Vec<f64>, f64)> {
     let solution = &estimate.solution;
-    let q = posterior.nrows();
+    let q = estimate.design.coefficients();
     let mut pulls = Vec::new();
     for (j, block) in estimate.design.blocks.iter().enumerate().filter(|(j, b)| b.penalised && solution.penalties[*j].is_finite()) {
         let pull = (0..q).map(|a| block.range.clone().map(|k| posterior[(a, k)] * solution.penalties[j] * solution.beta[k]).sum());
@@ -79,64 +72,46 @@ fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> 
     (0..t.ncols()).map(|c| spot.columns(lattice).map(|(r, w)| w * t[(r, c)]).sum()).collect()
 }
 
-/// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe, and XᵀX between the coefficients of the design and the nuisance columns, the encoder's left
-/// at zero.
-fn meat_and_coupling(estimate: &Estimate) -> (Mat<f64>, Mat<f64>) {
+/// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe; those of the encoder's columns are zero.
+fn meat(estimate: &Estimate) -> Mat<f64> {
     let lagged = estimate.lagged_commands();
     let courses = courses(&estimate.segments, &lagged, &estimate.calibration);
     let base = estimate.surfaces[0].lattice.columns();
     let (q, nuisances) = (estimate.design.coefficients(), Free::Delays.nuisances(estimate.logs.len()));
-    // per segment, over the columns it touches: Xᵀ times residual, lag and dead time
-    let parts: Vec<(Vec<u32>, [Vec<f64>; 3])> = courses
+    // per segment, over the columns that it touches
+    let parts: Vec<(Vec<u32>, Vec<f64>)> = courses
         .par_iter()
-        .zip(&estimate.speeds)
+        .zip(&estimate.filtered)
         .map(|(course, speed)| {
-            let s = course.segment;
-            let surface = estimate.surface(s.gear);
+            let surface = estimate.surface(course.segment.gear);
             let mut local = whitened(course, speed, surface, &estimate.noise, Free::Delays);
             let width = local.columns.len();
             let touched = local.columns.iter().take_while(|c| (**c as usize) < base).count();
-            let [lag, dead_time] = [nuisance::LAG, nuisance::DEAD_TIME + s.log]
-                .map(|n| local.columns.iter().position(|c| *c as usize == base + n).unwrap_or(width - 1));
-            let mut sums = [(); 3].map(|()| vec![0.0; touched]);
+            let mut score = vec![0.0; width - 1];
             for row in local.data.chunks_exact(width) {
                 let fitted: f64 = row.iter().zip(&local.columns[..touched]).map(|(x, c)| x * surface.theta[*c as usize]).sum();
-                for (sum, value) in sums.iter_mut().zip([row[width - 1] - fitted, row[lag], row[dead_time]]) {
-                    sum.iter_mut().zip(row).for_each(|(s, x)| *s += x * value);
-                }
+                score.iter_mut().zip(row).for_each(|(s, x)| *s += x * (row[width - 1] - fitted));
             }
-            local.columns.truncate(touched);
-            (local.columns, sums)
+            local.columns.truncate(width - 1);
+            (local.columns, score)
         })
         .collect();
-    let mut meat: Mat<f64> = Mat::zeros(q, q);
-    let mut coupling: Mat<f64> = Mat::zeros(q, nuisances);
+    let mut meat: Mat<f64> = Mat::zeros(q + nuisances, q + nuisances);
     for gear in &estimate.gears {
-        let mut scores: BTreeMap<(usize, usize), BTreeMap<u32, f64>> = BTreeMap::new();
-        let mut crossed: Mat<f64> = Mat::zeros(base, nuisances);
-        for (course, (columns, [score, lag, dead_time])) in courses.iter().zip(&parts).filter(|(c, _)| c.segment.gear == *gear) {
-            let run = scores.entry((course.segment.log, course.segment.run)).or_default();
-            for (((c, s), l), d) in columns.iter().zip(score).zip(lag).zip(dead_time) {
-                *run.entry(*c).or_insert(0.0) += s;
-                crossed[(*c as usize, nuisance::LAG)] += l;
-                crossed[(*c as usize, nuisance::DEAD_TIME + course.segment.log)] += d;
-            }
+        let mut scores: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
+        for (course, (columns, score)) in courses.iter().zip(&parts).filter(|(c, _)| c.segment.gear == *gear) {
+            let run = scores.entry((course.segment.log, course.segment.run)).or_insert_with(|| vec![0.0; base + nuisances]);
+            columns.iter().zip(score).for_each(|(c, s)| run[*c as usize] += s);
         }
-        let runs = scores.len() as f64;
-        let mut squares: Mat<f64> = Mat::zeros(base, base);
-        for run in scores.values() {
-            for (a, x) in run {
-                for (b, y) in run {
-                    squares[(*b as usize, *a as usize)] += x * y;
-                }
-            }
+        let runs = scores.len();
+        if runs < 2 {
+            continue;
         }
-        let t = estimate.design.transform(*gear);
-        coupling += t.transpose() * &crossed;
-        if runs > 1.0 {
-            // scores of a fitted model are shrunk: the usual small-sample factor
-            meat += faer::Scale(runs / (runs - 1.0)) * (t.transpose() * &squares * t);
-        }
+        let scores: Vec<Vec<f64>> = scores.into_values().collect();
+        let lattice = Mat::from_fn(runs, base, |r, c| scores[r][c]) * estimate.design.transform(*gear);
+        let all = Mat::from_fn(runs, q + nuisances, |r, c| if c < q { lattice[(r, c)] } else { scores[r][base + c - q] });
+        // scores of a fitted model are shrunk: the usual small-sample factor
+        meat += faer::Scale(runs as f64 / (runs as f64 - 1.0)) * (all.transpose() * &all);
     }
-    (meat, coupling)
+    meat
 }

@@ -1,6 +1,6 @@
 //! What runs tell of the surface's coefficients.
 
-use super::super::anova::Design;
+use super::super::anova::{Design, STRIBECK_MPS};
 use super::super::course::Course;
 use super::super::gram::LocalGram;
 use super::super::kalman::Noise;
@@ -95,7 +95,10 @@ impl Model {
         let fastest_mps = if asked.speed_breaks_mps.is_some() { fastest_wanted + BEYOND_MPS } else { reached };
         let fastest = fastest.max(fastest_mps);
         let lattice = Lattice::new(fastest, low, high, settings.speed_nodes.clamp(4, 40), settings.torque_nodes.clamp(6, 60));
-        let design = Design::new(&lattice, file.maps.iter().any(|m| m.gear != file.maps[0].gear));
+        let design = {
+            let stribeck_mps = file.report.diagnostics["stribeck_speed_mps"].as_f64().filter(|v| *v > 1e-3).unwrap_or(STRIBECK_MPS);
+            Design::new(&lattice, file.maps.iter().any(|m| m.gear != file.maps[0].gear), stribeck_mps)
+        };
         // one series of readings that tells as much as all witnesses together
         let precision: f64 = file.witnesses.iter().zip(RATE_HZ).map(|(w, rate)| rate / (w.noise_mps * w.noise_mps).max(1e-8)).sum();
         let precision = if precision > 0.0 { precision } else { RATE_HZ[0] / (file.noise.speed_noise_mps.powi(2)).max(1e-8) };
