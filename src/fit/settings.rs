@@ -38,7 +38,7 @@ impl Default for Settings {
             lag_s: None,
             speed_nodes: 15,
             torque_nodes: 21,
-            transient_s: 0.02,
+            transient_s: 0.0,
             iterations: [6, 4],
             speed_breaks_mps: None,
             torque_breaks_nm: None,
