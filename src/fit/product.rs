@@ -254,12 +254,11 @@ pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         })
         .collect();
     let model_choice = estimate.validation.as_ref().map(|v| {
-        let Comparison { gain, std_err, runs, chosen } = v.comparison;
+        let Comparison { gain, in_std_errs, runs, chosen } = v.comparison;
         serde_json::json!({
             "chosen": chosen.name(),
             "gain_of_surface": round(gain, 1e3),
-            "std_err": round(std_err, 1e3),
-            "in_std_errs": round(gain / std_err.max(1e-12), 1e2),
+            "in_std_errs": round(in_std_errs, 1e2),
             "runs": runs,
         })
     });

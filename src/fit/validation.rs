@@ -2,13 +2,14 @@
 //!
 //! Whole runs are dealt into five folds. The whitened normal equations are sums over segments, so the equations without a fold are the
 //! whole ones minus the fold's; they are solved at the final noise and penalties, for the surface and its delays. Two models are compared
-//! on the runs left out, by the whitened squared error S_r of each run r: the physics form alone, and the whole surface. The surface's
-//! gain is D = Σ_r (S_r,physics − S_r,surface), its standard error √R times the standard deviation of the differences over the R runs.
+//! on the runs left out by their whitened errors, e of the physics form alone and e − Δ of the whole surface, Δ the difference of what the
+//! two predict. The surface's gain is D = Σe² − Σ(e − Δ)².
 //!
-//! The physics form is taken unless the surface gains more than two standard errors: among as many parameters as a surface has, some fit
-//! noise that by chance all runs share, and a form that tells new runs as well is the surer one where nothing was measured. (The rule of
-//! Breiman et al. 1984, *Classification and Regression Trees*, allows the simpler model one standard error; gains beyond one, but not
-//! beyond two, were noise more often than not in campaigns of a vehicle that obeys the form.)
+//! Were the physics form right, ΣeΔ would be zero but for its standard error √(φΣΔ²), since neither Δ nor the form was fitted to the runs
+//! left out; φ is the errors' variance, 1 when the noise model is right. The surface is taken when ΣeΔ exceeds two standard errors and D is
+//! positive: among as many parameters as a surface has, some fit noise, and a form that tells new runs as well is the surer one where
+//! nothing was measured. (A standard error from the spread of the runs, as in Breiman et al. 1984, *Classification and Regression Trees*,
+//! never lets a surface win that only a few runs need: those that reach where the power is limited, say.)
 
 use super::anova::{Block, Design};
 use super::course::{Course, surface_of};
@@ -24,9 +25,9 @@ use std::collections::BTreeMap;
 
 /// Number of folds, when there are as many runs.
 const FOLDS: usize = 5;
-/// Standard errors of gain from which on the surface is believed.
+/// Standard errors from which on the surface is believed.
 const BEYOND_DOUBT: f64 = 2.0;
-/// Fewest runs whose differences have a standard deviation worth the name.
+/// Fewest runs that are worth comparing.
 const FEWEST_RUNS: usize = 10;
 
 /// Surfaces of both gears: forward, reverse.
@@ -65,10 +66,10 @@ impl Form {
 /// What the comparison found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Comparison {
-    /// D: how much less the surface's whitened squared error is on runs left out than that of the physics form, summed over the runs.
+    /// D: how much less the surface's whitened squared error is on runs left out than that of the physics form.
     pub(crate) gain: f64,
-    /// Its standard error.
-    pub(crate) std_err: f64,
+    /// ΣeΔ in its standard errors: what speaks for the surface.
+    pub(crate) in_std_errs: f64,
     /// Number of runs compared.
     pub(crate) runs: usize,
     /// The form that was taken.
@@ -137,8 +138,9 @@ pub(crate) fn validate(
             fitted.push(Fitted { surfaces, delays_s: delays_s.to_vec() });
         }
     }
-    let errors = fitted.each_ref().map(|fitted| squared_errors(along, fold, fitted));
-    let comparison = choose(&errors);
+    let mut runs: Vec<(usize, usize)> = along.courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
+    runs.dedup();
+    let comparison = choose(sums(along, fold, &fitted), runs.len());
     let [physics, surface] = fitted;
     let chosen = if comparison.chosen == Form::Physics { physics } else { surface };
     Some(Validation { fold: fold.to_vec(), without: chosen.into_iter().map(|f| f.surfaces).collect(), comparison })
@@ -150,41 +152,59 @@ struct Fitted {
     delays_s: Vec<f64>,
 }
 
-type RunErrors = BTreeMap<(usize, usize), f64>;
+/// Sums over the runs left out: e², e·Δ and Δ², and the number of errors.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    squared: f64,
+    with_difference: f64,
+    difference_squared: f64,
+    count: f64,
+}
 
-/// Whitened squared error of each run against what was fitted without its fold.
-fn squared_errors(along: &Along, fold: &[usize], without: &[Fitted]) -> RunErrors {
-    let of_segments: Vec<f64> = along
+/// The sums over all runs, each against what was fitted without its fold.
+fn sums(along: &Along, fold: &[usize], [physics, surface]: &[Vec<Fitted>; 2]) -> Sums {
+    let of_segments: Vec<Sums> = along
         .courses
         .par_iter()
         .zip(along.speeds)
         .zip(fold)
         .map(|((course, speed), fold)| {
             let segment = course.segment;
-            let Fitted { surfaces, delays_s } = &without[*fold];
-            let delays_s = [delays_s[nuisance::LAG], delays_s[nuisance::DEAD_TIME + segment.log]];
-            let model = course.predicted_with(speed, surface_of(surfaces, segment), delays_s);
-            let mut error: Vec<f64> = segment.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-            whiten(&mut error, 1, &segment.readings, segment.start_s, along.noise, segment.start_std_mps);
-            error.iter().map(|e| e * e).sum()
+            let predicted = |Fitted { surfaces, delays_s }: &Fitted| {
+                let delays_s = [delays_s[nuisance::LAG], delays_s[nuisance::DEAD_TIME + segment.log]];
+                course.predicted_with(speed, surface_of(surfaces, segment), delays_s)
+            };
+            let (physics, surface) = (predicted(&physics[*fold]), predicted(&surface[*fold]));
+            let mut rows: Vec<f64> = Vec::with_capacity(2 * physics.len());
+            for ((reading, p), s) in segment.readings.iter().zip(physics).zip(surface) {
+                rows.extend([reading.speed_mps - p, s - p]);
+            }
+            whiten(&mut rows, 2, &segment.readings, segment.start_s, along.noise, segment.start_std_mps);
+            rows.chunks_exact(2).fold(Sums::default(), |sums, row| Sums {
+                squared: sums.squared + row[0] * row[0],
+                with_difference: sums.with_difference + row[0] * row[1],
+                difference_squared: sums.difference_squared + row[1] * row[1],
+                count: sums.count + 1.0,
+            })
         })
         .collect();
-    let mut of_runs = BTreeMap::new();
-    for (course, sum) in along.courses.iter().zip(of_segments) {
-        *of_runs.entry((course.segment.log, course.segment.run)).or_insert(0.0) += sum;
-    }
-    of_runs
+    // in the order of the segments: the same bits for any number of threads
+    of_segments.into_iter().fold(Sums::default(), |a, b| Sums {
+        squared: a.squared + b.squared,
+        with_difference: a.with_difference + b.with_difference,
+        difference_squared: a.difference_squared + b.difference_squared,
+        count: a.count + b.count,
+    })
 }
 
-/// The physics form, unless the surface tells the runs better beyond doubt; by their errors under both.
-fn choose([physics, surface]: &[RunErrors; 2]) -> Comparison {
-    let gains: Vec<f64> = physics.values().zip(surface.values()).map(|(p, s)| p - s).collect();
-    let runs = gains.len() as f64;
-    let gain: f64 = gains.iter().sum();
-    let variance = gains.iter().map(|g| (g - gain / runs).powi(2)).sum::<f64>() / (runs - 1.0).max(1.0);
-    let std_err = (runs * variance).sqrt();
-    let as_good = gains.len() >= FEWEST_RUNS && gain <= BEYOND_DOUBT * std_err;
-    Comparison { gain, std_err, runs: gains.len(), chosen: if as_good { Form::Physics } else { Form::Surface } }
+/// The physics form, unless the surface tells the runs better beyond doubt.
+fn choose(sums: Sums, runs: usize) -> Comparison {
+    let Sums { squared, with_difference, difference_squared, count } = sums;
+    let gain = 2.0 * with_difference - difference_squared;
+    let of_surface = (squared - gain) / count.max(1.0);
+    let in_std_errs = with_difference / (of_surface * difference_squared).sqrt().max(1e-12);
+    let better = in_std_errs > BEYOND_DOUBT && gain > 0.0;
+    Comparison { gain, in_std_errs, runs, chosen: if better || runs < FEWEST_RUNS { Form::Surface } else { Form::Physics } }
 }
 
 #[cfg(test)]
@@ -206,13 +226,13 @@ mod tests {
     }
 
     #[test]
-    fn the_physics_form_wins_ties_and_loses_by_more_than_two_standard_errors() {
-        let runs = |shift: f64| (0..20).map(|k| ((0, k), 100.0 + shift + (k % 3) as f64)).collect::<RunErrors>();
-        let even: RunErrors = runs(0.0).into_iter().map(|(r, e)| (r, e + if r.1 % 2 == 0 { 1.0 } else { -1.0 })).collect();
-        // the standard error of twenty differences of ±1 is 4.6
-        let shifted = |by: f64| -> RunErrors { even.iter().map(|(r, e)| (*r, e + by / 20.0)).collect() };
-        assert_eq!(choose(&[even.clone(), runs(0.0)]).chosen, Form::Physics);
-        assert_eq!(choose(&[shifted(8.0), runs(0.0)]).chosen, Form::Physics);
-        assert_eq!(choose(&[shifted(11.0), runs(0.0)]).chosen, Form::Surface);
+    fn the_physics_form_wins_unless_the_surface_is_better_beyond_doubt() {
+        let of = |with_difference: f64, difference_squared: f64| Sums { squared: 1000.0, with_difference, difference_squared, count: 1000.0 };
+        // pure noise in Δ; a difference that helps, but may be chance; one that helps beyond doubt; one that is real, yet overdone
+        assert_eq!(choose(of(0.0, 9.0), 20).chosen, Form::Physics);
+        assert_eq!(choose(of(5.0, 9.0), 20).chosen, Form::Physics);
+        assert_eq!(choose(of(40.0, 49.0), 20).chosen, Form::Surface);
+        assert_eq!(choose(of(40.0, 100.0), 20).chosen, Form::Physics);
+        assert_eq!(choose(of(0.0, 9.0), 5).chosen, Form::Surface);
     }
 }
