@@ -287,7 +287,11 @@ impl<'a> Search<'a> {
     /// The segments as they are now; without the moments after steps, if so asked.
     fn stretch(&self, without_transients: bool) -> Stretch {
         let lagged = self.lagged();
-        let transients = if without_transients && self.settings.transient_s > 0.0 { self.transients(&lagged) } else { vec![Vec::new(); self.logs.len()] };
+        let transients = if without_transients && self.settings.transient_s > 0.0 {
+            self.transients(&lagged)
+        } else {
+            vec![Vec::new(); self.logs.len()]
+        };
         let known = self.has_surface().then_some(&self.surfaces);
         let segments = all_segments(&self.logs, &self.calibration, &lagged, known, &transients);
         Stretch { transients, segments }

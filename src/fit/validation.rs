@@ -228,7 +228,8 @@ mod tests {
 
     #[test]
     fn the_physics_form_wins_unless_the_surface_is_better_beyond_doubt() {
-        let of = |with_difference: f64, difference_squared: f64| Sums { squared: 1000.0, with_difference, difference_squared, count: 1000.0 };
+        let of =
+            |with_difference: f64, difference_squared: f64| Sums { squared: 1000.0, with_difference, difference_squared, count: 1000.0 };
         // pure noise in Δ; a difference that helps, but may be chance; one that helps beyond doubt; one that is real, yet overdone
         assert_eq!(choose(of(0.0, 9.0), 20).chosen, Form::Physics);
         assert_eq!(choose(of(9.0, 9.0), 20).chosen, Form::Physics);
