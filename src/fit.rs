@@ -20,6 +20,7 @@ mod hyper;
 mod kalman;
 mod known;
 mod lattice;
+mod merging;
 mod monotone;
 mod part;
 mod passes;

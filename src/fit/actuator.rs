@@ -50,11 +50,11 @@ impl Cursor<'_> {
         self.lagged.after(self.passed, t_s)
     }
 
-    /// Whether the torque still moves by more than a thousandth of the largest commanded between the last question's time and `to_s`, which
-    /// is not before it.
-    pub(crate) fn moves_until(&self, last: &Torque, to_s: f64) -> bool {
+    /// Whether the torque still moves by more than `share` of the largest commanded between the last question's time and `to_s`, which is
+    /// not before it.
+    pub(crate) fn moves_until(&self, last: &Torque, to_s: f64, share: f64) -> bool {
         let left_nm = (last.by_dead_time * self.lagged.lag_s).abs();
-        left_nm > 1e-3 * self.lagged.largest_nm || self.lagged.change_s.get(self.passed).is_some_and(|&t| t <= to_s)
+        left_nm > share * self.lagged.largest_nm || self.lagged.change_s.get(self.passed).is_some_and(|&t| t <= to_s)
     }
 }
 
@@ -96,8 +96,8 @@ impl LaggedCommand {
             return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
         }
         let (since, c, u0, w0) = (t_s - self.change_s[k - 1], self.command_nm[k - 1], self.torque_nm[k - 1], self.by_lag[k - 1]);
-        // e⁻⁴⁰ of a step is nothing
-        if self.lag_s < LEAST_LAG_S || since > 40.0 * self.lag_s {
+        // e⁻²⁰ of a step, 10⁻⁹, is nothing
+        if self.lag_s < LEAST_LAG_S || since > 20.0 * self.lag_s {
             return Torque { torque_nm: c, by_dead_time: 0.0, by_lag: 0.0 };
         }
         let decay = (-since / self.lag_s).exp();

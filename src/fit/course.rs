@@ -1,7 +1,7 @@
 //! A segment with the effective torque along it, ready to be integrated with any speeds and any surface.
 //!
-//! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, of at most 20 ms while it stands, and never across
-//! a reading.
+//! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms while its last twentieth is to come, 20 ms
+//! while it stands, and never across a reading.
 
 use super::actuator::{LaggedCommand, Torque};
 use super::lattice::LatticeSurface;
@@ -9,8 +9,10 @@ use super::segment::{Calibration, Segment};
 use crate::map::Gear;
 use rayon::prelude::*;
 
-/// Longest step of the integration while the torque moves, and while it stands [s].
-const LONGEST_STEP_S: [f64; 2] = [5e-3, 20e-3];
+/// Share of the largest torque that is still to come down to which a step of the integration may have this length at most [s].
+const LONGEST_STEP: [(f64, f64); 2] = [(0.05, 5e-3), (1e-3, 10e-3)];
+/// Longest step while the torque stands [s].
+const LONGEST_STANDING_S: f64 = 20e-3;
 
 /// One step of the integration.
 #[derive(Debug, Clone, Copy)]
@@ -42,8 +44,9 @@ impl<'a> Course<'a> {
         for reading in &segment.readings {
             let length_s = (reading.t_s - from_s).max(0.0);
             let first = cursor.at(from_s - dead_time_s);
-            let moving = cursor.moves_until(&first, reading.t_s - dead_time_s);
-            let count = (length_s / LONGEST_STEP_S[usize::from(!moving)]).ceil().max(1.0);
+            let moving = |share: f64| cursor.moves_until(&first, reading.t_s - dead_time_s, share);
+            let longest_s = LONGEST_STEP.iter().find(|(share, _)| moving(*share)).map_or(LONGEST_STANDING_S, |(_, s)| *s);
+            let count = (length_s / longest_s).ceil().max(1.0);
             for k in 0..count as usize {
                 let fraction = (k as f64 + 0.5) / count;
                 let Torque { torque_nm, by_dead_time, by_lag } = cursor.at(from_s + fraction * length_s - dead_time_s);

@@ -38,8 +38,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) segments: Vec<Segment>,
     /// Speeds along the segments, smoothed [m/s]: the best that is known of them.
     pub(crate) speeds: Vec<Vec<f64>>,
-    /// The same, filtered: where the surface was looked up.
-    pub(crate) filtered: Vec<Vec<f64>>,
+    /// The segments with merged readings, as they were fitted, and filtered speeds along them [m/s]: where the surface was looked up.
+    pub(crate) fitted: (Vec<Segment>, Vec<Vec<f64>>),
     /// Offset of each segment [m/s²].
     pub(crate) offsets: Vec<f64>,
     /// Whitened residuals of the segments.

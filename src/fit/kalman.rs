@@ -19,10 +19,11 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// Variance of a reading of a witness [m²/s²].
-    pub(crate) fn variance(&self, witness: u8) -> f64 {
-        let sigma = self.reading_mps[usize::from(witness)];
-        sigma * sigma
+    /// Variance of a reading [m²/s²].
+    pub(crate) fn variance(&self, reading: &Reading) -> f64 {
+        let [encoder, yaw] = self.reading_mps;
+        let [encoders, yaws] = reading.of;
+        1.0 / (f64::from(encoders) / (encoder * encoder) + f64::from(yaws) / (yaw * yaw))
     }
 }
 
@@ -36,10 +37,19 @@ pub(crate) struct Reading {
     pub(crate) t_s: f64,
     /// Speed in the gear's frame, scale and bias taken out [m/s].
     pub(crate) speed_mps: f64,
-    /// 0 encoder, 1 yaw rate.
+    /// 0 encoder, 1 yaw rate; of several readings, that of the first.
     pub(crate) witness: u8,
-    /// Index of the sample in its witness's series.
+    /// Index of the sample in its witness's series; of several, of the first.
     pub(crate) sample: u32,
+    /// How many readings of each witness it is the mean of.
+    pub(crate) of: [u8; 2],
+}
+
+impl Reading {
+    /// One reading of one witness.
+    pub(crate) fn single(t_s: f64, speed_mps: f64, witness: u8, sample: u32) -> Self {
+        Self { t_s, speed_mps, witness, sample, of: if witness == 0 { [1, 0] } else { [0, 1] } }
+    }
 }
 
 /// Gains of the filter at one reading.
@@ -125,7 +135,7 @@ impl Filter {
 
     /// Over readings.
     pub(crate) fn over(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
-        Self::new(readings.iter().map(|r| (r.t_s, noise.variance(r.witness))), start_s, noise, start_std_mps)
+        Self::new(readings.iter().map(|r| (r.t_s, noise.variance(r))), start_s, noise, start_std_mps)
     }
 
     /// Replaces each column of `matrix` (row-major, one row per measurement, `columns` wide) by its whitened innovations.
@@ -163,7 +173,7 @@ pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64,
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt);
-        let (gain, s) = measure(&mut p, noise.variance(reading.witness));
+        let (gain, s) = measure(&mut p, noise.variance(reading));
         v += drift * d + dt * b;
         d *= decay;
         let innovation = residual - v;
@@ -195,7 +205,7 @@ pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
-        let (gain, _) = measure(&mut p, noise.variance(reading.witness));
+        let (gain, _) = measure(&mut p, noise.variance(reading));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
@@ -229,7 +239,7 @@ pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
         let (predicted_mps, row) = (x[0], p[0]);
-        let (gain, s) = measure(&mut p, noise.variance(reading.witness));
+        let (gain, s) = measure(&mut p, noise.variance(reading));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
@@ -269,7 +279,7 @@ mod tests {
             d = decay * d + NOISE.disturbance_mps2 * (1.0 - decay * decay).sqrt() * draw();
             if k % 10 == 9 {
                 let witness = u8::try_from(k / 10 % 2).unwrap_or(0);
-                readings.push(Reading { t_s: f64::from(u32::try_from(k + 1).unwrap_or(0)) * dt, speed_mps: 0.0, witness, sample: 0 });
+                readings.push(Reading::single(f64::from(u32::try_from(k + 1).unwrap_or(0)) * dt, 0.0, witness, 0));
                 values.push(v + NOISE.reading_mps[usize::from(witness)] * draw());
             }
         }

@@ -2,10 +2,6 @@
 //!
 //! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Beside them what the delays and the encoder's calibration would
 //! change: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
-//!
-//! Readings within 25 ms of one another enter as one: their mean, weighted by precision, at their mean time. Within so short a time the
-//! speed is as good as straight, and what is lost is what their differences tell of the acceleration: over a
-//! quarter of a second a hundredth, (25 ms / 250 ms)², of what all readings tell.
 
 use super::course::Course;
 use super::kalman::{Filter, Noise};
@@ -23,9 +19,6 @@ pub(crate) mod nuisance {
     pub(crate) const DEAD_TIME: usize = 3;
 }
 
-/// Readings within this time are merged [s].
-const MERGED_S: f64 = 0.025;
-
 /// What is free beside the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Free {
@@ -33,7 +26,7 @@ pub(crate) enum Free {
     Surface,
     /// Dead times and lag too.
     Delays,
-    /// The encoder's scale and delay as well. Readings stay apart then: what two witnesses of one moment tell differently is what
+    /// The encoder's scale and delay as well; readings must not be merged then: what two witnesses of one moment tell differently is what
     /// calibrates one by the other.
     DelaysAndEncoder,
 }
@@ -50,36 +43,8 @@ impl Free {
 pub(crate) struct LocalMatrix {
     /// Global column of each local one; the last local column is the speed.
     pub(crate) columns: Vec<u32>,
-    /// Row-major, one row per merged reading.
+    /// Row-major, one row per reading.
     pub(crate) data: Vec<f64>,
-}
-
-/// Readings that enter as one.
-struct Merged {
-    rows: std::ops::Range<usize>,
-    /// Mean time [s] and variance [m²/s²].
-    t_s: f64,
-    variance: f64,
-}
-
-/// The readings of a segment in groups.
-fn merged(course: &Course, noise: &Noise, within_s: f64) -> Vec<Merged> {
-    let readings = &course.segment.readings;
-    let mut groups: Vec<Merged> = Vec::new();
-    let mut from = 0;
-    while from < readings.len() {
-        let first_s = readings[from].t_s;
-        let to = from + readings[from..].iter().take_while(|r| r.t_s - first_s < within_s).count().max(1);
-        let (mut precision, mut moment) = (0.0, 0.0);
-        for reading in &readings[from..to] {
-            let p = 1.0 / noise.variance(reading.witness);
-            precision += p;
-            moment += p * (reading.t_s - first_s);
-        }
-        groups.push(Merged { rows: from..to, t_s: first_s + moment / precision, variance: 1.0 / precision });
-        from = to;
-    }
-    groups
 }
 
 /// The whitened matrix of one segment. The surface gives the slopes of the nuisance columns, where something else is free.
@@ -115,46 +80,35 @@ pub(crate) fn whitened(course: &Course, speed_mps: &[f64], surface: &LatticeSurf
     }
     columns.push(u32::MAX);
     let width = columns.len();
-    let groups = merged(course, noise, if free == Free::DelaysAndEncoder { 0.0 } else { MERGED_S });
-    let mut data = vec![0.0; groups.len() * width];
+    let mut data = vec![0.0; course.rows() * width];
     let mut sums = vec![0.0; width];
     let mut spots = spots.iter();
-    for (line, group) in data.chunks_exact_mut(width).zip(&groups) {
+    for (row, line) in data.chunks_exact_mut(width).enumerate() {
+        for ((v, step), spot) in course.along(speed_mps, row).zip(&mut spots) {
+            for i in 0..4 {
+                let from = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
+                let by_speed = step.length_s * spot.along_speed.value[i];
+                for (place, by_torque) in touched[from..from + 4].iter().zip(spot.along_torque.value) {
+                    sums[*place as usize] += by_speed * by_torque;
+                }
+            }
+            // a torque that stands has no delay
+            if with_nuisance && (step.torque.by_lag != 0.0 || step.torque.by_dead_time != 0.0) {
+                let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
+                sums[nuisance_at] += slope * step.torque.by_lag;
+                sums[nuisance_at + 3] += slope * step.torque.by_dead_time;
+            }
+        }
         line.copy_from_slice(&sums);
-        // what happens before a reading counts for it and for those after it
-        let mut share = 1.0;
-        for row in group.rows.clone() {
-            let reading = segment.readings[row];
-            for ((v, step), spot) in course.along(speed_mps, row).zip(&mut spots) {
-                for i in 0..4 {
-                    let from = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
-                    let by_speed = step.length_s * spot.along_speed.value[i];
-                    for (place, by_torque) in touched[from..from + 4].iter().zip(spot.along_torque.value) {
-                        let (at, change) = (*place as usize, by_speed * by_torque);
-                        sums[at] += change;
-                        line[at] += share * change;
-                    }
-                }
-                if with_nuisance {
-                    let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
-                    for (at, change) in [(nuisance_at, slope * step.torque.by_lag), (nuisance_at + 3, slope * step.torque.by_dead_time)] {
-                        sums[at] += change;
-                        line[at] += share * change;
-                    }
-                }
-            }
-            let weight = group.variance / noise.variance(reading.witness);
-            line[width - 1] += weight * reading.speed_mps;
-            if free == Free::DelaysAndEncoder && reading.witness == 0 {
-                let v = speed_mps[row].max(0.0);
-                let torque_nm = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
-                line[nuisance_at + 1] += weight * v;
-                line[nuisance_at + 2] -= weight * surface.accel_mps2(v, torque_nm);
-            }
-            share -= weight;
+        let reading = segment.readings[row];
+        line[width - 1] = reading.speed_mps;
+        if free == Free::DelaysAndEncoder && reading.witness == 0 {
+            let v = speed_mps[row].max(0.0);
+            let torque_nm = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
+            line[nuisance_at + 1] = v;
+            line[nuisance_at + 2] = -surface.accel_mps2(v, torque_nm);
         }
     }
-    let times = groups.iter().map(|g| (g.t_s, g.variance));
-    Filter::new(times, segment.start_s, noise, segment.start_std_mps).whiten(&mut data, width);
+    Filter::over(&segment.readings, segment.start_s, noise, segment.start_std_mps).whiten(&mut data, width);
     LocalMatrix { columns, data }
 }

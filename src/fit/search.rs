@@ -12,6 +12,7 @@ use super::gram::Gram;
 use super::hyper;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
+use super::merging::{merged, spread};
 use super::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
 use super::penalised::{Solution, System, nuisance_prior_std};
 use super::regressors::{Free, nuisance};
@@ -61,6 +62,8 @@ pub(crate) struct Search<'a> {
 struct Stretch {
     transients: Vec<Vec<(f64, f64)>>,
     segments: Vec<Segment>,
+    /// The same with merged readings.
+    merged: Vec<Segment>,
 }
 
 /// What a round found.
@@ -114,13 +117,15 @@ impl<'a> Search<'a> {
             }
             let stretch = self.stretch(false);
             let lagged = self.lagged();
-            let courses = courses(&stretch.segments, &lagged, &self.calibration);
-            let speeds = self.speeds(&courses);
+            // two witnesses that are merged do not tell one from the other
             let free = if round == 0 { Free::Surface } else { Free::DelaysAndEncoder };
+            let segments = if free == Free::Surface { &stretch.merged } else { &stretch.segments };
+            let courses = courses(segments, &lagged, &self.calibration);
+            let speeds = self.speeds(&courses);
             let found = self.round(&courses, &speeds, free, false)?;
             if (1..=4).contains(&round) {
                 // before the first cuts pushes and slips are still in: only what is well explained tells the noise
-                self.update_noise(&stretch.segments, &found.along, 0.6);
+                self.update_noise(segments, &found.along, 0.6);
             }
             if found.moved_mps2 < STILL_MPS2 && round >= 5 {
                 break;
@@ -139,19 +144,25 @@ impl<'a> Search<'a> {
         let mut stretch = self.stretch(true);
         let mut speeds = None;
         let most = self.settings.iterations[1].max(2);
+        let mut before: Option<[f64; 2]> = None;
         for round in 1.. {
             let lagged = self.lagged();
-            let courses = courses(&stretch.segments, &lagged, &self.calibration);
+            let courses = courses(&stretch.merged, &lagged, &self.calibration);
             let along = speeds.take().unwrap_or_else(|| self.speeds(&courses));
             let mut found = self.round(&courses, &along, Free::Delays, true)?;
-            self.converged = found.moved_mps2 < STILL_MPS2 && found.stepped_s < STILL_S;
+            let moved = [found.moved_mps2, found.stepped_s];
+            self.converged = moved.into_iter().zip([STILL_MPS2, STILL_S]).enumerate().all(|(k, (moved, still))| {
+                moved < still || before.is_some_and(|before| to_come(before[k], moved) < still)
+            });
+            before = Some(moved);
             if round == 1 {
-                self.update_noise(&stretch.segments, &found.along, 0.98);
+                self.update_noise(&stretch.merged, &found.along, 0.98);
                 // what was cut is judged again by the better surface, which moves the starts from rest a little as well; then they stay
                 if !self.sampled || self.logs.iter().any(|l| l.cuts != Cuts::default()) {
                     drop(courses);
                     self.cut(CUT_BEYOND[1]);
                     stretch = self.stretch(true);
+                    before = None;
                     continue;
                 }
             } else if self.converged || round >= most {
@@ -184,7 +195,16 @@ impl<'a> Search<'a> {
         Ok((found, validation))
     }
 
+    /// The estimate, with every single reading told against it.
     fn handed_over(self, stretch: Stretch, (found, validation): (Found, Option<Validation>)) -> Estimate<'a> {
+        let Stretch { transients, segments, merged } = stretch;
+        let fitted = (merged, found.along.speeds);
+        let speeds: Vec<Vec<f64>> =
+            segments.iter().zip(fitted.0.iter().zip(&fitted.1)).map(|(s, (m, v))| spread(v, &m.readings, &s.readings)).collect();
+        let lagged = self.lagged();
+        let courses = courses(&segments, &lagged, &self.calibration);
+        let along = Pass { courses: &courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(&speeds));
+        drop(courses);
         Estimate {
             logs: self.logs,
             design: self.design,
@@ -196,12 +216,12 @@ impl<'a> Search<'a> {
             surfaces: self.surfaces,
             solution: found.solution,
             system: found.system,
-            speeds: smoothed_speeds(&stretch.segments, &found.along.residuals, &self.noise),
-            segments: stretch.segments,
-            filtered: found.along.speeds,
-            offsets: found.along.offsets,
-            white: found.along.white,
-            transients: stretch.transients,
+            speeds: smoothed_speeds(&segments, &along.residuals, &self.noise),
+            segments,
+            fitted,
+            offsets: along.offsets,
+            white: along.white,
+            transients,
             iterations: self.rounds,
             converged: self.converged,
             has_yaw: self.has_yaw,
@@ -294,7 +314,8 @@ impl<'a> Search<'a> {
         };
         let known = self.has_surface().then_some(&self.surfaces);
         let segments = all_segments(&self.logs, &self.calibration, &lagged, known, &transients);
-        Stretch { transients, segments }
+        let merged = merged(&segments, &lagged, &self.calibration, &self.noise);
+        Stretch { transients, segments, merged }
     }
 
     /// The moments after steps of the effective torque.
@@ -355,4 +376,10 @@ impl<'a> Search<'a> {
         let steps = before.dead_time_s.iter().zip(&now.dead_time_s).map(|(a, b)| (b - a).abs());
         steps.fold((now.lag_s - before.lag_s).abs(), f64::max)
     }
+}
+
+/// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
+fn to_come(before: f64, last: f64) -> f64 {
+    let factor = last / before.max(1e-300);
+    if factor < 1.0 { last * factor / (1.0 - factor) } else { f64::INFINITY }
 }

@@ -129,19 +129,15 @@ impl LogData<'_> {
         let mut readings: Vec<Reading> = encoder
             .range(from_s + calibration.encoder_delay_s, to_s)
             .filter(|&k| !matches!(self.survey.verdicts[k], Verdict::Outlier))
-            .map(|k| Reading {
-                t_s: encoder.t_s[k] - calibration.encoder_delay_s,
-                speed_mps: gear.sign() * encoder.value[k] / calibration.encoder_scale,
-                witness: 0,
-                sample: k as u32,
+            .map(|k| {
+                let speed_mps = gear.sign() * encoder.value[k] / calibration.encoder_scale;
+                Reading::single(encoder.t_s[k] - calibration.encoder_delay_s, speed_mps, 0, k as u32)
             })
             .collect();
         if let Some(yaw) = &track.yaw_speed_mps {
-            readings.extend(yaw.range(from_s, to_s).filter(|&k| !self.yaw_outliers[k]).map(|k| Reading {
-                t_s: yaw.t_s[k],
-                speed_mps: gear.sign() * (yaw.value[k] - self.survey.yaw_bias_mps),
-                witness: 1,
-                sample: k as u32,
+            readings.extend(yaw.range(from_s, to_s).filter(|&k| !self.yaw_outliers[k]).map(|k| {
+                let speed_mps = gear.sign() * (yaw.value[k] - self.survey.yaw_bias_mps);
+                Reading::single(yaw.t_s[k], speed_mps, 1, k as u32)
             }));
         }
         readings.retain(|r| !self.cuts.readings.contains(&(r.witness, r.sample)));
@@ -232,7 +228,7 @@ mod tests {
     #[test]
     fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
         let readings: Vec<Reading> =
-            (0..100u32).map(|k| Reading { t_s: f64::from(k) * 0.01, speed_mps: 0.1, witness: 1, sample: k }).collect();
+            (0..100u32).map(|k| Reading::single(f64::from(k) * 0.01, 0.1, 1, k)).collect();
         let model =
             Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
         let mut segments = Vec::new();

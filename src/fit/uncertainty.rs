@@ -75,13 +75,14 @@ fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> 
 /// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe; those of the encoder's columns are zero.
 fn meat(estimate: &Estimate) -> Mat<f64> {
     let lagged = estimate.lagged_commands();
-    let courses = courses(&estimate.segments, &lagged, &estimate.calibration);
+    let (segments, speeds) = &estimate.fitted;
+    let courses = courses(segments, &lagged, &estimate.calibration);
     let base = estimate.surfaces[0].lattice.columns();
     let (q, nuisances) = (estimate.design.coefficients(), Free::Delays.nuisances(estimate.logs.len()));
     // per segment, over the columns that it touches
     let parts: Vec<(Vec<u32>, Vec<f64>)> = courses
         .par_iter()
-        .zip(&estimate.filtered)
+        .zip(speeds)
         .map(|(course, speed)| {
             let surface = estimate.surface(course.segment.gear);
             let mut local = whitened(course, speed, surface, &estimate.noise, Free::Delays);

@@ -310,7 +310,7 @@ impl<'a> Way<'a> {
                 speed_mps: Vec::new(),
                 command: lagged.clone(),
             });
-            part.segment.readings.push(Reading { t_s, speed_mps, witness: 0, sample: 0 });
+            part.segment.readings.push(Reading::single(t_s, speed_mps, 0, 0));
             part.speed_mps.push(speed_mps);
         }
         close(open.take());
