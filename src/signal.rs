@@ -15,7 +15,7 @@ mod track;
 pub use align::Alignment;
 pub use error::{Error, Result};
 pub use new_values::new_values_only;
-pub use noise::{median, noise_std, quantum};
+pub use noise::{hampel, median, noise_std, quantum};
 pub use rest::RestDetector;
 pub use series::Series;
 pub use track::Track;

@@ -86,15 +86,7 @@ pub(super) fn command_gaps(command: &Series, settings: &Settings) -> Intervals {
 /// Samples that their neighbours do not share: Hampel's rule over ±3 samples, with a floor so that a quantum is no outlier.
 pub(super) fn outliers(series: &Series, mads: f64) -> Vec<bool> {
     let floor = crate::signal::noise_std(&series.value).max(crate::signal::quantum(&series.value)).max(1e-6);
-    let n = series.len();
-    (0..n)
-        .map(|i| {
-            let range = i.saturating_sub(3)..(i + 4).min(n);
-            let centre = median(&series.value[range.clone()]);
-            let spread: Vec<f64> = series.value[range].iter().map(|v| (v - centre).abs()).collect();
-            (series.value[i] - centre).abs() > mads * (1.4826 * median(&spread)).max(floor)
-        })
-        .collect()
+    crate::signal::hampel(&series.value, mads, floor)
 }
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ impl Lattice {
 
     /// w(V), 0 to 1 over the lattice.
     pub(crate) fn warp(&self, speed_mps: f64) -> f64 {
-        (speed_mps.max(0.0) / WARP_MPS).ln_1p() * self.warp_scale
+        (1.0 + speed_mps.max(0.0) / WARP_MPS).ln() * self.warp_scale
     }
 
     /// Coefficients along speed of a function of the speed.

@@ -35,6 +35,8 @@ const DELAY_STEP_S: f64 = 0.02;
 const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
 /// Prior standard deviation of what is known.
 const FIXED_STD: f64 = 1e-9;
+/// Rounds in which the encoder is calibrated by the yaw rate: at once, and when pushes and slips are out.
+const ENCODER_ROUNDS: [usize; 2] = [1, 4];
 /// Rounds of the penalties' own iteration: while other things still move, and for good.
 const PENALTY_ROUNDS: [usize; 2] = [4, 50];
 
@@ -117,9 +119,13 @@ impl<'a> Search<'a> {
             }
             let stretch = self.stretch(false);
             let lagged = self.lagged();
+            let free = match round {
+                0 => Free::Surface,
+                _ if ENCODER_ROUNDS.contains(&round) => Free::DelaysAndEncoder,
+                _ => Free::Delays,
+            };
             // two witnesses that are merged do not tell one from the other
-            let free = if round == 0 { Free::Surface } else { Free::DelaysAndEncoder };
-            let segments = if free == Free::Surface { &stretch.merged } else { &stretch.segments };
+            let segments = if free == Free::DelaysAndEncoder { &stretch.segments } else { &stretch.merged };
             let courses = courses(segments, &lagged, &self.calibration);
             let speeds = self.speeds(&courses);
             let found = self.round(&courses, &speeds, free, false)?;

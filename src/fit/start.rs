@@ -95,15 +95,7 @@ fn log_data(survey: &Survey) -> LogData<'_> {
 /// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.
 fn hampel(series: &Series) -> Vec<bool> {
     let floor = noise_std(&series.value).max(quantum(&series.value)).max(1e-6);
-    let n = series.len();
-    (0..n)
-        .map(|i| {
-            let range = i.saturating_sub(3)..(i + 4).min(n);
-            let centre = crate::signal::median(&series.value[range.clone()]);
-            let spread: Vec<f64> = series.value[range].iter().map(|v| (v - centre).abs()).collect();
-            (series.value[i] - centre).abs() > 6.0 * (1.4826 * crate::signal::median(&spread)).max(floor)
-        })
-        .collect()
+    crate::signal::hampel(&series.value, 6.0, floor)
 }
 
 fn first_calibration(surveys: &[Survey]) -> Calibration {

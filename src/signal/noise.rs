@@ -11,6 +11,30 @@ pub fn median(values: &[f64]) -> f64 {
     if sorted.len() % 2 == 1 { sorted[middle] } else { 0.5 * (sorted[middle - 1] + sorted[middle]) }
 }
 
+/// Which values stand out by Hampel's rule: farther from the median of the seven around than `mads` scaled median absolute deviations, or
+/// than `mads` times `floor`, whichever is larger (Hampel 1974, *The influence curve and its role in robust estimation*).
+pub fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
+    let n = values.len();
+    let mut around = [0.0f64; 7];
+    (0..n)
+        .map(|i| {
+            let window = &values[i.saturating_sub(3)..(i + 4).min(n)];
+            let around = &mut around[..window.len()];
+            around.copy_from_slice(window);
+            let centre = median_in_place(around);
+            around.iter_mut().zip(window).for_each(|(d, v)| *d = (v - centre).abs());
+            (values[i] - centre).abs() > mads * (1.4826 * median_in_place(around)).max(floor)
+        })
+        .collect()
+}
+
+/// Median of a few values, which it sorts.
+fn median_in_place(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
 /// Standard deviation of white noise on a slowly varying signal, from the median absolute second difference:
 /// a second difference of white noise has standard deviation √6·σ, and the median of its magnitude is 0.6745 of that.
 /// 0 for fewer than three values.
