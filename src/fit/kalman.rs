@@ -194,25 +194,27 @@ pub(crate) struct Deviation {
     pub(crate) offset_mps2: f64,
 }
 
-/// The filter over a residual sequence: what each reading and those before it tell.
-pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Deviation {
+/// The filter over a residual sequence: what each reading and those before it tell, and the innovations over √S.
+pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> (Deviation, Vec<f64>) {
     let mut p = start_covariance(noise, start_std_mps);
     let mut x = [0.0; 3];
     let mut last = start_s;
     let mut speed_mps = Vec::with_capacity(readings.len());
+    let mut white = Vec::with_capacity(readings.len());
     for (reading, residual) in readings.iter().zip(residual_mps) {
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
-        let (gain, _) = measure(&mut p, noise.variance(reading));
+        let (gain, s) = measure(&mut p, noise.variance(reading));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
         }
         speed_mps.push(x[0]);
+        white.push(innovation / s.sqrt());
     }
-    Deviation { speed_mps, offset_mps2: x[2] }
+    (Deviation { speed_mps, offset_mps2: x[2] }, white)
 }
 
 /// Fixed-interval smoothing of a residual sequence, by Bryson and Frazier's adjoint recursion (Bierman 1973): with λ running backwards from
@@ -311,12 +313,15 @@ mod tests {
     #[test]
     fn the_filter_ends_where_the_smoother_does_and_knows_nothing_of_what_follows() {
         let (readings, values) = simulated(500, 11);
-        let filtered = filter(&values, &readings, 0.0, &NOISE, 3e-3);
+        let (filtered, white) = filter(&values, &readings, 0.0, &NOISE, 3e-3);
         let smoothed = smooth(&values, &readings, 0.0, &NOISE, 3e-3);
         assert!((filtered.speed_mps[499] - smoothed.speed_mps[499]).abs() < 1e-12);
         assert!((filtered.offset_mps2 - smoothed.offset_mps2).abs() < 1e-12);
-        let shorter = filter(&values[..200], &readings[..200], 0.0, &NOISE, 3e-3);
+        let (shorter, _) = filter(&values[..200], &readings[..200], 0.0, &NOISE, 3e-3);
         assert_eq!(shorter.speed_mps, filtered.speed_mps[..200]);
+        let mut columns = values;
+        whiten(&mut columns, 1, &readings, 0.0, &NOISE, 3e-3);
+        assert!(columns.iter().zip(&white).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 
     #[test]

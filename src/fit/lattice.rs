@@ -81,7 +81,7 @@ impl Lattice {
 
     /// What matters at (V, U). Speed is held at its ends; torque goes on linearly beyond them.
     pub(crate) fn spot(&self, speed_mps: f64, torque_nm: f64) -> Spot {
-        Spot { along_speed: self.speed.held(self.warp(speed_mps)), along_torque: self.torque.extended(torque_nm).0 }
+        Spot { along_speed: self.speed.held(self.warp(speed_mps)), along_torque: self.torque.extended(torque_nm) }
     }
 }
 
@@ -104,13 +104,19 @@ pub(crate) struct LatticeSurface {
 impl LatticeSurface {
     /// A(V, U) [m/s²].
     pub(crate) fn accel_mps2(&self, speed_mps: f64, torque_nm: f64) -> f64 {
-        self.value_and_slope(speed_mps, torque_nm).0
+        let Spot { along_speed: a, along_torque: b } = self.lattice.spot(speed_mps, torque_nm);
+        let mut value = 0.0;
+        for i in 0..4 {
+            let from = self.lattice.column(a.first + i, b.first);
+            value += a.value[i] * self.theta[from..from + 4].iter().zip(b.value).map(|(t, w)| t * w).sum::<f64>();
+        }
+        value
     }
 
     /// A(V, U) [m/s²] and ∂A/∂U [m/s² per N·m].
     pub(crate) fn value_and_slope(&self, speed_mps: f64, torque_nm: f64) -> (f64, f64) {
         let a = self.lattice.speed.held(self.lattice.warp(speed_mps));
-        let (b, by_torque) = self.lattice.torque.extended(torque_nm);
+        let (b, by_torque) = self.lattice.torque.extended_with_slope(torque_nm);
         let (mut value, mut slope) = (0.0, 0.0);
         for i in 0..4 {
             let from = self.lattice.column(a.first + i, b.first);

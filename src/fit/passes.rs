@@ -6,7 +6,7 @@
 
 use super::course::{Course, surface_of};
 use super::gram::{Gram, LocalGram};
-use super::kalman::{Noise, filter, smooth, whiten};
+use super::kalman::{Noise, filter, smooth};
 use super::lattice::LatticeSurface;
 use super::regressors::{Free, whitened};
 use super::segment::Segment;
@@ -73,10 +73,8 @@ impl Pass<'_> {
                 let speed = known.map_or_else(|| Cow::Owned(wide_speed(s)), |known| Cow::Borrowed(&known[k]));
                 let model = course.predicted(&speed, surface_of(self.surfaces, s));
                 let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-                let deviation = filter(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps);
+                let (deviation, white) = filter(&residual, &s.readings, s.start_s, self.noise, s.start_std_mps);
                 let speed = model.iter().zip(&deviation.speed_mps).map(|(m, d)| (m + d).max(0.0)).collect();
-                let mut white = residual.clone();
-                whiten(&mut white, 1, &s.readings, s.start_s, self.noise, s.start_std_mps);
                 ([speed, residual, white], deviation.offset_mps2)
             })
             .collect();

@@ -6,7 +6,7 @@ use crate::map::Gear;
 use std::collections::BTreeMap;
 
 /// Moving time that settles delays and noise well enough to start from [s]; shared by the logs, but each has its own dead time to tell.
-const ENOUGH_S: f64 = 240.0;
+const ENOUGH_S: f64 = 160.0;
 const ENOUGH_PER_LOG_S: f64 = 60.0;
 /// Stretches of every torque, gear and log that are always looked at.
 const OF_EACH: usize = 3;

@@ -157,9 +157,11 @@ impl<'a> Search<'a> {
             let along = speeds.take().unwrap_or_else(|| self.speeds(&courses));
             let mut found = self.round(&courses, &along, Free::Delays, true)?;
             let moved = [found.moved_mps2, found.stepped_s];
-            self.converged = moved.into_iter().zip([STILL_MPS2, STILL_S]).enumerate().all(|(k, (moved, still))| {
-                moved < still || before.is_some_and(|before| to_come(before[k], moved) < still)
-            });
+            self.converged = moved
+                .into_iter()
+                .zip([STILL_MPS2, STILL_S])
+                .enumerate()
+                .all(|(k, (moved, still))| moved < still || before.is_some_and(|before| to_come(before[k], moved) < still));
             before = Some(moved);
             if round == 1 {
                 self.update_noise(&stretch.merged, &found.along, 0.98);

@@ -227,8 +227,7 @@ mod tests {
 
     #[test]
     fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
-        let readings: Vec<Reading> =
-            (0..100u32).map(|k| Reading::single(f64::from(k) * 0.01, 0.1, 1, k)).collect();
+        let readings: Vec<Reading> = (0..100u32).map(|k| Reading::single(f64::from(k) * 0.01, 0.1, 1, k)).collect();
         let model =
             Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
         let mut segments = Vec::new();

@@ -74,8 +74,14 @@ impl Spline {
         Weights { first: self.first[k], value: self.pieces[k].map(|c| c[0] + t * (c[1] + t * (c[2] + t * c[3]))) }
     }
 
+    /// Weights at `x`, extended linearly beyond the ends.
+    pub(crate) fn extended(&self, x: f64) -> Weights {
+        let (_, t) = self.place(x);
+        if (0.0..=1.0).contains(&t) { self.held(x) } else { self.extended_with_slope(x).0 }
+    }
+
     /// Weights at `x` and their derivative, extended linearly beyond the ends.
-    pub(crate) fn extended(&self, x: f64) -> (Weights, [f64; 4]) {
+    pub(crate) fn extended_with_slope(&self, x: f64) -> (Weights, [f64; 4]) {
         let (k, t) = self.place(x);
         let inside = t.clamp(0.0, 1.0);
         let slope = self.pieces[k].map(|c| (c[1] + inside * (2.0 * c[2] + inside * 3.0 * c[3])) / self.step);
@@ -177,7 +183,7 @@ mod tests {
         let spline = Spline::new(0.0, 0.25, 4, None);
         let c = spline.through(|x| x * x);
         let at = |x: f64| {
-            let (w, s) = spline.extended(x);
+            let (w, s) = spline.extended_with_slope(x);
             let sum = |weights: [f64; 4]| weights.iter().zip(&c[w.first..]).map(|(w, c)| w * c).sum::<f64>();
             (sum(w.value), sum(s))
         };

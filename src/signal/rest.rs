@@ -58,18 +58,16 @@ impl RestDetector {
     fn mean_at_rest(&self, witness: &Witness) -> Option<f64> {
         let series = &witness.series;
         let (mut sum, mut count) = (0.0, 0usize);
-        let mut rest: Option<usize> = None;
-        for k in 0..=series.len() {
-            let resting = k < series.len() && self.is_at_rest(series.t_s[k]);
-            match rest {
-                None if resting => rest = Some(k),
-                Some(first) if !resting => {
-                    let inner = series.range(series.t_s[first] + Self::MARGIN_S, series.t_s[k - 1] - Self::MARGIN_S);
-                    sum += series.value[inner.clone()].iter().sum::<f64>();
-                    count += inner.len();
-                    rest = None;
-                }
-                _ => {}
+        let mut rest_s: Option<(f64, f64)> = None;
+        // as often as a rest's end matters
+        let stride = (0.25 * self.half_width_s / series.median_period_s()).max(1.0) as usize;
+        for t_s in series.t_s.iter().copied().step_by(stride).chain([f64::INFINITY]) {
+            if self.is_at_rest(t_s) {
+                rest_s = Some((rest_s.map_or(t_s, |r| r.0), t_s));
+            } else if let Some((from_s, to_s)) = rest_s.take() {
+                let inner = series.range(from_s + Self::MARGIN_S, to_s - Self::MARGIN_S);
+                sum += series.value[inner.clone()].iter().sum::<f64>();
+                count += inner.len();
             }
         }
         (count >= FEWEST_AT_REST).then(|| sum / count as f64)
