@@ -136,7 +136,7 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
         local_quadratic_nm: rms(&|v, a| local_quadratic.torque_nm(v, a)),
         coverage: inside as f64 / counted.max(1) as f64,
         width_ratio: pivot_cal::signal::median(&widths),
-        simpler_form: file.report.diagnostics["model_choice"]["chosen"] != "plain form and surface",
+        simpler_form: file.report.diagnostics["model_choice"]["chosen"] != "physics form and surface",
         fit_s,
     })
 }
