@@ -34,6 +34,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) gears: Vec<Gear>,
     pub(crate) surfaces: [LatticeSurface; 2],
     pub(crate) solution: Solution,
+    /// What the surface would change of a simpler form that was taken, in the coefficients; empty when the surface was taken.
+    pub(crate) doubt: Vec<f64>,
     pub(crate) system: System,
     pub(crate) segments: Vec<Segment>,
     /// Speeds along the segments, smoothed [m/s]: the best that is known of them.

@@ -79,6 +79,8 @@ struct Found {
     moved_mps2: f64,
     /// Largest step of a delay [s].
     stepped_s: f64,
+    /// What the surface would change of the form that was taken, in the coefficients; empty when it was taken itself.
+    doubt: Vec<f64>,
 }
 
 impl<'a> Search<'a> {
@@ -193,7 +195,9 @@ impl<'a> Search<'a> {
         };
         if let Some(form) = validation.as_ref().map(|v| v.comparison.chosen).filter(|form| *form != Form::Surface) {
             let penalties = form.penalties(&self.design.blocks, &found.solution.penalties);
-            found.solution = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
+            let simpler = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
+            found.doubt = found.solution.beta.iter().zip(&simpler.beta).map(|(surface, form)| surface - form).collect();
+            found.solution = simpler;
             self.surfaces = self.surfaces_of(&found.solution);
             self.calibrate(&found.solution, Free::Delays);
             let lagged = self.lagged();
@@ -223,6 +227,7 @@ impl<'a> Search<'a> {
             gears: self.gears,
             surfaces: self.surfaces,
             solution: found.solution,
+            doubt: found.doubt,
             system: found.system,
             speeds: smoothed_speeds(&segments, &along.residuals, &self.noise),
             segments,
@@ -262,7 +267,7 @@ impl<'a> Search<'a> {
         let along = pass.along(Some(speeds));
         self.surfaces = next;
         let stepped_s = if free == Free::Surface { 0.0 } else { self.calibrate(&solution, free) };
-        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s })
+        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s, doubt: Vec::new() })
     }
 
     /// Prior standard deviations of the nuisance columns; what is known from outside does not move.

@@ -3,7 +3,8 @@
 //! The larger of two variances: the posterior cᵀ(XᵀX + Λ)⁻¹c, right when the model is, and the sandwich cᵀ·H⁻¹(Σ_r s_r·s_rᵀ)H⁻¹·c over the
 //! scores s_r of whole runs, right when runs differ more than the model thinks. X holds the columns of the delays as well, so that what is
 //! unsure of them is in both. On top: the square of the smoothing bias cᵀ·H⁻¹Λβ, and what penalties that are not exactly known make of that
-//! (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*).
+//! (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*). Where the physics
+//! form was taken, the square of what the surface would change stands for the doubt between them.
 
 use super::course::courses;
 use super::estimate::Estimate;
@@ -40,7 +41,8 @@ impl Uncertainty {
             .map(|k| {
                 let [posterior, sandwich] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
-                let (mut bias, mut unsure) = (0.0, 0.0);
+                let doubt: f64 = rows[k].iter().zip(&estimate.doubt).map(|(c, d)| c * d).sum();
+                let (mut bias, mut unsure) = (0.0, doubt * doubt);
                 for (pull, relative_variance) in &self.pulls {
                     let pulled: f64 = rows[k].iter().zip(pull).map(|(c, p)| c * p).sum();
                     bias += pulled;
