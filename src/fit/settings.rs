@@ -14,8 +14,8 @@ pub struct Settings {
     pub speed_nodes: usize,
     /// Coefficients of the surface along torque, about. Default 21: finer than the usual steps of a campaign.
     pub torque_nodes: usize,
-    /// Time after a step of the effective torque that the surface does not use [s]. Default 0.02: the command's own sampling. What follows is
-    /// explained by dead time and lag, and cells that are only passed through after a step have no other data.
+    /// Time after a step of the effective torque that the surface does not use [s]. Default 0: dead time and lag explain it, cells that are
+    /// only passed through after a step have no other data, and a cut there parts the run, with which most of what tells the delays is lost.
     pub transient_s: f64,
     /// Most iterations with delays free, then with delays fixed and transients cut. Default 6 and 4.
     pub iterations: [usize; 2],
