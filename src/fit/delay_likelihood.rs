@@ -2,7 +2,8 @@
 //!
 //! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may give way in its six main
 //! directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. That is the likelihood profiled over these directions,
-//! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free.
+//! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free. Where the torque
+//! feedback is the input, it holds the lag already: dead times from command to speed are tried, and no lag.
 
 use super::course::Course;
 use super::estimate::Estimate;

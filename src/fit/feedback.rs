@@ -1,5 +1,5 @@
 //! The torque feedback as a witness of the drive: command → feedback shows dead time and lag without any clock of the speed sensors, so
-//! that a clock offset between command and speed can be told from dead time.
+//! that a clock offset between command and speed can be told from dead time; and whether a first-order lag explains the drive at all.
 
 use super::actuator::LaggedCommand;
 use super::steady::settled;

@@ -83,11 +83,10 @@ impl Choice {
         let (feedback, reason) = match disagreement {
             None => (false, None),
             // an ordinary drive: nothing to say, unless its feedback is not what it seems
-            Some(disagreement) if explained => (false, disagreement.unwrap_or(None)),
+            Some(disagreement) if explained => (false, disagreement.flatten().map(|how| format!("the feedback {how}"))),
             Some(disagreement) => {
                 let hindrance = hindrance(&surveys, &delays, settings);
-                let hindrance =
-                    hindrance.or_else(|| disagreement.unwrap_or_else(|| Some("the feedback is nowhere seen settled".to_owned())));
+                let hindrance = hindrance.or_else(|| disagreement.unwrap_or_else(|| Some("is nowhere seen settled".to_owned())));
                 match hindrance {
                     Some(reason) => (false, Some(format!("the feedback does not follow a first-order lag, but {reason}"))),
                     None => (true, Some("it does not follow the command by a first-order lag".to_owned())),
@@ -147,12 +146,12 @@ fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>, set
         return Some("dead time or lag are given".to_owned());
     }
     if surveys.iter().any(|s| !delays.contains_key(&s.track.source)) {
-        return Some("not every log has a feedback that tells of it".to_owned());
+        return Some("not every log has one that tells of it".to_owned());
     }
     let feedbacks = || surveys.iter().filter_map(|s| Some((*s, s.track.feedback_nm.as_ref()?)));
     let period_s = feedbacks().map(|(_, f)| f.median_period_s()).fold(0.0, f64::max);
     if period_s > LONGEST_PERIOD_S {
-        return Some(format!("it comes at {:.1} Hz only", 1.0 / period_s));
+        return Some(format!("comes at {:.1} Hz only", 1.0 / period_s));
     }
     let (mut usable_s, mut missing_s) = (0.0, 0.0);
     for (survey, feedback) in feedbacks() {
@@ -162,7 +161,7 @@ fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>, set
             missing_s += gaps.iter().map(|g| (g.1.min(stretch.to_s) - g.0.max(stretch.from_s)).max(0.0)).sum::<f64>();
         }
     }
-    (missing_s > MOST_MISSING * usable_s).then(|| format!("it is missing in {:.0} % of the usable time", 100.0 * missing_s / usable_s))
+    (missing_s > MOST_MISSING * usable_s).then(|| format!("is missing in {:.0} % of the usable time", 100.0 * missing_s / usable_s))
 }
 
 /// How the feedback reads otherwise than the command where the drive has settled: `None` inside where it does not, `None` outside where
@@ -176,16 +175,18 @@ fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, Fe
         largest_nm = track.command_nm.value.iter().fold(largest_nm, |m, v| m.max(v.abs()));
         holds.extend(settled(&track.command_nm, feedback, (-found.dead_time_s).max(0.0)));
     }
-    let Reading { scale, offset_nm, astray } = reading(&holds, largest_nm)?;
+    let Reading { scale, offset_nm, astray, missed } = reading(&holds, largest_nm)?;
     let side = |value: f64| if value > 0.0 { "high" } else { "low" };
     Some(if scale < 0.0 {
-        Some("the feedback has the other sign than the command".to_owned())
+        Some("has the other sign than the command".to_owned())
     } else if (scale - 1.0).abs() > AGREES {
-        Some(format!("the feedback reads {:.0} % {}", 100.0 * (scale - 1.0).abs(), side(scale - 1.0)))
+        Some(format!("reads {:.0} % {}", 100.0 * (scale - 1.0).abs(), side(scale - 1.0)))
     } else if offset_nm.abs() > AGREES * largest_nm {
-        Some(format!("the feedback reads {:.1} N·m {}", offset_nm.abs(), side(offset_nm)))
+        Some(format!("reads {:.1} N·m {}", offset_nm.abs(), side(offset_nm)))
+    } else if let Some((command_nm, feedback_nm)) = missed {
+        Some(format!("settles at {feedback_nm:.1} instead of {command_nm:.1} N·m"))
     } else if astray > MOST_ASTRAY {
-        Some(format!("in {:.0} % of the holds the feedback settles elsewhere than at the command", 100.0 * astray))
+        Some(format!("settles elsewhere than at the command in {:.0} % of the holds", 100.0 * astray))
     } else {
         None
     })
