@@ -3,7 +3,7 @@
 //! In: [`Survey`](crate::campaign::Survey)s of the logs of one vehicle. Out: a [`Fit`]: `table1.json` and its CSVs, and the final verdict on
 //! every sample. The method is a prediction-error identification: the speed is integrated, never differentiated; what is random is
 //! whitened by a Kalman filter; the surface a(v, τ) is a penalised lattice whose smoothness the data choose; dead time and lag are
-//! estimated with it.
+//! estimated with it. A drive that a lag does not explain is followed by its torque feedback instead.
 
 mod actuator;
 mod angle_groups;
@@ -17,9 +17,11 @@ mod family;
 mod feedback;
 mod gram;
 mod hyper;
+mod input;
 mod kalman;
 mod known;
 mod lattice;
+mod measured;
 mod merging;
 mod monotone;
 mod part;
@@ -37,8 +39,10 @@ mod settings;
 mod soundness;
 mod spline;
 mod start;
+mod steady;
 mod stribeck;
 mod tables;
+mod torque;
 mod traces;
 mod uncertainty;
 mod validation;

@@ -119,6 +119,9 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
         let error = d.std_err_s.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         format!("{:.1}{error} ms ({})", 1e3 * d.value_s, d.status)
     };
+    if actuator.input != "torque command" {
+        ui.say(format!("input      {}", actuator.input));
+    }
     ui.say(format!("dead time  {}", told(&actuator.dead_time)));
     ui.say(format!("lag        {}", told(&actuator.lag)));
     for log in &actuator.per_log {

@@ -11,6 +11,7 @@
 
 use super::estimate::{Estimate, estimate};
 use super::family::{draw_together, families};
+use super::input::Choice;
 use super::known::KnownCalibration;
 use super::part::Part;
 use super::product::{Delays, Fit, actuator, diagnostics, plant_noise, same_vehicle, vehicle, witnesses};
@@ -51,7 +52,8 @@ pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: 
     }
     same_vehicle_at_every_angle(&groups)?;
 
-    let (known, delays, mut failed) = shared(&groups, settings);
+    let choice = Choice::new(groups.iter().flat_map(|g| &g.surveys), settings);
+    let (known, delays, mut failed) = shared(&groups, &choice, settings);
     let held = Settings { known: Some(known), ..settings.clone() };
     let mut parts: Vec<(f64, Part)> = Vec::new();
     let mut unsound = Vec::new();
@@ -59,7 +61,7 @@ pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: 
         if failed.iter().any(|(angle, _)| angle.total_cmp(&group.wheel_angle_deg).is_eq()) {
             continue;
         }
-        match Part::new(&group.surveys, &held, test_angle_deg) {
+        match Part::new(&group.surveys, &choice, &held, test_angle_deg) {
             Ok(part) if asked || part.objections.is_empty() || is_test(group.wheel_angle_deg) => parts.push((group.wheel_angle_deg, part)),
             Ok(part) => unsound.push((group.wheel_angle_deg, part.objections.join("; "))),
             Err(error) => failed.push((group.wheel_angle_deg, error)),
@@ -71,7 +73,7 @@ pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: 
     let mut left_out: Vec<(f64, String)> =
         failed.iter().map(|(angle, error)| (*angle, error.to_string())).chain(unsound).chain(empty).collect();
     left_out.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut fit, traces) = assemble(&groups, &parts, (&left_out, notes), (test_angle_deg, &delays), settings)?;
+    let (mut fit, traces) = assemble(&groups, &parts, (&left_out, notes), (test_angle_deg, &delays), (&choice, settings))?;
     fit.sound &= left_out.is_empty() || !asked;
     Ok((fit, traces))
 }
@@ -137,13 +139,13 @@ impl Pooled {
 }
 
 /// What the angles share, and the angles that cannot be fitted.
-fn shared(groups: &[AngleGroup], settings: &Settings) -> (KnownCalibration, Pooled, Vec<(f64, Error)>) {
+fn shared(groups: &[AngleGroup], choice: &Choice, settings: &Settings) -> (KnownCalibration, Pooled, Vec<(f64, Error)>) {
     let has_yaw = |g: &&AngleGroup| g.surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
     let mut pooled = Pooled::default();
     let mut failed = Vec::new();
     let mut best: Option<(f64, (f64, f64))> = None;
     for group in groups.iter().filter(has_yaw) {
-        match estimate(&group.surveys, settings) {
+        match estimate(&group.surveys, choice, settings) {
             Ok(estimate) => {
                 pooled.add(&estimate);
                 let sine = (group.wheel_angle_deg * RAD_PER_DEG).sin().abs();
@@ -164,7 +166,7 @@ fn shared(groups: &[AngleGroup], settings: &Settings) -> (KnownCalibration, Pool
             continue;
         }
         let held = Settings { known: Some(so_far.clone()), ..settings.clone() };
-        match estimate(&group.surveys, &held) {
+        match estimate(&group.surveys, choice, &held) {
             Ok(estimate) => others.add(&estimate),
             Err(error) => failed.push((group.wheel_angle_deg, error)),
         }
@@ -184,7 +186,7 @@ fn assemble(
     parts: &[(f64, Part)],
     (left_out, mut notes): (&[(f64, String)], Vec<String>),
     (test_angle_deg, pooled): (f64, &Pooled),
-    settings: &Settings,
+    (choice, settings): (&Choice, &Settings),
 ) -> Result<(Fit, FitTraces)> {
     let surveys: BTreeMap<&LogRef, &Survey> = groups.iter().flat_map(|g| &g.surveys).map(|s| (&s.track.source, s)).collect();
     let logs: Vec<LogRef> = surveys.keys().map(|log| (*log).clone()).collect();
@@ -195,6 +197,7 @@ fn assemble(
 
     notes.extend(left_out.iter().map(|(angle, reason)| format!("{angle}° is left out: {reason}")));
     notes.extend(surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))));
+    notes.extend(choice.note());
     let of_tracks = notes.len();
     for (angle, part) in parts {
         notes.extend(
@@ -244,7 +247,7 @@ fn assemble(
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
         units: Units::default(),
         vehicle,
-        actuator: actuator(&delays(&logs, pooled, &test.estimate), &surveys, settings),
+        actuator: actuator(&delays(&logs, pooled, &test.estimate), &surveys, choice, settings),
         logs,
         settings: serde_json::to_value(settings).map_err(crate::map::Error::from)?,
         witnesses: witnesses(&test.estimate),

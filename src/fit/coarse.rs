@@ -3,9 +3,10 @@
 //! A = c₀ + c₁·U + c₂·U⁺ + c₃·V + c₄·V² + c₅·e^(−(V/0.08)²), integrated and whitened like the full surface, solved for each pair of
 //! dead time (0 … 400 ms) and lag (0 … 200 ms). Each log has its own dead time; the lag is shared.
 
-use super::actuator::LaggedCommand;
+use super::input::Input;
 use super::kalman::{Noise, whiten};
-use super::segment::Segment;
+use super::segment::{LogData, Segment};
+use super::torque::EffectiveTorque;
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use rayon::prelude::*;
@@ -15,26 +16,32 @@ const COLUMNS: usize = 6;
 const LAGS_S: [f64; 6] = [0.005, 0.03, 0.06, 0.1, 0.15, 0.2];
 /// Spacing of the dead times tried, first and second [s].
 const DEAD_TIME_STEPS_S: [f64; 2] = [0.02, 0.005];
-/// Largest dead time tried [s].
-const LONGEST_DEAD_TIME_S: f64 = 0.4;
+/// Dead times tried, from and to [s]: from the command, and from a feedback, which another clock may stamp too late.
+const DEAD_TIMES_S: [f64; 2] = [0.0, 0.4];
+const AFTER_FEEDBACK_S: [f64; 2] = [-0.1, 0.3];
 /// Readings per log beyond which more do not sharpen a first look.
 const ENOUGH_READINGS: usize = 4000;
 
-/// What one log brings: its segments, their smoothed speeds, its command.
+/// What one log brings: its segments, their smoothed speeds, its torque.
 pub(crate) struct LogView<'a> {
     pub(crate) segments: Vec<&'a Segment>,
     pub(crate) speed_mps: Vec<&'a [f64]>,
-    pub(crate) command: &'a crate::signal::Series,
+    pub(crate) log: &'a LogData<'a>,
 }
 
 /// The best lag and the best dead time of each log; either may be given.
 pub(crate) fn search(logs: &[LogView], noise: &Noise, fixed_dead_time_s: Option<f64>, fixed_lag_s: Option<f64>) -> (Vec<f64>, f64) {
     let lags: Vec<f64> = fixed_lag_s.map_or(LAGS_S.to_vec(), |l| vec![l]);
+    let measured = logs.iter().any(|l| l.log.input != Input::Command);
+    let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let coarse: Vec<f64> = match fixed_dead_time_s {
         Some(d) => vec![d],
-        None => (0..=(LONGEST_DEAD_TIME_S / DEAD_TIME_STEPS_S[0]).round() as usize).map(|k| k as f64 * DEAD_TIME_STEPS_S[0]).collect(),
+        None => {
+            let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
+            (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect()
+        }
     };
-    let profile = |log: &LogView, lagged: &LaggedCommand, dead_times: &[f64]| -> (f64, f64) {
+    let profile = |log: &LogView, lagged: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
         dead_times
             .iter()
             .map(|d| (residual(log, lagged, *d, noise), *d))
@@ -43,7 +50,7 @@ pub(crate) fn search(logs: &[LogView], noise: &Noise, fixed_dead_time_s: Option<
     let by_lag: Vec<(f64, f64, Vec<f64>)> = lags
         .par_iter()
         .map(|lag| {
-            let best: Vec<(f64, f64)> = logs.iter().map(|log| profile(log, &LaggedCommand::new(log.command, *lag), &coarse)).collect();
+            let best: Vec<(f64, f64)> = logs.iter().map(|log| profile(log, &log.log.torque(*lag), &coarse)).collect();
             (best.iter().map(|b| b.0).sum::<f64>(), *lag, best.iter().map(|b| b.1).collect())
         })
         .collect();
@@ -61,16 +68,15 @@ pub(crate) fn search(logs: &[LogView], noise: &Noise, fixed_dead_time_s: Option<
         .par_iter()
         .zip(&dead_times)
         .map(|(log, centre)| {
-            let tried: Vec<f64> =
-                (-4i32..=4).map(|k| (centre + f64::from(k) * DEAD_TIME_STEPS_S[1]).clamp(0.0, LONGEST_DEAD_TIME_S)).collect();
-            profile(log, &LaggedCommand::new(log.command, lag), &tried).1
+            let tried: Vec<f64> = (-4i32..=4).map(|k| (centre + f64::from(k) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect();
+            profile(log, &log.log.torque(lag), &tried).1
         })
         .collect();
     (fine, lag)
 }
 
 /// ‖y − Xc‖² of the best small model for one log.
-fn residual(log: &LogView, lagged: &LaggedCommand, dead_time_s: f64, noise: &Noise) -> f64 {
+fn residual(log: &LogView, lagged: &EffectiveTorque, dead_time_s: f64, noise: &Noise) -> f64 {
     const WIDTH: usize = COLUMNS + 1;
     let mut gram = [[0.0f64; WIDTH]; WIDTH];
     let mut used = 0;

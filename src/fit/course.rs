@@ -3,9 +3,10 @@
 //! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms while its last twentieth is to come, 20 ms
 //! while it stands, and never across a reading.
 
-use super::actuator::{LaggedCommand, Torque};
+use super::actuator::Torque;
 use super::lattice::LatticeSurface;
 use super::segment::{Calibration, Segment};
+use super::torque::EffectiveTorque;
 use crate::map::Gear;
 use rayon::prelude::*;
 
@@ -34,8 +35,8 @@ pub(crate) struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// Along `segment` with the lagged command of its log, `dead_time_s` late.
-    pub(crate) fn new(segment: &'a Segment, lagged: &LaggedCommand, dead_time_s: f64) -> Self {
+    /// Along `segment` with the effective torque of its log, `dead_time_s` late.
+    pub(crate) fn new(segment: &'a Segment, lagged: &EffectiveTorque, dead_time_s: f64) -> Self {
         let sign = segment.gear.sign();
         let mut cursor = lagged.cursor();
         let mut steps = Vec::with_capacity(2 * segment.readings.len());
@@ -103,13 +104,13 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The courses of segments: `lagged` holds the command of each log.
-pub(crate) fn courses<'a>(segments: &'a [Segment], lagged: &[LaggedCommand], calibration: &Calibration) -> Vec<Course<'a>> {
+/// The courses of segments: `lagged` holds the effective torque of each log.
+pub(crate) fn courses<'a>(segments: &'a [Segment], lagged: &[EffectiveTorque], calibration: &Calibration) -> Vec<Course<'a>> {
     segments.par_iter().map(|s| Course::new(s, &lagged[s.log], calibration.dead_time_s[s.log])).collect()
 }
 
 /// The same segments under other delays.
-pub(crate) fn courses_again<'a>(courses: &[Course<'a>], lagged: &[LaggedCommand], calibration: &Calibration) -> Vec<Course<'a>> {
+pub(crate) fn courses_again<'a>(courses: &[Course<'a>], lagged: &[EffectiveTorque], calibration: &Calibration) -> Vec<Course<'a>> {
     courses.par_iter().map(|c| Course::new(c.segment, &lagged[c.segment.log], calibration.dead_time_s[c.segment.log])).collect()
 }
 

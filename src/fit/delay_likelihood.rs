@@ -2,14 +2,16 @@
 //!
 //! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may give way in its six main
 //! directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. That is the likelihood profiled over these directions,
-//! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free.
+//! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free. Where the torque
+//! feedback is the input, it holds the lag already: dead times from command to speed are tried, and no lag.
 
 use super::course::Course;
 use super::estimate::Estimate;
+use super::input::Input;
 use super::kalman::{smooth, whiten};
 use super::runs::round;
-use super::segment::Segment;
-use crate::fit::actuator::LaggedCommand;
+use super::segment::{LogData, Segment};
+use super::torque::EffectiveTorque;
 use crate::map::{DeadTimeLikelihood, DelayLikelihood};
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
@@ -32,7 +34,7 @@ const WIDTH: usize = DIRECTIONS + 1;
 
 /// Segments of one log without the cuts after steps, which are what tells of delays.
 struct LogView<'a> {
-    command: &'a crate::signal::Series,
+    data: &'a LogData<'a>,
     dead_time_s: f64,
     segments: Vec<(Segment, Vec<f64>)>,
 }
@@ -46,14 +48,16 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let std_err_s = estimate.calibration_errors.dead_time_s.iter().copied().fold(estimate.calibration_errors.lag_s, f64::max);
     let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
     let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
-    let lags: Vec<f64> = shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect();
+    let measured = estimate.logs.iter().any(|l| l.input != Input::Command);
+    // a feedback is followed without a lag
+    let lags: Vec<f64> = if measured { vec![found_lag_s] } else { shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect() };
     let pairs: Vec<(f64, f64)> = lags.iter().flat_map(|l| shifts.iter().map(move |s| (*l, *s))).collect();
     let values: Vec<f64> = pairs
         .par_iter()
         .map(|(lag_s, shift_s)| {
             let mut sum = [[0.0; WIDTH]; WIDTH];
             for log in &logs {
-                let lagged = LaggedCommand::new(log.command, *lag_s);
+                let lagged = log.data.torque(*lag_s);
                 add(&mut sum, &gram(estimate, log, &lagged, log.dead_time_s + shift_s));
             }
             deviance(&sum)
@@ -66,12 +70,13 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let rows = values.chunks(shifts.len()).map(|row| row.iter().map(|v| round(v - best, 1e2)).collect()).collect();
     let per_log = logs.iter().zip(&estimate.logs).map(|(log, data)| {
         let dead_time_s: Vec<f64> = (0..=(LONGEST_S / STEP_S).round() as i32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
-        let lagged = LaggedCommand::new(log.command, found_lag_s);
-        let values: Vec<f64> = dead_time_s.par_iter().map(|d| deviance(&gram(estimate, log, &lagged, *d))).collect();
+        let lagged = log.data.torque(found_lag_s);
+        let late_s = log.data.input.late_s();
+        let values: Vec<f64> = dead_time_s.par_iter().map(|d| deviance(&gram(estimate, log, &lagged, *d - late_s))).collect();
         let best = values.iter().copied().fold(f64::INFINITY, f64::min);
         DeadTimeLikelihood {
             log: data.survey.track.source.file.clone(),
-            found_s: round(log.dead_time_s, 1e6),
+            found_s: round(late_s + log.dead_time_s, 1e6),
             deviance: values.iter().map(|v| if v.is_finite() { round(v - best, 1e1) } else { 0.0 }).collect(),
             dead_time_s,
         }
@@ -109,11 +114,11 @@ fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
             (s, speed)
         })
         .collect();
-    LogView { command: &data.survey.track.command_nm, dead_time_s, segments }
+    LogView { data, dead_time_s, segments }
 }
 
 /// The whitened sums of one log: directions and residual.
-fn gram(estimate: &Estimate, log: &LogView, lagged: &LaggedCommand, dead_time_s: f64) -> Gram {
+fn gram(estimate: &Estimate, log: &LogView, lagged: &EffectiveTorque, dead_time_s: f64) -> Gram {
     let mut gram = [[0.0; WIDTH]; WIDTH];
     for (segment, speed) in &log.segments {
         let course = Course::new(segment, lagged, dead_time_s);

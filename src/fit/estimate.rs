@@ -1,12 +1,13 @@
 //! The estimate: speeds, torques and noise, surface and delays, each from the others, until the surface stands still.
 
-use super::actuator::LaggedCommand;
 use super::anova::Design;
+use super::input::Choice;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
 use super::penalised::{Solution, System};
 use super::search::Search;
 use super::segment::{Calibration, LogData, Segment};
+use super::torque::EffectiveTorque;
 use super::validation::Validation;
 use super::{Result, Settings};
 use crate::campaign::Survey;
@@ -60,23 +61,23 @@ impl Estimate<'_> {
         &self.surfaces[usize::from(gear == Gear::Reverse)]
     }
 
-    /// The lagged command of a log.
-    pub(crate) fn lagged(&self, log: usize) -> LaggedCommand {
-        LaggedCommand::new(&self.logs[log].survey.track.command_nm, self.calibration.lag_s)
+    /// The effective torque of a log.
+    pub(crate) fn lagged(&self, log: usize) -> EffectiveTorque {
+        self.logs[log].torque(self.calibration.lag_s)
     }
 
-    /// The lagged commands of all logs.
-    pub(crate) fn lagged_commands(&self) -> Vec<LaggedCommand> {
+    /// The effective torques of all logs.
+    pub(crate) fn lagged_commands(&self) -> Vec<EffectiveTorque> {
         (0..self.logs.len()).map(|k| self.lagged(k)).collect()
     }
 }
 
-/// Runs the estimator.
+/// Runs the estimator with the input that was chosen.
 ///
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
-pub(crate) fn estimate<'a>(surveys: &'a [Survey], settings: &Settings) -> Result<Estimate<'a>> {
-    let mut search = Search::new(surveys, settings)?;
+pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Estimate<'a>> {
+    let mut search = Search::new(surveys, choice, settings)?;
     search.delays()?;
     search.surface()
 }

@@ -1,7 +1,8 @@
 //! The torque feedback as a witness of the drive: command → feedback shows dead time and lag without any clock of the speed sensors, so
-//! that a clock offset between command and speed can be told from dead time.
+//! that a clock offset between command and speed can be told from dead time; and whether a first-order lag explains the drive at all.
 
 use super::actuator::LaggedCommand;
+use super::steady::settled;
 use crate::signal::Series;
 
 /// Dead time and lag of one log as its torque feedback shows them.
@@ -10,10 +11,67 @@ pub(crate) struct FeedbackDelays {
     pub(crate) dead_time_s: f64,
     pub(crate) dead_time_std_err_s: f64,
     pub(crate) lag_s: f64,
+    pub(crate) lag_std_err_s: f64,
     /// Standard deviation of the feedback about the lagged command [N·m].
     pub(crate) residual_nm: f64,
-    /// The same in the 0.3 s after steps over elsewhere: near 1 where a first-order lag explains the drive.
-    pub(crate) after_step_ratio: f64,
+    /// Feedback less lagged command in the 0.3 s after steps.
+    pub(crate) after_steps: Squares,
+    /// The same where the drive has settled.
+    pub(crate) settled: Squares,
+    /// The steps themselves, one for each reading in the 0.3 s after them.
+    pub(crate) steps: Squares,
+}
+
+/// A sum of squares that grows with what is pooled.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Squares {
+    sum: f64,
+    count: usize,
+}
+
+impl Squares {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        values.fold(Self::default(), |all, v| Self { sum: all.sum + v * v, count: all.count + 1 })
+    }
+
+    /// Root mean square; 0 for none.
+    fn rms(self) -> f64 {
+        (self.sum / self.count.max(1) as f64).sqrt()
+    }
+}
+
+impl std::iter::Sum for Squares {
+    fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
+        iter.fold(Self::default(), |a, b| Self { sum: a.sum + b.sum, count: a.count + b.count })
+    }
+}
+
+/// A first-order lag explains the drive up to this ratio of the feedback's residual after steps to that elsewhere.
+const LAG_EXPLAINS: f64 = 2.5;
+/// A residual after steps smaller than this share of the steps is no reason to doubt the lag: stamps that are some milliseconds unsure
+/// leave 2 %.
+const LEAST_MISFIT: f64 = 0.05;
+
+impl FeedbackDelays {
+    /// How much more than its noise the residual after steps is, 1 at least: what the standard errors of a drive that is not of first order
+    /// grow by.
+    pub(crate) fn misfit(&self) -> f64 {
+        (self.after_steps.rms() / self.residual_nm.max(1e-9)).max(1.0)
+    }
+}
+
+/// The residual after steps over that where the drive has settled, all logs together: near 1 where a first-order lag explains the drive.
+pub(crate) fn after_step_ratio<'a>(logs: impl Iterator<Item = &'a FeedbackDelays> + Clone) -> f64 {
+    let after: Squares = logs.clone().map(|f| f.after_steps).sum();
+    let settled: Squares = logs.map(|f| f.settled).sum();
+    after.rms() / settled.rms().max(1e-9)
+}
+
+/// Whether a first-order lag explains what the feedback of all these logs shows.
+pub(crate) fn lag_explains<'a>(logs: impl Iterator<Item = &'a FeedbackDelays> + Clone) -> bool {
+    let after: Squares = logs.clone().map(|f| f.after_steps).sum();
+    let steps: Squares = logs.clone().map(|f| f.steps).sum();
+    after_step_ratio(logs) < LAG_EXPLAINS || after.rms() < LEAST_MISFIT * steps.rms()
 }
 
 /// Fits u(t − T_d; T_c) to the feedback by Gauss-Newton, from a coarse search. `None` where the command has no step.
@@ -50,7 +108,7 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
         }
     }
     let (_, mut dead, mut lag) = best;
-    let mut std_err = 0.0;
+    let mut std_err = [0.0; 2];
     let mut scale = 1.0;
     for _ in 0..12 {
         let lagged = LaggedCommand::new(command, lag);
@@ -78,30 +136,32 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
         let step = [(a[1][1] * g[0] - a[0][1] * g[1]) / determinant, (a[0][0] * g[1] - a[1][0] * g[0]) / determinant];
         dead += step[0].clamp(-0.02, 0.02);
         lag = (lag + step[1].clamp(-0.02, 0.02)).clamp(0.0, 0.3);
-        std_err = scale * (a[1][1] / determinant).sqrt();
+        std_err = [scale * (a[1][1] / determinant).sqrt(), scale * (a[0][0] / determinant).sqrt()];
         if step.iter().all(|s| s.abs() < 1e-6) {
             break;
         }
     }
     let lagged = LaggedCommand::new(command, lag);
-    let rms = |after: f64, until: f64| {
-        let (mut sum, mut count) = (0.0, 0usize);
-        for &i in &near {
+    let residual = |i: usize| feedback.value[i] - lagged.at(feedback.t_s[i] - dead).torque_nm;
+    // each reading soon after a step, with the step's size
+    let after: Vec<(usize, f64)> = near
+        .iter()
+        .filter_map(|&i| {
             let t = feedback.t_s[i] - dead;
-            let k = steps.partition_point(|s| *s <= t);
-            if k > 0 && t - steps[k - 1] >= after && t - steps[k - 1] < until {
-                sum += (feedback.value[i] - lagged.at(t).torque_nm).powi(2);
-                count += 1;
-            }
-        }
-        (sum / count.max(1) as f64).sqrt()
-    };
+            let k = steps.partition_point(|s| *s <= t).checked_sub(1)?;
+            let told = |t: f64| command.held(t).unwrap_or(0.0);
+            (t - steps[k] < 0.3).then(|| (i, told(steps[k]) - told(steps[k] - 1e-6)))
+        })
+        .collect();
     Some(FeedbackDelays {
         dead_time_s: dead,
-        dead_time_std_err_s: std_err,
+        dead_time_std_err_s: std_err[0],
         lag_s: lag,
+        lag_std_err_s: std_err[1],
         residual_nm: scale,
-        after_step_ratio: rms(0.0, 0.3) / rms(0.5, 1.0).max(1e-9),
+        after_steps: Squares::of(after.iter().map(|(i, _)| residual(*i))),
+        settled: Squares::of(settled(command, feedback, (-dead).max(0.0)).into_iter().flat_map(|hold| hold.readings).map(residual)),
+        steps: Squares::of(after.iter().map(|(_, step)| *step)),
     })
 }
 
@@ -127,6 +187,31 @@ mod tests {
         let found = delays(&command, &feedback, None).unwrap();
         assert!((found.dead_time_s - 0.048).abs() < 4.0 * found.dead_time_std_err_s + 1e-4, "{found:?}");
         assert!((found.lag_s - 0.05).abs() < 0.004, "{found:?}");
-        assert!(found.after_step_ratio < 1.3, "{found:?}");
+        assert!((found.lag_s - 0.05).abs() < 4.0 * found.lag_std_err_s + 1e-4, "{found:?}");
+        let all = std::iter::once(&found);
+        assert!(after_step_ratio(all.clone()) < 1.3 && lag_explains(all), "{found:?}");
+    }
+
+    #[test]
+    fn a_slew_limit_is_no_lag_however_slow_it_is() {
+        for limit_nm_s in [60.0, 15.0] {
+            let t_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
+            let value = t_s.iter().map(|t| if (t / 2.0).floor() % 2.0 == 0.0 { 0.0 } else { 14.0 + (t / 4.0).floor() }).collect();
+            let command = Series { t_s: t_s.clone(), value };
+            let mut rng = rand_pcg::Pcg64::seed_from_u64(3);
+            let noise = Normal::new(0.0, 0.3).unwrap();
+            let mut torque = 0.0f64;
+            let slewed = command.value.iter().map(|c| {
+                torque += (c - torque).clamp(-0.02 * limit_nm_s, 0.02 * limit_nm_s);
+                torque + noise.sample(&mut rng)
+            });
+            let feedback = Series { t_s, value: slewed.collect() };
+            let found = delays(&command, &feedback, None).unwrap();
+            assert!(
+                !lag_explains(std::iter::once(&found)),
+                "{limit_nm_s} N·m/s: {} in {found:?}",
+                after_step_ratio(std::iter::once(&found))
+            );
+        }
     }
 }

@@ -4,9 +4,9 @@
 //! acceleration: over a quarter of a second a hundredth, (25 ms / 250 ms)², of what all of them tell. Within some three lags after a step
 //! of the torque readings stay apart. (45 ms cost 5 % of the accuracy in campaigns of 15 and 60 minutes.)
 
-use super::actuator::{Cursor, LaggedCommand};
 use super::kalman::{Noise, Reading};
 use super::segment::{Calibration, Segment};
+use super::torque::{EffectiveTorque, TorqueCursor};
 use rayon::prelude::*;
 
 /// Readings within this time are merged [s].
@@ -14,8 +14,8 @@ const WITHIN_S: f64 = 0.025;
 /// Share of the largest torque that may still be to come for the torque to stand.
 const STANDS: f64 = 0.05;
 
-/// The segments with merged readings, one for each; `lagged` holds the command of each log.
-pub(crate) fn merged(segments: &[Segment], lagged: &[LaggedCommand], calibration: &Calibration, noise: &Noise) -> Vec<Segment> {
+/// The segments with merged readings, one for each; `lagged` holds the torque of each log.
+pub(crate) fn merged(segments: &[Segment], lagged: &[EffectiveTorque], calibration: &Calibration, noise: &Noise) -> Vec<Segment> {
     let precision = [0, 1].map(|witness| noise.reading_mps[witness].powi(-2));
     segments
         .par_iter()
@@ -27,7 +27,7 @@ pub(crate) fn merged(segments: &[Segment], lagged: &[LaggedCommand], calibration
         .collect()
 }
 
-fn merge(readings: &[Reading], mut cursor: Cursor, dead_time_s: f64, precision: [f64; 2]) -> Vec<Reading> {
+fn merge(readings: &[Reading], mut cursor: TorqueCursor, dead_time_s: f64, precision: [f64; 2]) -> Vec<Reading> {
     let mut merged = Vec::with_capacity(readings.len());
     let mut from = 0;
     while from < readings.len() {
@@ -77,13 +77,14 @@ pub(crate) fn spread(values: &[f64], merged: &[Reading], readings: &[Reading]) -
 
 #[cfg(test)]
 mod tests {
+    use super::super::actuator::LaggedCommand;
     use super::*;
     use crate::signal::Series;
 
     #[test]
     fn readings_merge_to_their_weighted_mean_but_not_while_the_torque_moves() {
         let command = Series { t_s: vec![0.0, 1.0], value: vec![0.0, 20.0] };
-        let lagged = LaggedCommand::new(&command, 0.05);
+        let lagged = EffectiveTorque::Lagged(LaggedCommand::new(&command, 0.05));
         let readings: Vec<Reading> =
             (0..200u32).map(|k| Reading::single(0.01 * f64::from(k), 0.3 * f64::from(k), u8::from(k % 2 == 1), k)).collect();
         let merged = merge(&readings, lagged.cursor(), 0.1, [1.0, 3.0]);

@@ -1,6 +1,7 @@
 //! One fit at one wheel angle: the estimate, its surface made monotone, its tables, and what speaks against them.
 
 use super::estimate::{Estimate, estimate};
+use super::input::Choice;
 use super::runs::{Compared, RunFigures, disagreements, run_figures, simulate};
 use super::soundness::objections;
 use super::start::slow_rate_hz;
@@ -33,10 +34,11 @@ pub(crate) struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// Fits the surveys of one wheel angle, which is their tracks' test angle; files are named as for a vehicle with `test_angle_deg`.
-    pub(crate) fn new(surveys: &'a [Survey], settings: &Settings, test_angle_deg: f64) -> Result<Self> {
-        let mut estimate = estimate(surveys, settings)?;
+    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings, test_angle_deg: f64) -> Result<Self> {
+        let mut estimate = estimate(surveys, choice, settings)?;
         let mut remarks: Vec<String> =
             surveys.iter().flat_map(|s| s.track.notes.iter().map(|n| format!("{}: {n}", s.track.source.file))).collect();
+        remarks.extend(choice.note());
         let monotone = make_monotone(&mut estimate, &mut remarks);
         remarks.extend(estimate_notes(&estimate));
         let uncertainty = Uncertainty::new(&estimate);

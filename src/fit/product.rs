@@ -1,7 +1,7 @@
 //! What a fit gives: `table1.json`, its CSVs, and the verdict on every sample.
 
 use super::estimate::Estimate;
-use super::feedback::{FeedbackDelays, delays};
+use super::input::Choice;
 use super::part::Part;
 use super::runs::{Compared, residual_rms_mps2, round};
 use super::soundness::coverage;
@@ -31,8 +31,6 @@ pub struct Fit {
 
 /// An offset between the clocks of command and speed counts from here on [s]: smaller ones are sampling phases.
 const CLOCK_OFFSET_S: f64 = 0.02;
-/// A first-order lag explains the drive up to this ratio of the feedback's residual after steps to that elsewhere.
-const LAG_EXPLAINS: f64 = 2.5;
 
 /// Fits Table 1 to the surveyed logs of one vehicle. The order of the logs does not matter.
 ///
@@ -56,7 +54,8 @@ fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&
     surveys.sort_by(|a, b| a.track.source.cmp(&b.track.source));
     same_vehicle(&surveys)?;
     let vehicle = vehicle(&surveys);
-    let part = Part::new(&surveys, settings, vehicle.test_angle_deg)?;
+    let choice = Choice::new(&surveys, settings);
+    let part = Part::new(&surveys, &choice, settings, vehicle.test_angle_deg)?;
     let notes = part.notes();
     let Part { estimate, verdicts, figures, .. } = part;
     let (maps, csvs): (Vec<AccelMap>, Vec<String>) = part.maps.into_iter().unzip();
@@ -85,7 +84,7 @@ fn fit_and<T>(mut surveys: Vec<Survey>, settings: &Settings, look: impl FnOnce(&
         vehicle,
         logs: surveys.iter().map(|s| s.track.source.clone()).collect(),
         settings: serde_json::to_value(settings).map_err(crate::map::Error::from)?,
-        actuator: actuator(&delays, &surveys.iter().collect::<Vec<_>>(), settings),
+        actuator: actuator(&delays, &surveys.iter().collect::<Vec<_>>(), &choice, settings),
         witnesses: witnesses(&estimate),
         noise: plant_noise(&estimate),
         maps,
@@ -149,9 +148,10 @@ pub(super) struct Delays {
 }
 
 /// Dead times, lag and clock offsets, each with its status; one survey per log.
-pub(super) fn actuator(delays_found: &Delays, surveys: &[&Survey], settings: &Settings) -> Actuator {
-    let feedback: Vec<Option<FeedbackDelays>> =
-        surveys.iter().map(|s| s.track.feedback_nm.as_ref().and_then(|f| delays(&s.track.command_nm, f, settings.lag_s))).collect();
+///
+/// Where the feedback was the input, the delays found are those from it to the speed. What a controller needs leads from the command: the
+/// feedback's own dead time comes on top, and its lag takes the place of none.
+pub(super) fn actuator(found: &Delays, surveys: &[&Survey], choice: &Choice, settings: &Settings) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
             "given"
@@ -167,15 +167,22 @@ pub(super) fn actuator(delays_found: &Delays, surveys: &[&Survey], settings: &Se
         status: status(given, std_err_s).to_owned(),
     };
     let given = settings.dead_time_s.is_some();
+    let mut std_errs_s = Vec::new();
     let per_log: Vec<LogActuator> = surveys
         .iter()
         .enumerate()
         .map(|(k, survey)| {
-            let (total, std_err) = (delays_found.dead_time_s[k], delays_found.dead_time_std_err_s[k]);
-            let (offset, dead_time) = match &feedback[k] {
-                Some(f) => {
-                    let offset = total - f.dead_time_s;
-                    let error = (std_err * std_err + f.dead_time_std_err_s * f.dead_time_std_err_s).sqrt();
+            let own = (found.dead_time_s[k], found.dead_time_std_err_s[k]);
+            let feedback = choice.delays(&survey.track.source);
+            // dead time from command to speed, and what of it the feedback does not show
+            let ((total, std_err), offset) = match feedback {
+                Some(f) if choice.is_feedback() => ((f.dead_time_s + own.0, own.1.hypot(f.misfit() * f.dead_time_std_err_s)), Some(own)),
+                Some(f) => (own, Some((own.0 - f.dead_time_s, (own.1 * own.1 + f.dead_time_std_err_s * f.dead_time_std_err_s).sqrt()))),
+                None => (own, None),
+            };
+            std_errs_s.push(std_err);
+            let (clock_offset, dead_time) = match (offset, feedback) {
+                (Some((offset, error)), Some(f)) => {
                     let real = offset.abs() > CLOCK_OFFSET_S.max(4.0 * error);
                     let estimate = DelayEstimate {
                         value_s: round(offset, 1e6),
@@ -184,36 +191,40 @@ pub(super) fn actuator(delays_found: &Delays, surveys: &[&Survey], settings: &Se
                     };
                     (estimate, if real { f.dead_time_s } else { total })
                 }
-                None => (DelayEstimate { value_s: 0.0, std_err_s: None, status: "not separable".to_owned() }, total),
+                _ => (DelayEstimate { value_s: 0.0, std_err_s: None, status: "not separable".to_owned() }, total),
             };
             LogActuator {
                 sha256: survey.track.source.sha256.clone(),
                 file: survey.track.source.file.clone(),
                 dead_time: told(dead_time, std_err, given),
-                clock_offset: offset,
+                clock_offset,
             }
         })
         .collect();
-    let dead_times: Vec<f64> = per_log.iter().map(|l| l.dead_time.value_s).collect();
-    let count = dead_times.len() as f64;
-    let mean = dead_times.iter().sum::<f64>() / count;
-    let spread = if dead_times.len() > 1 {
-        (dead_times.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt()
+    let (mean, spread) = mean_and_error(&per_log.iter().map(|l| l.dead_time.value_s).collect::<Vec<_>>());
+    let of_errors = std_errs_s.iter().map(|e| e * e).sum::<f64>().sqrt() / std_errs_s.len() as f64;
+    let (lag_s, lag_std_err_s) = if choice.is_feedback() {
+        let (lag_s, spread) = mean_and_error(&choice.all_delays().map(|f| f.lag_s).collect::<Vec<_>>());
+        let squares: f64 = choice.all_delays().map(|f| (f.misfit() * f.lag_std_err_s).powi(2)).sum();
+        (lag_s, spread.max(squares.sqrt() / choice.all_delays().len() as f64))
     } else {
-        0.0
+        (found.lag_s, found.lag_std_err_s)
     };
-    let of_errors = delays_found.dead_time_std_err_s.iter().map(|e| e * e).sum::<f64>().sqrt() / count;
-    let explained = feedback.iter().flatten().all(|f| f.after_step_ratio < LAG_EXPLAINS);
     Actuator {
         dead_time: told(mean, spread.max(of_errors), given),
-        lag: told(delays_found.lag_s, delays_found.lag_std_err_s, settings.lag_s.is_some()),
-        input: if feedback.iter().any(Option::is_some) && !explained {
-            "torque command (the feedback does not follow a first-order lag)".to_owned()
-        } else {
-            "torque command".to_owned()
-        },
+        lag: told(lag_s, lag_std_err_s, settings.lag_s.is_some()),
+        input: choice.told(),
         per_log,
     }
+}
+
+/// Mean, and its standard error by the spread of the values; 0 for a single one.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let spread =
+        if values.len() > 1 { (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt() } else { 0.0 };
+    (mean, spread)
 }
 
 pub(super) fn witnesses(estimate: &Estimate) -> Vec<Witness> {

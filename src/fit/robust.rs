@@ -1,11 +1,11 @@
 //! Readings and stretches that do not belong: spikes, slip that no second witness shows, pushes by hand.
 
-use super::actuator::LaggedCommand;
 use super::course::courses;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
 use super::passes::Pass;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
+use super::torque::EffectiveTorque;
 use crate::campaign::Verdict;
 use std::collections::BTreeSet;
 
@@ -24,7 +24,7 @@ const MARGIN_S: f64 = 0.02;
 /// What the readings are judged against.
 pub(crate) struct Judge<'a> {
     pub(crate) calibration: &'a Calibration,
-    pub(crate) lagged: &'a [LaggedCommand],
+    pub(crate) lagged: &'a [EffectiveTorque],
     /// Forward, reverse.
     pub(crate) surfaces: &'a [LatticeSurface; 2],
     pub(crate) noise: &'a Noise,

@@ -4,12 +4,12 @@
 //! surface together with the delays. Each round filters the speeds along the segments with the surface of the last one, adds up the
 //! whitened sums, solves them with penalties chosen by the data, and moves on to the new surface and calibration.
 
-use super::actuator::LaggedCommand;
 use super::anova::{Design, STRIBECK_MPS};
 use super::course::{Course, courses, courses_again};
 use super::estimate::{CalibrationErrors, Estimate};
 use super::gram::Gram;
 use super::hyper;
+use super::input::{Choice, Input};
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
 use super::merging::{merged, spread};
@@ -20,6 +20,7 @@ use super::robust::Judge;
 use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
 use super::start::{Start, hold_known};
+use super::torque::EffectiveTorque;
 use super::validation::{self, Form, Validation};
 use super::{Error, Result, Settings, stribeck};
 use crate::campaign::Survey;
@@ -85,8 +86,8 @@ struct Found {
 
 impl<'a> Search<'a> {
     /// Before the first round.
-    pub(crate) fn new(surveys: &'a [Survey], settings: &Settings) -> Result<Self> {
-        let Start { logs, gears, has_yaw, calibration, noise, lattice } = Start::new(surveys, settings)?;
+    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Self> {
+        let Start { logs, gears, has_yaw, calibration, noise, lattice } = Start::new(surveys, choice, settings)?;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
         let errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], lag_s: 0.0, encoder_scale: 0.0 };
@@ -278,7 +279,8 @@ impl<'a> Search<'a> {
         let known = self.settings.known.as_ref();
         let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw && free == Free::DelaysAndEncoder);
         let hold = |std: &mut f64| *std = FIXED_STD;
-        if self.settings.lag_s.is_some() || known.is_some_and(|k| k.lag_s.is_some()) {
+        let measured = self.logs.iter().any(|l| l.input != Input::Command);
+        if measured || self.settings.lag_s.is_some() || known.is_some_and(|k| k.lag_s.is_some()) {
             hold(&mut prior[nuisance::LAG]);
         }
         if known.is_some_and(|k| k.encoder.is_some()) {
@@ -313,8 +315,8 @@ impl<'a> Search<'a> {
         self.rounds > 0
     }
 
-    fn lagged(&self) -> Vec<LaggedCommand> {
-        self.logs.iter().map(|l| LaggedCommand::new(&l.survey.track.command_nm, self.calibration.lag_s)).collect()
+    fn lagged(&self) -> Vec<EffectiveTorque> {
+        self.logs.iter().map(|l| l.torque(self.calibration.lag_s)).collect()
     }
 
     /// The segments as they are now; without the moments after steps, if so asked.
@@ -332,8 +334,8 @@ impl<'a> Search<'a> {
     }
 
     /// The moments after steps of the effective torque.
-    fn transients(&self, lagged: &[LaggedCommand]) -> Vec<Vec<(f64, f64)>> {
-        let after = |(lagged, dead_s): (&LaggedCommand, &f64)| {
+    fn transients(&self, lagged: &[EffectiveTorque]) -> Vec<Vec<(f64, f64)>> {
+        let after = |(lagged, dead_s): (&EffectiveTorque, &f64)| {
             lagged.steps(0.05 * lagged.largest_nm()).into_iter().map(|t| (t + dead_s, t + dead_s + self.settings.transient_s)).collect()
         };
         lagged.iter().zip(&self.calibration.dead_time_s).map(after).collect()

@@ -1,8 +1,9 @@
 //! Segments: stretches of readings on one clock, ready to be integrated.
 
-use super::actuator::LaggedCommand;
+use super::input::Input;
 use super::kalman::{Reading, UNKNOWN_SPEED_MPS};
 use super::lattice::LatticeSurface;
+use super::torque::EffectiveTorque;
 use crate::campaign::{Survey, Verdict};
 use crate::map::Gear;
 use std::collections::BTreeSet;
@@ -61,6 +62,8 @@ const STEP_TIMING_S: f64 = 2e-3;
 #[derive(Debug, Clone)]
 pub(crate) struct LogData<'a> {
     pub(crate) survey: &'a Survey,
+    /// Where its effective torque comes from.
+    pub(crate) input: Input,
     /// Outliers among the yaw readings.
     pub(crate) yaw_outliers: Vec<bool>,
     pub(crate) cuts: Cuts,
@@ -71,13 +74,18 @@ pub(crate) struct LogData<'a> {
 }
 
 impl LogData<'_> {
+    /// The effective torque; the lag counts for a command only.
+    pub(crate) fn torque(&self, lag_s: f64) -> EffectiveTorque {
+        self.input.torque(&self.survey.track, lag_s)
+    }
+
     /// The segments of this log. `surfaces` (forward, reverse) tell when a resting wheel breaks away; without it starts are not anchored.
     /// `transient_s` is left out after each step of the effective torque, unless the stretch starts from rest there.
     pub(crate) fn segments(
         &self,
         log: usize,
         calibration: &Calibration,
-        lagged: &LaggedCommand,
+        lagged: &EffectiveTorque,
         surfaces: Option<&[LatticeSurface; 2]>,
         transients: &[(f64, f64)],
     ) -> Vec<Segment> {
@@ -86,6 +94,8 @@ impl LogData<'_> {
         for k in 1..intervals.len() {
             intervals[k].1 = intervals[k].1.max(intervals[k - 1].1);
         }
+        let shifted = |gap: &(f64, f64)| (gap.0 + calibration.dead_time_s[log], gap.1 + calibration.dead_time_s[log]);
+        let gaps: Vec<(f64, f64)> = lagged.gaps().iter().map(shifted).collect();
         let mut segments = Vec::new();
         for (run, stretch) in self.survey.stretches.iter().enumerate().filter(|(run, _)| self.chosen[*run]) {
             let dead_time_s = calibration.dead_time_s[log];
@@ -100,6 +110,7 @@ impl LogData<'_> {
                 let threshold = surface.zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
                 let torque = |t: f64| stretch.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
                 if let Some(t) = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, torque)
+                    && near(&gaps, t, t).is_empty()
                     && self.mean_speed(stretch.gear, t, calibration).is_none_or(|v| v < BELIEVABLE_START_MPS)
                 {
                     start_s = t;
@@ -111,6 +122,7 @@ impl LogData<'_> {
             }
             let readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
             let mut cuts: Vec<(f64, f64)> = near(&intervals, start_s, stretch.to_s).to_vec();
+            cuts.extend(near(&gaps, start_s, stretch.to_s));
             // what follows the first step of a start from rest is anchored, and worth keeping
             cuts.extend(near(transients, start_s, stretch.to_s).iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
             split(
@@ -156,7 +168,7 @@ impl LogData<'_> {
 pub(crate) fn all_segments(
     logs: &[LogData],
     calibration: &Calibration,
-    lagged: &[LaggedCommand],
+    lagged: &[EffectiveTorque],
     surfaces: Option<&[LatticeSurface; 2]>,
     transients: &[Vec<(f64, f64)>],
 ) -> Vec<Segment> {

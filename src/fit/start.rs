@@ -1,11 +1,12 @@
 //! Before the first round: what the logs hold, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
 
-use super::actuator::LaggedCommand;
 use super::coarse;
+use super::input::Choice;
 use super::kalman::Noise;
 use super::lattice::Lattice;
 use super::passes::wide_speed;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments, span_s};
+use super::torque::EffectiveTorque;
 use super::{Error, Result, Settings};
 use crate::campaign::Survey;
 use crate::map::Gear;
@@ -34,18 +35,18 @@ impl<'a> Start<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], settings: &Settings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
             return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
         }
-        let logs: Vec<LogData> = surveys.iter().map(log_data).collect();
+        let logs: Vec<LogData> = surveys.iter().map(|s| log_data(s, choice)).collect();
         let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
-        let mut calibration = first_calibration(surveys);
+        let mut calibration = first_calibration(surveys, choice);
         hold_known(&mut calibration, &logs, settings);
         let noise = first_noise(surveys);
-        let lagged: Vec<LaggedCommand> = surveys.iter().map(|s| LaggedCommand::new(&s.track.command_nm, calibration.lag_s)).collect();
+        let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(calibration.lag_s)).collect();
         let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
         let seconds: f64 = segments.iter().map(span_s).sum();
         if seconds < LEAST_MOTION_S {
@@ -58,11 +59,14 @@ impl<'a> Start<'a> {
                 coarse::LogView {
                     segments: own.iter().map(|s| &segments[*s]).collect(),
                     speed_mps: own.iter().map(|s| speeds[*s].as_slice()).collect(),
-                    command: &surveys[k].track.command_nm,
+                    log: &logs[k],
                 }
             })
             .collect();
-        (calibration.dead_time_s, calibration.lag_s) = coarse::search(&views, &noise, settings.dead_time_s, settings.lag_s);
+        (calibration.dead_time_s, calibration.lag_s) = {
+            let fixed_lag_s = if choice.is_feedback() { Some(0.0) } else { settings.lag_s };
+            coarse::search(&views, &noise, settings.dead_time_s, fixed_lag_s)
+        };
         hold_known(&mut calibration, &logs, settings);
         let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
         let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
@@ -84,12 +88,19 @@ pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
     (rate_hz < SLOW_HZ).then_some(rate_hz)
 }
 
-fn log_data(survey: &Survey) -> LogData<'_> {
+fn log_data<'a>(survey: &'a Survey, choice: &Choice) -> LogData<'a> {
     let yaw_outliers = survey.track.yaw_speed_mps.as_ref().map(hampel).unwrap_or_default();
     let encoder = &survey.track.encoder_mps.value;
     let dithered = noise_std(encoder) > 0.2 * quantum(encoder);
     let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum(encoder) < COARSE_QUANTUM_MPS || dithered;
-    LogData { survey, yaw_outliers, cuts: Cuts::default(), may_anchor, chosen: vec![true; survey.stretches.len()] }
+    LogData {
+        survey,
+        input: choice.of(&survey.track.source),
+        yaw_outliers,
+        cuts: Cuts::default(),
+        may_anchor,
+        chosen: vec![true; survey.stretches.len()],
+    }
 }
 
 /// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.
@@ -98,15 +109,17 @@ fn hampel(series: &Series) -> Vec<bool> {
     crate::signal::hampel(&series.value, 6.0, floor)
 }
 
-fn first_calibration(surveys: &[Survey]) -> Calibration {
+fn first_calibration(surveys: &[Survey], choice: &Choice) -> Calibration {
     let alignments: Vec<_> = surveys.iter().filter_map(|s| s.alignment).collect();
     let median_of = |f: fn(&crate::signal::Alignment) -> f64, otherwise: f64| {
         let values: Vec<f64> = alignments.iter().map(f).collect();
         if values.is_empty() { otherwise } else { crate::signal::median(&values) }
     };
+    // a feedback is followed as it is
+    let delay_s = if choice.is_feedback() { 0.0 } else { 0.05 };
     Calibration {
-        dead_time_s: vec![0.05; surveys.len()],
-        lag_s: 0.05,
+        dead_time_s: vec![delay_s; surveys.len()],
+        lag_s: delay_s,
         encoder_scale: median_of(|a| a.scale, 1.0),
         encoder_delay_s: median_of(|a| a.delay_s, 0.0),
     }

@@ -211,6 +211,8 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
         let encoder = &log.survey.track.encoder_mps;
         // both in the order of time, and the last to begin is the last to end
         let (cuts, transients) = (&log.cuts.intervals, &estimate.transients[k]);
+        let torque = estimate.lagged(k);
+        let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
         for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == Verdict::Used) {
             let t = encoder.t_s[i] - estimate.calibration.encoder_delay_s;
             let cut = cuts[..cuts.partition_point(|c| c.0 <= t)].last().filter(|c| t <= c.1).map(|c| c.2);
@@ -220,6 +222,8 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
                 reason
             } else if spike {
                 Verdict::Outlier
+            } else if missing(t - estimate.calibration.dead_time_s[k]) {
+                Verdict::Gap
             } else if transient {
                 Verdict::Transient
             } else {

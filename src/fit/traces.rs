@@ -1,10 +1,10 @@
 //! What a report shows of a fit: traces of the runs, residuals over the cells and over time. Read only; nothing here touches the estimate.
 
-use super::actuator::LaggedCommand;
 use super::course::Course;
 use super::estimate::Estimate;
 use super::product::Fit;
 use super::runs::{Compared, round};
+use super::torque::EffectiveTorque;
 use super::{Result, delay_likelihood};
 use crate::campaign::{Hold, Verdict, runs};
 use crate::map::{AccelMap, Axis, CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, ResidualCells, ResidualTimes, RunRow, RunTrace};
@@ -71,7 +71,7 @@ fn run_traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Vec<RunT
 
 fn run_trace(
     estimate: &Estimate,
-    (log, lagged): (usize, &LaggedCommand),
+    (log, lagged): (usize, &EffectiveTorque),
     verdicts: &[Verdict],
     simulated: &[Compared],
     (row, hold, gear): (usize, &Hold, Gear),

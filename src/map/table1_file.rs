@@ -93,7 +93,8 @@ pub struct Actuator {
     pub dead_time: DelayEstimate,
     /// Time constant of the first-order lag [s], shared by the logs.
     pub lag: DelayEstimate,
-    /// The input that the fit used: `torque command` or `torque feedback`.
+    /// The input that the fit used: `torque command` or `torque feedback`; in parentheses the reason, where it is not plain that a drive is
+    /// modelled from its command.
     pub input: String,
     /// The same per log: a command's stamp is late by its sampling phase, differently in each log.
     pub per_log: Vec<LogActuator>,

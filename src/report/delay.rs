@@ -31,14 +31,23 @@ pub(super) fn delay(inputs: &Inputs) -> Section {
         rows.push([vec![format!("clock offset, {}", escaped(&log.file))], told(&log.clock_offset)].concat());
     }
     section.table("narrow", &["delay|", "ms", "± ms", "status|"], &rows);
+    if actuator.input != "torque command" {
+        section.paragraph(&format!("The fit's input is the {}.", actuator.input));
+    }
     let Some(likelihood) = inputs.fit_traces.as_ref().and_then(|t| t.delay.as_ref()) else {
         section.absent("The likelihood is not here: fit_traces.json is missing or belongs to another fit.");
         return section;
     };
-    section.paragraph(
+    let with_lag = likelihood.lag_s.len() > 1;
+    section.paragraph(&format!(
         "How many standard deviations worse other delays explain the recorded speed, the surface being free to give way in its main \
-         directions. The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second answer.",
-    );
+         directions.{}",
+        if with_lag {
+            " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second answer."
+        } else {
+            " No lag is tried: the feedback holds it."
+        }
+    ));
     let centre_s = actuator.dead_time.value_s;
     let dead_ms: Vec<f64> = likelihood.dead_time_shift_s.iter().map(|s| rounded(1e3 * (centre_s + s))).collect();
     let lag_ms: Vec<f64> = likelihood.lag_s.iter().map(|l| rounded(1e3 * l)).collect();

@@ -3,6 +3,7 @@
 use super::super::actuator::LaggedCommand;
 use super::super::kalman::{Reading, UNKNOWN_SPEED_MPS};
 use super::super::segment::Segment;
+use super::super::torque::EffectiveTorque;
 use crate::map::{AccelTable, Gear};
 use crate::signal::Series;
 use serde::Serialize;
@@ -66,7 +67,7 @@ pub struct PlannedRun {
 pub(super) struct Part {
     pub(super) segment: Segment,
     pub(super) speed_mps: Vec<f64>,
-    pub(super) command: LaggedCommand,
+    pub(super) command: EffectiveTorque,
 }
 
 /// A run driven on the surface.
@@ -273,7 +274,7 @@ impl<'a> Way<'a> {
 
     /// The stretches that the fit would use: moving, without what follows a step.
     fn parts(&self) -> Vec<Part> {
-        let lagged = LaggedCommand::new(&self.command, self.vehicle.lag_s);
+        let lagged = EffectiveTorque::Lagged(LaggedCommand::new(&self.command, self.vehicle.lag_s));
         let moved = |r: &&(f64, f64)| r.1 > 0.0;
         let Some(first_s) = self.readings.iter().find(moved).map(|r| r.0 - READING_S) else { return Vec::new() };
         let dead = self.vehicle.dead_time_s;

@@ -1,0 +1,236 @@
+//! Fits by the torque feedback and by the command, judged against the exact map of the simulator.
+//! `cargo test --test torque_feedback -- --nocapture` tells the figures.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
+
+use pivot_cal::campaign::{self, Survey, Verdict, group_by_angle};
+use pivot_cal::fit::{self, Fit, fit, fit_angles};
+use pivot_cal::invert::{self, invert};
+use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
+use pivot_cal::map::{AccelMap, CellStatus, CsvRef, Gear};
+use pivot_cal::record::{Campaign, record};
+use pivot_cal::signal::{Series, Track};
+use pivot_cal::sim::{Truth, VehicleFile};
+use pivot_cal::units::RAD_PER_DEG;
+use std::path::Path;
+
+fn text(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+/// A campaign's forward runs on the scrubber, its drive's torque limited to so many N·m/s, and the scrubber's exact map. The feedback comes
+/// 25 times a second with 0.3 N·m of noise.
+fn driven(campaign: &str, slew_limit_nm_s: Option<f64>) -> (Recording, Truth) {
+    let mut vehicle = VehicleFile::from_toml(&text("data/vehicles/scrubber.toml")).unwrap();
+    vehicle.drive.slew_limit_nm_s = slew_limit_nm_s;
+    let mut campaign = Campaign::from_toml(campaign).unwrap();
+    campaign.runs.retain(|group| group.gear == Gear::Forward);
+    println!("seed {}, slew limit {slew_limit_nm_s:?} N·m/s", campaign.seed);
+    let log = record(&vehicle, &campaign, None).unwrap();
+    let recording = read_bytes(log.bytes, "steps.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
+    assert!(recording.signals.torque_feedback.is_some());
+    (recording, vehicle.truth().unwrap())
+}
+
+/// The sample campaign without its trials below breakaway, which would bound the breakaway torque whatever the surface says.
+fn recorded(slew_limit_nm_s: Option<f64>) -> (Recording, Truth) {
+    let campaign = text("data/campaigns/torque_steps.toml");
+    let started = campaign.replace("start = 4, step = 4, stop = 40", "start = 12, step = 4, stop = 40");
+    assert_ne!(started, campaign);
+    driven(&started, slew_limit_nm_s)
+}
+
+/// A log's track, changed, and surveyed.
+fn surveyed(recording: &Recording, change: impl Fn(&mut Track)) -> Survey {
+    let mut track = Track::new(recording).unwrap();
+    change(&mut track);
+    Survey::new(track, &campaign::Settings::default()).unwrap()
+}
+
+/// The fit of a log whose track is changed first.
+fn fitted(recording: &Recording, change: impl Fn(&mut Track)) -> Fit {
+    fit(vec![surveyed(recording, change)], &fit::Settings::default()).unwrap()
+}
+
+/// The feedback of a track.
+fn feedback(track: &mut Track) -> &mut Series {
+    track.feedback_nm.as_mut().unwrap()
+}
+
+/// Errors against the truth, root mean square over the measured cells: of Table 1 [m/s²] and of the torque for the true acceleration
+/// [N·m]; and of the breakaway torque [N·m].
+#[derive(Debug)]
+struct Errors {
+    accel_mps2: f64,
+    torque_nm: f64,
+    breakaway_nm: f64,
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Measured cells in motion: speed, torque, acceleration told and true.
+fn measured(map: &AccelMap, truth: &Truth) -> Vec<[f64; 4]> {
+    let mut cells = Vec::new();
+    for (i, u) in map.torque_nm.iter().enumerate() {
+        for (j, v) in map.speed_mps.iter().enumerate().filter(|(_, v)| **v > 0.0) {
+            if map.status[i][j] == CellStatus::Measured {
+                let a = truth.gear_accel_mps2(Gear::Forward, *v, *u, map.wheel_angle_deg * RAD_PER_DEG);
+                cells.push([*v, *u, map.accel_mps2[i][j], a]);
+            }
+        }
+    }
+    assert!(cells.len() > 50, "{} cells", cells.len());
+    cells
+}
+
+fn accel_rms_mps2(maps: &[AccelMap], truth: &Truth) -> f64 {
+    rms(&maps.iter().flat_map(|map| measured(map, truth)).map(|[_, _, told, a]| told - a).collect::<Vec<_>>())
+}
+
+fn errors(fit: &Fit, truth: &Truth) -> Errors {
+    let map = &fit.file.maps[0];
+    let inverse = invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default()).unwrap();
+    let table2 = inverse.file.maps[0].table().unwrap();
+    let cells = measured(map, truth);
+    let torque: Vec<f64> = cells.iter().filter_map(|[v, u, _, a]| Some(table2.torque_from_accel(*v, *a)? - u)).collect();
+    assert!(torque.len() * 10 > cells.len() * 8, "{} of {} cells are answered", torque.len(), cells.len());
+    let breakaway_nm = truth.breakaway_nm(Gear::Forward, map.wheel_angle_deg * RAD_PER_DEG);
+    Errors {
+        accel_mps2: accel_rms_mps2(std::slice::from_ref(map), truth),
+        torque_nm: rms(&torque),
+        breakaway_nm: (map.breakaway.torque_nm - breakaway_nm).abs(),
+    }
+}
+
+#[test]
+fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
+    let (recording, truth) = recorded(Some(60.0));
+    let by_feedback = fitted(&recording, |_| ());
+    let by_command = fitted(&recording, |track| track.feedback_nm = None);
+    let (feedback, command) = (errors(&by_feedback, &truth), errors(&by_command, &truth));
+    println!("by the feedback {feedback:?}\nby the command {command:?}");
+    let actuator = &by_feedback.file.actuator;
+    println!("{actuator:?}\n{:?}", by_feedback.file.report.notes);
+    assert!(actuator.input.starts_with("torque feedback (") && by_command.file.actuator.input == "torque command");
+    assert!(by_feedback.file.report.notes.iter().any(|n| n.contains("the torque feedback is the fit's input")));
+    // measured: 0.0074 m/s², 0.105 and 0.055 N·m; by the command 0.243 m/s², 3.79 and 2.87 N·m
+    assert!(feedback.accel_mps2 < 0.015 && feedback.torque_nm < 0.2 && feedback.breakaway_nm < 0.2);
+    assert!(command.accel_mps2 > 10.0 * feedback.accel_mps2);
+    assert!(command.torque_nm > 10.0 * feedback.torque_nm);
+    assert!(command.breakaway_nm > 10.0 * feedback.breakaway_nm);
+    // ramps of up to 0.7 s behind the drive's own 52 and 48 ms: the nearest first-order drive begins late and rises slowly
+    let (dead_time, lag) = (&actuator.dead_time, &actuator.lag);
+    assert!((0.07..0.30).contains(&dead_time.value_s) && (0.12..0.30).contains(&lag.value_s), "{dead_time:?} {lag:?}");
+    assert!(dead_time.std_err_s.unwrap() > 1e-3 && lag.std_err_s.unwrap() > 1e-3, "no first-order drive is known to a tenth of a ms");
+    let offset = &actuator.per_log[0].clock_offset;
+    assert!(offset.status == "none found" && offset.value_s.abs() < 0.01, "{offset:?}");
+}
+
+#[test]
+fn a_first_order_drive_is_modelled_whether_it_tells_its_torque_or_not() {
+    let (recording, _) = recorded(None);
+    let with = fitted(&recording, |_| ());
+    let without = fitted(&recording, |track| track.feedback_nm = None);
+    assert_eq!(with.file.actuator.input, "torque command");
+    assert_eq!(with.csvs, without.csvs);
+    let mut bare = with.file.clone();
+    assert_eq!(bare.actuator.per_log[0].clock_offset.status, "none found");
+    bare.actuator.per_log[0].clock_offset = without.file.actuator.per_log[0].clock_offset.clone();
+    assert_eq!(bare.to_json().unwrap(), without.file.to_json().unwrap());
+}
+
+#[test]
+fn a_feedback_of_another_scale_is_refused_with_the_reason() {
+    for slew_limit_nm_s in [None, Some(60.0)] {
+        let (recording, _) = recorded(slew_limit_nm_s);
+        let high = fitted(&recording, |track| feedback(track).value.iter_mut().for_each(|u| *u *= 1.1));
+        let without = fitted(&recording, |track| track.feedback_nm = None);
+        let input = &high.file.actuator.input;
+        println!("{input}");
+        assert!(input.starts_with("torque command (the feedback ") && input.contains("reads 10 % high"), "{input}");
+        assert!(high.file.report.notes.iter().any(|n| n.contains("reads 10 % high")), "{:?}", high.file.report.notes);
+        assert_eq!(high.csvs, without.csvs);
+    }
+}
+
+#[test]
+fn a_feedback_that_cannot_stand_in_is_refused_with_the_reason() {
+    let (recording, _) = recorded(Some(60.0));
+    let input = |change: &dyn Fn(&mut Track)| fitted(&recording, change).file.actuator.input;
+    let keep = |track: &mut Track, kept: &dyn Fn(usize, f64) -> bool| {
+        let own = feedback(track);
+        let (t_s, value) =
+            own.t_s.iter().zip(&own.value).enumerate().filter(|(k, (t, _))| kept(*k, **t)).map(|(_, (t, v))| (*t, *v)).unzip();
+        *own = Series { t_s, value };
+    };
+    for (why, change) in [
+        ("has the other sign", &(|track: &mut Track| feedback(track).value.iter_mut().for_each(|u| *u = -*u)) as &dyn Fn(&mut Track)),
+        ("reads 2.0 N·m low", &|track| feedback(track).value.iter_mut().for_each(|u| *u -= 2.0)),
+        ("instead of 40.0 N·m", &|track| feedback(track).value.iter_mut().for_each(|u| *u = u.min(37.0))),
+        ("comes at 8.3 Hz only", &|track| keep(track, &|k, _| k % 3 == 0)),
+        ("is missing in", &|track| keep(track, &|_, t| t % 5.0 > 1.0)),
+    ] {
+        let told = input(change);
+        println!("{told}");
+        assert!(told.starts_with("torque command (the feedback ") && told.contains(why), "{why}: {told}");
+    }
+    let given = fit::Settings { lag_s: Some(0.05), ..fit::Settings::default() };
+    let told = fit(vec![surveyed(&recording, |_| ())], &given).unwrap().file.actuator;
+    assert!(told.input.contains("dead time or lag are given") && told.lag.status == "given", "{told:?}");
+    let bare = surveyed(&recording, |track| {
+        track.feedback_nm = None;
+        track.source.file = "bare.mcap".into();
+        track.source.sha256 = "0".repeat(64);
+    });
+    let told = fit(vec![surveyed(&recording, |_| ()), bare], &fit::Settings::default()).unwrap().file.actuator.input;
+    assert!(told.starts_with("torque command (") && told.contains("not every log has one"), "{told}");
+}
+
+#[test]
+fn a_gap_of_the_feedback_is_left_out_and_a_lost_reading_is_bridged() {
+    let (recording, truth) = recorded(Some(60.0));
+    // 0.3 % of the readings are lost anyway
+    let usable = surveyed(&recording, |_| ());
+    let stretch = usable.stretches.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s))).unwrap();
+    let middle_s = 0.5 * (stretch.from_s + stretch.to_s);
+    let seconds =
+        |fit: &Fit| fit.file.report.ledger.iter().find(|row| row.verdict == Verdict::Gap.to_string()).map_or(0.0, |row| row.seconds);
+    let whole = fitted(&recording, |_| ());
+    let with_gap = fitted(&recording, |track| {
+        let own = feedback(track);
+        let kept = own.t_s.iter().zip(&own.value).filter(|(t, _)| (**t - middle_s).abs() > 0.3);
+        let (t_s, value) = kept.map(|(t, v)| (*t, *v)).unzip();
+        *own = Series { t_s, value };
+    });
+    let more_s = seconds(&with_gap) - seconds(&whole);
+    println!("{more_s:.2} s more of gaps; {:?}", errors(&with_gap, &truth));
+    assert!(with_gap.file.actuator.input.starts_with("torque feedback"));
+    // 0.6 s without a reading, and up to a period at either end
+    assert!((0.55..0.75).contains(&more_s), "{more_s}");
+    assert!(errors(&with_gap, &truth).torque_nm < 0.2);
+}
+
+#[test]
+fn the_input_is_the_same_at_every_wheel_angle() {
+    let campaign = text("data/campaigns/wheel_angles.toml").replace("[0, 30, 60, 90]", "[60, 90]");
+    let (recording, truth) = driven(&campaign, Some(60.0));
+    let errors_of = |recording: &Recording| {
+        let grouped = group_by_angle(std::slice::from_ref(recording), &[60.0, 90.0], &campaign::Settings::default()).unwrap();
+        let fit = fit_angles(grouped, true, 90.0, &fit::Settings::default()).unwrap().0;
+        println!("{} {:?}", fit.file.actuator.input, fit.file.report.notes);
+        assert_eq!(fit.file.maps.len(), 2);
+        let rms = accel_rms_mps2(&fit.file.maps, &truth);
+        (fit, rms)
+    };
+    let (by_feedback, feedback_mps2) = errors_of(&recording);
+    let mut bare = recording.clone();
+    bare.signals.torque_feedback = None;
+    let (by_command, command_mps2) = errors_of(&bare);
+    println!("{feedback_mps2:.4} m/s² by the feedback, {command_mps2:.4} by the command");
+    assert!(by_feedback.file.actuator.input.starts_with("torque feedback (") && by_command.file.actuator.input == "torque command");
+    let told = by_feedback.file.report.notes.iter().filter(|n| n.contains("the fit's input")).count();
+    assert_eq!(told, 1, "once for all angles");
+    assert!(command_mps2 > 5.0 * feedback_mps2);
+}
