@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
 use pivot_cal::campaign::{self, Survey, Verdict, group_by_angle};
-use pivot_cal::fit::{self, Fit, fit, fit_angles};
+use pivot_cal::fit::{self, Fit, fit, fit_angles, fit_traced};
 use pivot_cal::invert::{self, invert};
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{AccelMap, CellStatus, CsvRef, Gear};
@@ -107,7 +107,7 @@ fn errors(fit: &Fit, truth: &Truth) -> Errors {
 #[test]
 fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     let (recording, truth) = recorded(Some(60.0));
-    let by_feedback = fitted(&recording, |_| ());
+    let (by_feedback, traces) = fit_traced(vec![surveyed(&recording, |_| ())], &fit::Settings::default()).unwrap();
     let by_command = fitted(&recording, |track| track.feedback_nm = None);
     let (feedback, command) = (errors(&by_feedback, &truth), errors(&by_command, &truth));
     println!("by the feedback {feedback:?}\nby the command {command:?}");
@@ -124,6 +124,13 @@ fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     let (dead_time, lag) = (&actuator.dead_time, &actuator.lag);
     assert!((0.07..0.30).contains(&dead_time.value_s) && (0.12..0.30).contains(&lag.value_s), "{dead_time:?} {lag:?}");
     assert!(dead_time.std_err_s.unwrap() > 1e-3 && lag.std_err_s.unwrap() > 1e-3, "no first-order drive is known to a tenth of a ms");
+    // the picture of the likelihood is in the same dead time, from the command, and has no lag to vary
+    let likelihood = traces.delay.unwrap();
+    assert_eq!(likelihood.lag_s, [0.0]);
+    let log = &likelihood.per_log[0];
+    let least = (0..log.deviance.len()).min_by(|a, b| log.deviance[*a].total_cmp(&log.deviance[*b])).unwrap();
+    assert!((log.found_s - dead_time.value_s).abs() < 1e-5, "{} {dead_time:?}", log.found_s);
+    assert!((log.dead_time_s[least] - dead_time.value_s).abs() < 0.01, "{} {dead_time:?}", log.dead_time_s[least]);
     let offset = &actuator.per_log[0].clock_offset;
     assert!(offset.status == "none found" && offset.value_s.abs() < 0.01, "{offset:?}");
 }

@@ -34,12 +34,10 @@ pub(crate) fn search(logs: &[LogView], noise: &Noise, fixed_dead_time_s: Option<
     let lags: Vec<f64> = fixed_lag_s.map_or(LAGS_S.to_vec(), |l| vec![l]);
     let measured = logs.iter().any(|l| l.log.input != Input::Command);
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
+    let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
     let coarse: Vec<f64> = match fixed_dead_time_s {
         Some(d) => vec![d],
-        None => {
-            let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
-            (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect()
-        }
+        None => (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect(),
     };
     let profile = |log: &LogView, lagged: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
         dead_times

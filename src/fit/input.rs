@@ -84,8 +84,11 @@ impl Choice {
             None => (false, None),
             // an ordinary drive: nothing to say, unless its feedback is not what it seems
             Some(disagreement) if explained => (false, disagreement.flatten().map(|how| format!("the feedback {how}"))),
+            Some(_) if settings.lag_s.is_some() || settings.dead_time_s.is_some() => {
+                (false, Some("dead time or lag are given, and the feedback does not follow them".to_owned()))
+            }
             Some(disagreement) => {
-                let hindrance = hindrance(&surveys, &delays, settings);
+                let hindrance = hindrance(&surveys, &delays);
                 let hindrance = hindrance.or_else(|| disagreement.unwrap_or_else(|| Some("is nowhere seen settled".to_owned())));
                 match hindrance {
                     Some(reason) => (false, Some(format!("the feedback does not follow a first-order lag, but {reason}"))),
@@ -141,10 +144,7 @@ impl Choice {
 }
 
 /// What, beside its scale, speaks against the feedback of a drive that is not of first order.
-fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>, settings: &Settings) -> Option<String> {
-    if settings.lag_s.is_some() || settings.dead_time_s.is_some() {
-        return Some("dead time or lag are given".to_owned());
-    }
+fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<String> {
     if surveys.iter().any(|s| !delays.contains_key(&s.track.source)) {
         return Some("not every log has one that tells of it".to_owned());
     }
