@@ -17,7 +17,7 @@ pub struct Settings {
     /// Time after a step of the effective torque that the surface does not use [s]. Default 0: dead time and lag explain it, cells that are
     /// only passed through after a step have no other data, and a cut there parts the run, with which most of what tells the delays is lost.
     pub transient_s: f64,
-    /// Most iterations with delays free, then with delays fixed and transients cut. Default 6 and 4.
+    /// Most iterations on a sample of the data with noise and encoder free, then on everything. Default 6 and 4.
     pub iterations: [usize; 2],
     /// Speed breaks of the table [m/s]; by default every 0.05 from 0 to the fastest measured.
     pub speed_breaks_mps: Option<Vec<f64>>,
