@@ -43,12 +43,12 @@ fn judge(kind: Kind, gates: &Gates) {
 
 #[test]
 fn where_physics_holds_five_minutes_come_near_the_bound() {
-    // measured: 1.06, 33, 4.0, 1.24
-    judge(Kind::Physics, &Gates { over_floor: 1.5, bins: 20.0, differentiation: 3.0, width: 1.7 });
+    // measured: 1.06, 33.5, 3.9, 1.09
+    judge(Kind::Physics, &Gates { over_floor: 1.4, bins: 25.0, differentiation: 3.0, width: 1.45 });
 }
 
 #[test]
 fn where_physics_is_wrong_the_surface_follows() {
-    // measured: 2.8, 10.7, 3.1, 2.64
-    judge(Kind::Wrong, &Gates { over_floor: 4.2, bins: 6.5, differentiation: 1.9, width: 3.5 });
+    // measured: 2.60, 11.4, 3.3, 2.58
+    judge(Kind::Wrong, &Gates { over_floor: 3.4, bins: 8.5, differentiation: 2.5, width: 3.4 });
 }

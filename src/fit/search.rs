@@ -341,7 +341,8 @@ impl<'a> Search<'a> {
         lagged.iter().zip(&self.calibration.dead_time_s).map(after).collect()
     }
 
-    /// Robust cuts with the surface as it is.
+    /// Robust cuts with the surface as it is. The judge begins anew at every step of the torque, even where nothing is left out after it: what
+    /// a drive does there that a lag does not explain is no push.
     fn cut(&mut self, threshold: f64) {
         let lagged = self.lagged();
         let transients = self.transients(&lagged);
