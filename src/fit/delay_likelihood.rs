@@ -8,7 +8,7 @@
 use super::course::Course;
 use super::estimate::Estimate;
 use super::input::Input;
-use super::kalman::{smooth, whiten};
+use super::kalman::whiten;
 use super::runs::round;
 use super::segment::{LogData, Segment};
 use super::torque::EffectiveTorque;
@@ -18,7 +18,7 @@ use faer::{Col, Mat};
 use rayon::prelude::*;
 
 /// Half-width of the map in standard errors of the less sure delay, and its bounds [s].
-const HALF_WIDTH_STD_ERRS: f64 = 10.0;
+const HALF_WIDTH_STD_ERRS: f64 = 6.0;
 const HALF_WIDTH_S: (f64, f64) = (0.003, 0.06);
 /// Steps to each side.
 const PAIRS: i32 = 7;
@@ -26,17 +26,17 @@ const PAIRS: i32 = 7;
 const LONGEST_S: f64 = 0.4;
 const STEP_S: f64 = 0.01;
 /// Readings beyond which more do not change the picture, all logs together, and the fewest of one.
-const ENOUGH_READINGS: usize = 6_000;
+const ENOUGH_READINGS: usize = 12_000;
 const FEWEST_READINGS: usize = 1500;
 /// Directions in which the surface gives way.
 const DIRECTIONS: usize = 6;
 const WIDTH: usize = DIRECTIONS + 1;
 
-/// Segments of one log without the cuts after steps, which are what tells of delays.
+/// Segments of one log, taken evenly where they are many, and the speeds at which the surface was looked up.
 struct LogView<'a> {
     data: &'a LogData<'a>,
     dead_time_s: f64,
-    segments: Vec<(Segment, Vec<f64>)>,
+    segments: Vec<(&'a Segment, &'a Vec<f64>)>,
 }
 
 type Gram = [[f64; WIDTH]; WIDTH];
@@ -91,29 +91,12 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
 
 fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
     let data = &estimate.logs[log];
-    let lagged = estimate.lagged(log);
     let dead_time_s = estimate.calibration.dead_time_s[log];
-    let mut segments = data.segments(log, &estimate.calibration, &lagged, Some(&estimate.surfaces), &[]);
+    let (segments, speeds) = &estimate.fitted;
+    let own: Vec<(&Segment, &Vec<f64>)> = segments.iter().zip(speeds).filter(|(s, _)| s.log == log).collect();
+    let readings: usize = own.iter().map(|(s, _)| s.readings.len()).sum();
     let enough = (ENOUGH_READINGS / estimate.logs.len().max(1)).max(FEWEST_READINGS);
-    let mut readings = 0;
-    segments.retain(|s| {
-        readings += s.readings.len();
-        readings <= enough
-    });
-    let segments = segments
-        .into_par_iter()
-        .map(|s| {
-            let course = Course::new(&s, &lagged, dead_time_s);
-            let mut speed: Vec<f64> = s.readings.iter().map(|r| r.speed_mps.max(0.0)).collect();
-            for _ in 0..2 {
-                let model = course.predicted(&speed, estimate.surface(s.gear));
-                let residual: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
-                let deviation = smooth(&residual, &s.readings, s.start_s, &estimate.noise, s.start_std_mps).speed_mps;
-                speed = model.iter().zip(&deviation).map(|(m, d)| (m + d).max(0.0)).collect();
-            }
-            (s, speed)
-        })
-        .collect();
+    let segments = own.into_iter().step_by(readings.div_ceil(enough).max(1)).collect();
     LogView { data, dead_time_s, segments }
 }
 
