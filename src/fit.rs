@@ -40,6 +40,7 @@ mod soundness;
 mod spline;
 mod start;
 mod steady;
+mod step_timing;
 mod stribeck;
 mod tables;
 mod torque;

@@ -67,7 +67,7 @@ pub(crate) fn drive(vehicle: &VehicleFile, campaign: &Campaign, runs: &[RunGroup
             return Ok(Driven { survey, seconds, runs: runs.len() });
         }
         // as many as ended in time, one fewer each time after that
-        let in_time = recording.report.runs.iter().filter(|r| r.start_s + r.duration_s <= limit_s).count();
+        let in_time = recording.report.runs.iter().filter(|r| r.start_s + r.duration_s <= limit_s).map(|r| r.group + 1).max().unwrap_or(0);
         runs.truncate(in_time.min(runs.len() - 1));
     }
 }

@@ -1,7 +1,8 @@
 //! What is random: a disturbance, an offset per stretch, noise in every reading; and the filter that whitens by it.
 //!
 //! State [v, d, b]: the part of the speed that the surface does not explain, an Ornstein-Uhlenbeck acceleration d (standard deviation σ_d,
-//! time constant τ_d), a constant acceleration b of the stretch (σ_b). v̇ = d + b, and a reading is v plus white noise. The innovations of
+//! time constant τ_d), a constant acceleration b of the stretch (σ_b). v̇ = d + b, v jumps a little where a step of the torque comes early or late
+//! (`step_timing.rs`), and a reading is v plus white noise. The innovations of
 //! this filter divided by √S are white; since the filter is linear, running the speed and every regressor through the same gains turns
 //! generalised least squares into ordinary least squares (Ljung, *System Identification*, prediction error methods).
 
@@ -16,9 +17,16 @@ pub(crate) struct Noise {
     pub(crate) offset_mps2: f64,
     /// Standard deviation of a reading of each witness [m/s]: encoder, yaw rate.
     pub(crate) reading_mps: [f64; 2],
+    /// Standard deviation of the time at which a step of the torque takes effect, beyond the dead time [s].
+    pub(crate) step_timing_s: f64,
 }
 
 impl Noise {
+    /// Variance that the uncertain time of steps adds to the speed since the reading before [m²/s²].
+    fn shaken(&self, reading: &Reading) -> f64 {
+        self.step_timing_s * self.step_timing_s * reading.jumps_mps2_2 + reading.unsure_mps_2
+    }
+
     /// Variance of a reading [m²/s²].
     pub(crate) fn variance(&self, reading: &Reading) -> f64 {
         let [encoder, yaw] = self.reading_mps;
@@ -27,6 +35,8 @@ impl Noise {
     }
 }
 
+/// The time of a step is taken to be known so well before the data have told it [s].
+pub(crate) const FIRST_STEP_TIMING_S: f64 = 1e-3;
 /// Prior standard deviation of the speed where a stretch does not start from rest [m/s].
 pub(crate) const UNKNOWN_SPEED_MPS: f64 = 3.0;
 
@@ -43,12 +53,18 @@ pub(crate) struct Reading {
     pub(crate) sample: u32,
     /// How many readings of each witness it is the mean of.
     pub(crate) of: [u8; 2],
+    /// Squared jumps of the acceleration by steps of the torque, as far as they come about since the reading before [m²/s⁴]: with the
+    /// variance of a step's time they make a variance of the speed.
+    pub(crate) jumps_mps2_2: f64,
+    /// Variance of the speed by steps whose message is missing [m²/s²].
+    pub(crate) unsure_mps_2: f64,
 }
 
 impl Reading {
     /// One reading of one witness.
     pub(crate) fn single(t_s: f64, speed_mps: f64, witness: u8, sample: u32) -> Self {
-        Self { t_s, speed_mps, witness, sample, of: if witness == 0 { [1, 0] } else { [0, 1] } }
+        let of = if witness == 0 { [1, 0] } else { [0, 1] };
+        Self { t_s, speed_mps, witness, sample, of, jumps_mps2_2: 0.0, unsure_mps_2: 0.0 }
     }
 }
 
@@ -74,8 +90,8 @@ fn start_covariance(noise: &Noise, start_std_mps: f64) -> Covariance {
     p
 }
 
-/// Predicts the covariance over `dt`; returns (∫decay, decay).
-fn predict(p: &mut Covariance, noise: &Noise, dt: f64) -> (f64, f64) {
+/// Predicts the covariance over the time `dt` that leads to a reading; returns (∫decay, decay).
+fn predict(p: &mut Covariance, noise: &Noise, dt: f64, reading: &Reading) -> (f64, f64) {
     let tau = noise.disturbance_time_s;
     let x = dt / tau;
     let decay = (-x).exp();
@@ -92,7 +108,7 @@ fn predict(p: &mut Covariance, noise: &Noise, dt: f64) -> (f64, f64) {
     // F·P·Fᵀ + Q with F = [[1, drift, dt], [0, decay, 0], [0, 0, 1]], written out
     let [[vv, vd, vb], [_, dd, db], [_, _, bb]] = *p;
     let (vd1, vb1) = (vd + drift * dd + dt * db, vb + drift * db + dt * bb);
-    let vv1 = vv + drift * vd + dt * vb + drift * vd1 + dt * vb1 + q_vv;
+    let vv1 = vv + drift * vd + dt * vb + drift * vd1 + dt * vb1 + q_vv + noise.shaken(reading);
     let (vd2, db2) = (decay * vd1 + q_vd, decay * db);
     *p = [[vv1, vd2, vb1], [vd2, decay * decay * dd + q_dd, db2], [vb1, db2, bb]];
     (drift, decay)
@@ -117,25 +133,21 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// Over measurements at the given times [s] with the given variances [m²/s²], from `start_s` on.
-    pub(crate) fn new(measurements: impl Iterator<Item = (f64, f64)>, start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
+    /// Over readings, from `start_s` on.
+    pub(crate) fn over(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
         let mut p = start_covariance(noise, start_std_mps);
         let mut last = start_s;
-        let steps = measurements
-            .map(|(t_s, variance)| {
-                let dt = (t_s - last).max(0.0);
-                last = t_s;
-                let (drift, decay) = predict(&mut p, noise, dt);
-                let (gain, s) = measure(&mut p, variance);
+        let steps = readings
+            .iter()
+            .map(|reading| {
+                let dt = (reading.t_s - last).max(0.0);
+                last = reading.t_s;
+                let (drift, decay) = predict(&mut p, noise, dt, reading);
+                let (gain, s) = measure(&mut p, noise.variance(reading));
                 Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt() }
             })
             .collect();
         Self { steps }
-    }
-
-    /// Over readings.
-    pub(crate) fn over(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
-        Self::new(readings.iter().map(|r| (r.t_s, noise.variance(r))), start_s, noise, start_std_mps)
     }
 
     /// Replaces each column of `matrix` (row-major, one row per measurement, `columns` wide) by its whitened innovations.
@@ -172,7 +184,7 @@ pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64,
     for (reading, residual) in readings.iter().zip(residual_mps) {
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
-        let (drift, decay) = predict(&mut p, noise, dt);
+        let (drift, decay) = predict(&mut p, noise, dt, reading);
         let (gain, s) = measure(&mut p, noise.variance(reading));
         v += drift * d + dt * b;
         d *= decay;
@@ -204,7 +216,7 @@ pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
     for (reading, residual) in readings.iter().zip(residual_mps) {
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
-        let (drift, decay) = predict(&mut p, noise, dt);
+        let (drift, decay) = predict(&mut p, noise, dt, reading);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
         let (gain, s) = measure(&mut p, noise.variance(reading));
         let innovation = residual - x[0];
@@ -238,7 +250,7 @@ pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
     for (reading, residual) in readings.iter().zip(residual_mps) {
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
-        let (drift, decay) = predict(&mut p, noise, dt);
+        let (drift, decay) = predict(&mut p, noise, dt, reading);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
         let (predicted_mps, row) = (x[0], p[0]);
         let (gain, s) = measure(&mut p, noise.variance(reading));
@@ -265,7 +277,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    const NOISE: Noise = Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008] };
+    const NOISE: Noise = Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008], step_timing_s: 0.0 };
 
     fn simulated(n: usize, seed: u64) -> (Vec<Reading>, Vec<f64>) {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(seed);

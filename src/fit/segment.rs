@@ -3,6 +3,7 @@
 use super::input::Input;
 use super::kalman::{Reading, UNKNOWN_SPEED_MPS};
 use super::lattice::LatticeSurface;
+use super::step_timing::StepTiming;
 use super::torque::EffectiveTorque;
 use crate::campaign::{Survey, Verdict};
 use crate::map::Gear;
@@ -64,6 +65,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) survey: &'a Survey,
     /// Where its effective torque comes from.
     pub(crate) input: Input,
+    /// How well the steps of its command are known in time.
+    pub(crate) timing: StepTiming,
     /// Outliers among the yaw readings.
     pub(crate) yaw_outliers: Vec<bool>,
     pub(crate) cuts: Cuts,
@@ -120,7 +123,14 @@ impl LogData<'_> {
                     start_std_mps = ANCHOR_MPS.hypot(STEP_TIMING_S * accel);
                 }
             }
-            let readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
+            let mut readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
+            if let Some(surfaces) = surfaces
+                && self.input == Input::Command
+            {
+                let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
+                let drive = (stretch.gear.sign(), dead_time_s, calibration.lag_s);
+                self.timing.tell(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
+            }
             let mut cuts: Vec<(f64, f64)> = near(&intervals, start_s, stretch.to_s).to_vec();
             cuts.extend(near(&gaps, start_s, stretch.to_s));
             // what follows the first step of a start from rest is anchored, and worth keeping

@@ -2,10 +2,11 @@
 
 use super::coarse;
 use super::input::Choice;
-use super::kalman::Noise;
+use super::kalman::{FIRST_STEP_TIMING_S, Noise};
 use super::lattice::Lattice;
 use super::passes::wide_speed;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments, span_s};
+use super::step_timing::StepTiming;
 use super::torque::EffectiveTorque;
 use super::{Error, Result, Settings};
 use crate::campaign::Survey;
@@ -97,6 +98,7 @@ fn log_data<'a>(survey: &'a Survey, choice: &Choice) -> LogData<'a> {
         survey,
         input: choice.of(&survey.track.source),
         yaw_outliers,
+        timing: StepTiming::new(&survey.track.command_nm),
         cuts: Cuts::default(),
         may_anchor,
         chosen: vec![true; survey.stretches.len()],
@@ -133,6 +135,7 @@ fn first_noise(surveys: &[Survey]) -> Noise {
         disturbance_time_s: 0.3,
         offset_mps2: 0.05,
         reading_mps: [largest(&|s| Some(reading(&s.track.encoder_mps))), largest(&|s| s.track.yaw_speed_mps.as_ref().map(reading))],
+        step_timing_s: FIRST_STEP_TIMING_S,
     }
 }
 

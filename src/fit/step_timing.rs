@@ -1,0 +1,134 @@
+//! When the torque really stepped. A log tells a change of the command by the first message after it: late by a sampling phase, which the dead
+//! time holds, and by what differs from message to message, their jitter; and where messages were lost, by up to as many periods more.
+//!
+//! A step of the acceleration by Δa that comes δ late leaves the speed off by δ·Δa for good. That is a random step of the speed, unfolding
+//! as the drive's lag does, and no disturbance that fades: without it a single lost message bends the surface and the offsets of a whole
+//! run. The filter takes it as noise that enters while the torque moves, (δ·Δa)²·(1 − e^(−x/T_c))² after a time x. How large δ usually is, the
+//! likelihood tells.
+
+use super::kalman::Reading;
+use crate::signal::Series;
+
+/// A command is periodic when so many of its intervals lie within half a period of their median.
+const PERIODIC_SHARE: f64 = 0.8;
+/// Time constants of the lag after which a step is over.
+const OVER: f64 = 6.0;
+/// Changes smaller than this share of the largest command are none.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// A change of the command.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Change {
+    /// When it may have happened first [s]: a period after the message before.
+    from_s: f64,
+    from_nm: f64,
+    to_nm: f64,
+    /// Mean square by which the message that tells it is late, for messages that are missing [s²].
+    late_s2: f64,
+}
+
+/// The changes of one log's command.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct StepTiming {
+    changes: Vec<Change>,
+}
+
+impl StepTiming {
+    /// Of a command. Where messages come as it changes only, none can be seen to be missing.
+    pub(crate) fn new(command: &Series) -> Self {
+        let (t, value) = (&command.t_s, &command.value);
+        let period_s = command.median_period_s();
+        let regular = t.windows(2).filter(|w| (w[1] - w[0] - period_s).abs() <= 0.5 * period_s).count();
+        let periodic = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
+        let least_nm = LEAST_SHARE * value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let changes = (1..command.len())
+            .filter(|&k| (value[k] - value[k - 1]).abs() > least_nm)
+            .map(|k| {
+                let periods = if periodic { ((t[k] - t[k - 1]) / period_s).round().max(1.0) } else { 1.0 };
+                // as likely in any of the periods: late by none, by one, ... by all but one
+                let late_s2 = period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
+                Change { from_s: t[k] - (periods - 1.0) * period_s, from_nm: value[k - 1], to_nm: value[k], late_s2 }
+            })
+            .collect();
+        Self { changes }
+    }
+
+    /// Tells `readings`, in the order of their time and first reached from `start_s`, what steps leave unsure of their speed. `sign` turns a
+    /// command into the gear's frame; `accel_mps2` is the acceleration at a speed and a torque.
+    pub(crate) fn tell(
+        &self,
+        readings: &mut [Reading],
+        start_s: f64,
+        (sign, dead_time_s, lag_s): (f64, f64, f64),
+        accel_mps2: impl Fn(f64, f64) -> f64,
+    ) {
+        let Some(last_s) = readings.last().map(|r| r.t_s) else { return };
+        let over_s = OVER * lag_s;
+        let first = self.changes.partition_point(|c| c.from_s + dead_time_s + over_s < start_s);
+        for change in self.changes[first..].iter().take_while(|c| c.from_s + dead_time_s < last_s) {
+            let from_s = change.from_s + dead_time_s;
+            // share of the step's speed that has come about
+            let come = |t: f64| if lag_s > 1e-4 { 1.0 - (-(t - from_s).max(0.0) / lag_s).exp() } else { f64::from(t > from_s) };
+            let k = readings.partition_point(|r| r.t_s <= from_s);
+            let mut before = come(if k > 0 { readings[k - 1].t_s } else { start_s });
+            for reading in readings[k..].iter_mut().take_while(|r| r.t_s <= from_s + over_s.max(0.05)) {
+                let now = come(reading.t_s);
+                let v = reading.speed_mps.max(0.0);
+                let jump_mps2 = accel_mps2(v, sign * change.to_nm) - accel_mps2(v, sign * change.from_nm);
+                let squared = jump_mps2 * jump_mps2 * (now * now - before * before);
+                reading.jumps_mps2_2 += squared;
+                reading.unsure_mps_2 += squared * change.late_s2;
+                before = now;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every 20 ms, 10 N·m from 1 s on, without the messages whose number `lost` names.
+    fn command(lost: &[usize]) -> Series {
+        let kept = (0..100).filter(|k| !lost.contains(k));
+        kept.map(|k| (k as f64 * 0.02, if k >= 50 { 10.0 } else { 0.0 })).fold(Series::default(), |mut series, (t, v)| {
+            series.t_s.push(t);
+            series.value.push(v);
+            series
+        })
+    }
+
+    fn told(command: &Series, start_s: f64) -> Vec<Reading> {
+        let mut readings: Vec<Reading> = (0..200u32).map(|k| Reading::single(0.5 + 0.01 * f64::from(k), 0.2, 0, k)).collect();
+        readings.retain(|r| r.t_s > start_s);
+        StepTiming::new(command).tell(&mut readings, start_s, (1.0, 0.05, 0.04), |_, u| 0.03 * u);
+        readings
+    }
+
+    #[test]
+    fn a_step_leaves_its_whole_jump_unsure_while_the_torque_moves_and_only_then() {
+        let readings = told(&command(&[]), 0.5);
+        let sum: f64 = readings.iter().map(|r| r.jumps_mps2_2).sum();
+        assert!((sum - 0.09).abs() < 1e-3 * 0.09, "{sum}");
+        assert!(readings.iter().all(|r| r.unsure_mps_2 == 0.0));
+        assert!(readings.iter().all(|r| (r.jumps_mps2_2 > 0.0) == (r.t_s > 1.05 && r.t_s < 1.05 + 6.0 * 0.04)));
+        // what came before the start is part of the start
+        let sum: f64 = told(&command(&[]), 1.09).iter().map(|r| r.jumps_mps2_2).sum();
+        assert!((sum / 0.09 - (1.0 - (1.0 - (-1.0f64).exp()).powi(2))).abs() < 1e-2, "{sum}");
+    }
+
+    #[test]
+    fn a_lost_message_leaves_the_step_unsure_by_a_period() {
+        let unsure = |lost: &[usize]| told(&command(lost), 0.5).iter().map(|r| r.unsure_mps_2).sum::<f64>();
+        // none or one period late: half of 20 ms squared
+        assert!((unsure(&[50]) - 0.09 * 0.5 * 0.02f64.powi(2)).abs() < 1e-7);
+        assert!((unsure(&[49, 50]) - 0.09 * 5.0 / 3.0 * 0.02f64.powi(2)).abs() < 3e-7);
+        assert_eq!(unsure(&[30, 60]), 0.0);
+        // messages that come with changes only
+        let mut sparse = Series { t_s: vec![0.0, 1.0, 5.0], value: vec![0.0, 10.0, 0.0] };
+        assert!(told(&sparse, 0.5).iter().all(|r| r.unsure_mps_2 == 0.0));
+        sparse.t_s.clear();
+        sparse.value.clear();
+        assert_eq!(StepTiming::new(&sparse), StepTiming::default());
+    }
+}
