@@ -3,6 +3,7 @@
 use super::super::actuator::LaggedCommand;
 use super::super::kalman::{Reading, UNKNOWN_SPEED_MPS};
 use super::super::segment::Segment;
+use super::super::step_timing::StepTiming;
 use super::super::torque::EffectiveTorque;
 use crate::map::{AccelTable, Gear};
 use crate::signal::Series;
@@ -286,8 +287,11 @@ impl<'a> Way<'a> {
         };
         let mut parts: Vec<Part> = Vec::new();
         let mut open: Option<Part> = None;
+        let timing = StepTiming::new(&self.command);
         let mut close = |part: Option<Part>| {
-            if let Some(part) = part.filter(|p| p.segment.readings.len() >= FEWEST_READINGS) {
+            if let Some(mut part) = part.filter(|p| p.segment.readings.len() >= FEWEST_READINGS) {
+                let drive = (1.0, dead, self.vehicle.lag_s);
+                timing.tell(&mut part.segment.readings, part.segment.start_s, drive, |v, u| self.vehicle.accel_mps2(v, u));
                 parts.push(part);
             }
         };
