@@ -119,7 +119,7 @@ fn main() -> Fallible<()> {
         for file in files {
             errors.push(yardstick.judge(file)?);
             println!("  v_s {} form {}", file.report.diagnostics["stribeck_speed_mps"], file.report.diagnostics["model_choice"]["chosen"]);
-            println!("  used {:.0} s in {} rows; noise {:?}; steps {}; dead {:?} lag {:?}", file.report.runs.iter().map(|r| r.used_s).sum::<f64>(), file.report.runs.len(), file.noise, file.report.diagnostics["step_timing_s"], file.actuator.dead_time, file.actuator.lag);
+            println!("  used {:.0} s in {} rows; noise {:?}; dead {:?} lag {:?}", file.report.runs.iter().map(|r| r.used_s).sum::<f64>(), file.report.runs.len(), file.noise, file.actuator.dead_time, file.actuator.lag);
         }
         if !dump.is_empty() {
             for (((arm, file), errors), cells) in

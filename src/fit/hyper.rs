@@ -9,7 +9,6 @@ const DISTURBANCE_MPS2: (f64, f64) = (1e-3, 2.0);
 const DISTURBANCE_TIME_S: (f64, f64) = (0.03, 1.0);
 const READING_MPS: (f64, f64) = (2e-4, 0.2);
 const LEAST_OFFSET_MPS2: f64 = 1e-4;
-const STEP_TIMING_S: (f64, f64) = (1e-4, 2e-2);
 
 /// The estimate, and the bounds that it met.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +17,7 @@ pub(crate) struct NoiseEstimate {
     pub(crate) at_bounds: Vec<&'static str>,
 }
 
-/// Readings beyond which more do not sharpen six parameters; segments are then taken evenly.
+/// Readings beyond which more do not sharpen five parameters; segments are then taken evenly.
 const ENOUGH_READINGS: usize = 15_000;
 
 /// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
@@ -36,19 +35,16 @@ pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Nois
         (LEAST_OFFSET_MPS2, offset_bound_mps2.max(2.0 * LEAST_OFFSET_MPS2)),
         READING_MPS,
         READING_MPS,
-        STEP_TIMING_S,
     ];
-    let pack =
-        |n: &Noise| [n.disturbance_mps2, n.disturbance_time_s, n.offset_mps2, n.reading_mps[0], n.reading_mps[1], n.step_timing_s];
-    let unpack = |x: &[f64; 6]| Noise {
+    let pack = |n: &Noise| [n.disturbance_mps2, n.disturbance_time_s, n.offset_mps2, n.reading_mps[0], n.reading_mps[1]];
+    let unpack = |x: &[f64; 5]| Noise {
         disturbance_mps2: x[0],
         disturbance_time_s: x[1],
         offset_mps2: x[2],
         reading_mps: [x[3], if has_yaw { x[4] } else { start.reading_mps[1] }],
-        step_timing_s: x[5],
     };
     let centre = pack(&start);
-    let cost = |x: &[f64; 6]| {
+    let cost = |x: &[f64; 5]| {
         let noise = unpack(x);
         // collected in order, then summed in order: the same bits for any number of threads
         let parts: Vec<f64> = chosen.par_iter().map(|(s, r)| deviance(r, &s.readings, s.start_s, &noise, s.start_std_mps)).collect();
@@ -60,11 +56,11 @@ pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Nois
         *value = value.clamp(low, high);
     }
     let mut best = cost(&x);
-    // coordinate search in the logarithms: six smooth, nearly separate directions
-    let mut reach = [0.7f64; 6];
+    // coordinate search in the logarithms: five smooth, nearly separate directions
+    let mut reach = [0.7f64; 5];
     for _ in 0..12 {
         let mut moved = false;
-        for k in 0..6 {
+        for k in 0..5 {
             if k == 4 && !has_yaw {
                 continue;
             }
@@ -85,11 +81,11 @@ pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Nois
             break;
         }
     }
-    let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise", "time of steps"];
-    let at_bounds = (0..6)
-        .filter(|&k| (k != 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
-        // an offset or a disturbance that vanishes is no trouble, nor steps that come when they should
-        .filter(|&k| !matches!(k, 0 | 2 | 5) || x[k] >= bounds[k].1 * 0.999)
+    let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise"];
+    let at_bounds = (0..5)
+        .filter(|&k| (k < 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
+        // an offset or a disturbance that vanishes is no trouble
+        .filter(|&k| !(k == 2 || k == 0) || x[k] >= bounds[k].1 * 0.999)
         .map(|k| names[k])
         .collect();
     NoiseEstimate { noise: unpack(&x), at_bounds }

@@ -17,16 +17,9 @@ pub(crate) struct Noise {
     pub(crate) offset_mps2: f64,
     /// Standard deviation of a reading of each witness [m/s]: encoder, yaw rate.
     pub(crate) reading_mps: [f64; 2],
-    /// Standard deviation of the time at which a step of the torque takes effect, beyond the dead time [s].
-    pub(crate) step_timing_s: f64,
 }
 
 impl Noise {
-    /// Variance that the uncertain time of steps adds to the speed since the reading before [m²/s²].
-    fn shaken(&self, reading: &Reading) -> f64 {
-        self.step_timing_s * self.step_timing_s * reading.jumps_mps2_2 + reading.unsure_mps_2
-    }
-
     /// Variance of a reading [m²/s²].
     pub(crate) fn variance(&self, reading: &Reading) -> f64 {
         let [encoder, yaw] = self.reading_mps;
@@ -35,8 +28,6 @@ impl Noise {
     }
 }
 
-/// The time of a step is taken to be known so well before the data have told it [s].
-pub(crate) const FIRST_STEP_TIMING_S: f64 = 1e-3;
 /// Prior standard deviation of the speed where a stretch does not start from rest [m/s].
 pub(crate) const UNKNOWN_SPEED_MPS: f64 = 3.0;
 
@@ -53,18 +44,15 @@ pub(crate) struct Reading {
     pub(crate) sample: u32,
     /// How many readings of each witness it is the mean of.
     pub(crate) of: [u8; 2],
-    /// Squared jumps of the acceleration by steps of the torque, as far as they come about since the reading before [m²/s⁴]: with the
-    /// variance of a step's time they make a variance of the speed.
-    pub(crate) jumps_mps2_2: f64,
-    /// Variance of the speed by steps whose message is missing [m²/s²].
-    pub(crate) unsure_mps_2: f64,
+    /// Variance that the unsure time of steps adds to the speed since the reading before [m²/s²].
+    pub(crate) shaken_mps_2: f64,
 }
 
 impl Reading {
     /// One reading of one witness.
     pub(crate) fn single(t_s: f64, speed_mps: f64, witness: u8, sample: u32) -> Self {
         let of = if witness == 0 { [1, 0] } else { [0, 1] };
-        Self { t_s, speed_mps, witness, sample, of, jumps_mps2_2: 0.0, unsure_mps_2: 0.0 }
+        Self { t_s, speed_mps, witness, sample, of, shaken_mps_2: 0.0 }
     }
 }
 
@@ -108,7 +96,7 @@ fn predict(p: &mut Covariance, noise: &Noise, dt: f64, reading: &Reading) -> (f6
     // F·P·Fᵀ + Q with F = [[1, drift, dt], [0, decay, 0], [0, 0, 1]], written out
     let [[vv, vd, vb], [_, dd, db], [_, _, bb]] = *p;
     let (vd1, vb1) = (vd + drift * dd + dt * db, vb + drift * db + dt * bb);
-    let vv1 = vv + drift * vd + dt * vb + drift * vd1 + dt * vb1 + q_vv + noise.shaken(reading);
+    let vv1 = vv + drift * vd + dt * vb + drift * vd1 + dt * vb1 + q_vv + reading.shaken_mps_2;
     let (vd2, db2) = (decay * vd1 + q_vd, decay * db);
     *p = [[vv1, vd2, vb1], [vd2, decay * decay * dd + q_dd, db2], [vb1, db2, bb]];
     (drift, decay)
@@ -277,7 +265,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    const NOISE: Noise = Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008], step_timing_s: 0.0 };
+    const NOISE: Noise = Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008] };
 
     fn simulated(n: usize, seed: u64) -> (Vec<Reading>, Vec<f64>) {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(seed);

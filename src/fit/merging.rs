@@ -41,19 +41,18 @@ fn merge(readings: &[Reading], mut cursor: TorqueCursor, dead_time_s: f64, preci
         }
         let group = readings[from..].iter().take_while(|r| r.t_s <= last_s);
         let (mut weights, mut time, mut speed, mut of) = (0.0, 0.0, 0.0, [0u8; 2]);
-        let (mut jumps_mps2_2, mut unsure_mps_2) = (0.0, 0.0);
+        let mut shaken_mps_2 = 0.0;
         for reading in group {
             let witness = usize::from(reading.witness);
             weights += precision[witness];
             time += precision[witness] * (reading.t_s - first.t_s);
             speed += precision[witness] * (reading.speed_mps - first.speed_mps);
-            jumps_mps2_2 += reading.jumps_mps2_2;
-            unsure_mps_2 += reading.unsure_mps_2;
+            shaken_mps_2 += reading.shaken_mps_2;
             of[witness] = of[witness].saturating_add(1);
             from += 1;
         }
         let (t_s, speed_mps) = (first.t_s + time / weights, first.speed_mps + speed / weights);
-        merged.push(Reading { t_s, speed_mps, of, jumps_mps2_2, unsure_mps_2, ..first });
+        merged.push(Reading { t_s, speed_mps, of, shaken_mps_2, ..first });
     }
     merged
 }

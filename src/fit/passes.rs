@@ -6,7 +6,7 @@
 
 use super::course::{Course, surface_of};
 use super::gram::{Gram, LocalGram};
-use super::kalman::{FIRST_STEP_TIMING_S, Noise, filter, smooth};
+use super::kalman::{Noise, filter, smooth};
 use super::lattice::LatticeSurface;
 use super::regressors::{Free, whitened};
 use super::segment::Segment;
@@ -15,8 +15,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Noise that lets the speed go where the readings say: for the first smoothing, before there is a surface.
-const WIDE: Noise =
-    Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01], step_timing_s: FIRST_STEP_TIMING_S };
+const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01] };
 /// Segments handled at once; sums are merged in their order.
 const BATCH: usize = 64;
 

@@ -279,7 +279,6 @@ pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
     serde_json::json!({
         "model_choice": model_choice,
         "held_out": held_out,
-        "step_timing_s": round(estimate.noise.step_timing_s, 1e7),
         "stribeck_speed_mps": round(estimate.design.stribeck_mps, 1e6),
         "blocks": blocks,
         "penalties_settled": estimate.solution.settled,

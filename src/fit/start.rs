@@ -2,7 +2,7 @@
 
 use super::coarse;
 use super::input::Choice;
-use super::kalman::{FIRST_STEP_TIMING_S, Noise};
+use super::kalman::Noise;
 use super::lattice::Lattice;
 use super::passes::wide_speed;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments, span_s};
@@ -135,7 +135,6 @@ fn first_noise(surveys: &[Survey]) -> Noise {
         disturbance_time_s: 0.3,
         offset_mps2: 0.05,
         reading_mps: [largest(&|s| Some(reading(&s.track.encoder_mps))), largest(&|s| s.track.yaw_speed_mps.as_ref().map(reading))],
-        step_timing_s: FIRST_STEP_TIMING_S,
     }
 }
 

@@ -4,10 +4,11 @@
 //! A step of the acceleration by Δa that comes δ late leaves the speed off by δ·Δa for good. That is a random step of the speed, unfolding
 //! as the drive's lag does, and no disturbance that fades: without it a single lost message bends the surface and the offsets of a whole
 //! run. The filter takes it as noise that enters while the torque moves, (δ·Δa)²·(1 − e^(−x/T_c))² after a time x. How large δ usually is, the
-//! likelihood tells.
+//! messages' own intervals tell. (The likelihood does not: given leave, it takes what the surface does not hold of a power limit for δ.)
 
 use super::kalman::Reading;
-use crate::signal::Series;
+use crate::signal::{Series, median};
+use std::f64::consts::SQRT_2;
 
 /// A command is periodic when so many of its intervals lie within half a period of their median.
 const PERIODIC_SHARE: f64 = 0.8;
@@ -23,7 +24,7 @@ struct Change {
     from_s: f64,
     from_nm: f64,
     to_nm: f64,
-    /// Mean square by which the message that tells it is late, for messages that are missing [s²].
+    /// Mean square by which the message that tells it is late, beyond what all are [s²].
     late_s2: f64,
 }
 
@@ -34,23 +35,37 @@ pub(crate) struct StepTiming {
 }
 
 impl StepTiming {
-    /// Of a command. Where messages come as it changes only, none can be seen to be missing.
+    /// Of a command. Where messages come as it changes only, they are taken to be in time, and none can be seen to be missing.
     pub(crate) fn new(command: &Series) -> Self {
-        let (t, value) = (&command.t_s, &command.value);
+        let t = &command.t_s;
         let period_s = command.median_period_s();
         let regular = t.windows(2).filter(|w| (w[1] - w[0] - period_s).abs() <= 0.5 * period_s).count();
         let periodic = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
+        // an interval holds the jitter of both its ends
+        let strays: Vec<f64> = t.windows(2).map(|w| (w[1] - w[0] - period_s).abs()).collect();
+        let jitter_s = if periodic { 1.4826 * median(&strays) / SQRT_2 } else { 0.0 };
+        let late = |k: usize| {
+            let periods = if periodic { ((t[k] - t[k - 1]) / period_s).round().max(1.0) } else { 1.0 };
+            // as likely in any of the periods: late by none, by one, ... by all but one
+            let late_s2 = jitter_s * jitter_s + period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
+            ((periods - 1.0) * period_s, late_s2)
+        };
+        Self::of_changes(command, late)
+    }
+
+    /// Of a command each change of which is told late by so much [s], in the root mean square.
+    pub(crate) fn late(command: &Series, late_s: f64) -> Self {
+        Self::of_changes(command, |_| (0.0, late_s * late_s))
+    }
+
+    /// `late` tells of a sample by how much it may be late at most and in the mean square [s, s²].
+    fn of_changes(Series { t_s, value }: &Series, late: impl Fn(usize) -> (f64, f64)) -> Self {
         let least_nm = LEAST_SHARE * value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let changes = (1..command.len())
-            .filter(|&k| (value[k] - value[k - 1]).abs() > least_nm)
-            .map(|k| {
-                let periods = if periodic { ((t[k] - t[k - 1]) / period_s).round().max(1.0) } else { 1.0 };
-                // as likely in any of the periods: late by none, by one, ... by all but one
-                let late_s2 = period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
-                Change { from_s: t[k] - (periods - 1.0) * period_s, from_nm: value[k - 1], to_nm: value[k], late_s2 }
-            })
-            .collect();
-        Self { changes }
+        let change = |k: usize| {
+            let (most_s, late_s2) = late(k);
+            Change { from_s: t_s[k] - most_s, from_nm: value[k - 1], to_nm: value[k], late_s2 }
+        };
+        Self { changes: (1..t_s.len()).filter(|&k| (value[k] - value[k - 1]).abs() > least_nm).map(change).collect() }
     }
 
     /// Tells `readings`, in the order of their time and first reached from `start_s`, what steps leave unsure of their speed. `sign` turns a
@@ -75,9 +90,7 @@ impl StepTiming {
                 let now = come(reading.t_s);
                 let v = reading.speed_mps.max(0.0);
                 let jump_mps2 = accel_mps2(v, sign * change.to_nm) - accel_mps2(v, sign * change.from_nm);
-                let squared = jump_mps2 * jump_mps2 * (now * now - before * before);
-                reading.jumps_mps2_2 += squared;
-                reading.unsure_mps_2 += squared * change.late_s2;
+                reading.shaken_mps_2 += jump_mps2 * jump_mps2 * (now * now - before * before) * change.late_s2;
                 before = now;
             }
         }
@@ -88,12 +101,12 @@ impl StepTiming {
 mod tests {
     use super::*;
 
-    /// Every 20 ms, 10 N·m from 1 s on, without the messages whose number `lost` names.
-    fn command(lost: &[usize]) -> Series {
+    /// Every 20 ms and `jitter_s` more or less, 10 N·m from 1 s on, without the messages whose number `lost` names.
+    fn command(jitter_s: f64, lost: &[usize]) -> Series {
         let kept = (0..100).filter(|k| !lost.contains(k));
-        kept.map(|k| (k as f64 * 0.02, if k >= 50 { 10.0 } else { 0.0 })).fold(Series::default(), |mut series, (t, v)| {
-            series.t_s.push(t);
-            series.value.push(v);
+        kept.fold(Series::default(), |mut series, k| {
+            series.t_s.push(k as f64 * 0.02 + if k % 4 < 2 { jitter_s } else { -jitter_s });
+            series.value.push(if k >= 50 { 10.0 } else { 0.0 });
             series
         })
     }
@@ -105,30 +118,33 @@ mod tests {
         readings
     }
 
+    fn sum(readings: &[Reading]) -> f64 {
+        readings.iter().map(|r| r.shaken_mps_2).sum()
+    }
+
     #[test]
-    fn a_step_leaves_its_whole_jump_unsure_while_the_torque_moves_and_only_then() {
-        let readings = told(&command(&[]), 0.5);
-        let sum: f64 = readings.iter().map(|r| r.jumps_mps2_2).sum();
-        assert!((sum - 0.09).abs() < 1e-3 * 0.09, "{sum}");
-        assert!(readings.iter().all(|r| r.unsure_mps_2 == 0.0));
-        assert!(readings.iter().all(|r| (r.jumps_mps2_2 > 0.0) == (r.t_s > 1.05 && r.t_s < 1.05 + 6.0 * 0.04)));
+    fn a_step_leaves_the_speed_unsure_while_the_torque_moves_and_only_then() {
+        // two of three intervals are off by 1 ms or more: the median is 1 ms
+        let jitter_s2 = (1.4826f64 * 1e-3).powi(2) / 2.0;
+        let readings = told(&command(0.5e-3, &[]), 0.5);
+        assert!((sum(&readings) / (0.09 * jitter_s2) - 1.0).abs() < 2e-2, "{}", sum(&readings) / (0.09 * jitter_s2));
+        let acts_s = 1.05 - 0.5e-3;
+        assert!(readings.iter().all(|r| (r.shaken_mps_2 > 0.0) == (r.t_s > acts_s && r.t_s < acts_s + 6.0 * 0.04)));
         // what came before the start is part of the start
-        let sum: f64 = told(&command(&[]), 1.09).iter().map(|r| r.jumps_mps2_2).sum();
-        assert!((sum / 0.09 - (1.0 - (1.0 - (-1.0f64).exp()).powi(2))).abs() < 1e-2, "{sum}");
+        let later = sum(&told(&command(0.5e-3, &[]), 1.09));
+        assert!((later / (0.09 * jitter_s2) - (1.0 - (1.0 - (-1.0f64).exp()).powi(2))).abs() < 2e-2, "{later}");
     }
 
     #[test]
     fn a_lost_message_leaves_the_step_unsure_by_a_period() {
-        let unsure = |lost: &[usize]| told(&command(lost), 0.5).iter().map(|r| r.unsure_mps_2).sum::<f64>();
+        let shaken = |lost: &[usize]| sum(&told(&command(0.0, lost), 0.5));
         // none or one period late: half of 20 ms squared
-        assert!((unsure(&[50]) - 0.09 * 0.5 * 0.02f64.powi(2)).abs() < 1e-7);
-        assert!((unsure(&[49, 50]) - 0.09 * 5.0 / 3.0 * 0.02f64.powi(2)).abs() < 3e-7);
-        assert_eq!(unsure(&[30, 60]), 0.0);
+        assert!((shaken(&[50]) - 0.09 * 0.5 * 0.02f64.powi(2)).abs() < 1e-7);
+        assert!((shaken(&[49, 50]) - 0.09 * 5.0 / 3.0 * 0.02f64.powi(2)).abs() < 3e-7);
+        assert!(shaken(&[30, 60]) < 1e-12);
         // messages that come with changes only
-        let mut sparse = Series { t_s: vec![0.0, 1.0, 5.0], value: vec![0.0, 10.0, 0.0] };
-        assert!(told(&sparse, 0.5).iter().all(|r| r.unsure_mps_2 == 0.0));
-        sparse.t_s.clear();
-        sparse.value.clear();
-        assert_eq!(StepTiming::new(&sparse), StepTiming::default());
+        let sparse = Series { t_s: vec![0.0, 1.0, 5.0], value: vec![0.0, 10.0, 0.0] };
+        assert!(sum(&told(&sparse, 0.5)) == 0.0);
+        assert_eq!(StepTiming::new(&Series::default()), StepTiming::default());
     }
 }

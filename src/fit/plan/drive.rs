@@ -35,6 +35,8 @@ const SETTLE_S: f64 = 0.63;
 const LONGEST_SPIN_UP_S: f64 = 5.0;
 /// Longest coast [s].
 const LONGEST_COAST_S: f64 = 10.0;
+/// What a message that tells a step is late by, from one to the next, root mean square [s]: a usual bus.
+const STEPS_LATE_S: f64 = 1e-3;
 /// A level that slows down is not ended by speed: noise and what the surface does not know stay below this [m/s].
 const SPEED_MARGIN_MPS: f64 = 0.2;
 /// Below this speed the fit takes the wheel as coming to rest [m/s].
@@ -287,7 +289,7 @@ impl<'a> Way<'a> {
         };
         let mut parts: Vec<Part> = Vec::new();
         let mut open: Option<Part> = None;
-        let timing = StepTiming::new(&self.command);
+        let timing = StepTiming::late(&self.command, STEPS_LATE_S);
         let mut close = |part: Option<Part>| {
             if let Some(mut part) = part.filter(|p| p.segment.readings.len() >= FEWEST_READINGS) {
                 let drive = (1.0, dead, self.vehicle.lag_s);

@@ -3,7 +3,7 @@
 use super::super::anova::{Design, STRIBECK_MPS};
 use super::super::course::Course;
 use super::super::gram::LocalGram;
-use super::super::kalman::{FIRST_STEP_TIMING_S, Noise};
+use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
 use super::super::regressors::{Free, nuisance, whitened};
 use super::super::validation::Form;
@@ -110,7 +110,6 @@ impl Model {
             disturbance_time_s: file.noise.disturbance_time_s.max(0.01),
             offset_mps2: file.noise.run_offset_mps2.max(1e-4),
             reading_mps: [(1.0 / (precision * READING_S)).sqrt(); 2],
-            step_timing_s: file.report.diagnostics["step_timing_s"].as_f64().unwrap_or(FIRST_STEP_TIMING_S).clamp(0.0, 0.02),
         };
         let mut vehicles = Vec::new();
         for map in &file.maps {
