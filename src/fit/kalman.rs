@@ -5,6 +5,8 @@
 //! this filter divided by √S are white; since the filter is linear, running the speed and every regressor through the same gains turns
 //! generalised least squares into ordinary least squares (Ljung, *System Identification*, prediction error methods).
 
+use faer::traits::pulp::{Arch, Simd, WithSimd};
+
 /// The random part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
@@ -140,10 +142,59 @@ impl Filter {
 
     /// Replaces each column of `matrix` (row-major, one row per measurement, `columns` wide) by its whitened innovations.
     pub(crate) fn whiten(&self, matrix: &mut [f64], columns: usize) {
-        let mut states = vec![0.0; 3 * columns];
-        let (v, rest) = states.split_at_mut(columns);
-        let (d, b) = rest.split_at_mut(columns);
-        for (step, row) in self.steps.iter().zip(matrix.chunks_exact_mut(columns)) {
+        self.whiten_from(0, matrix, columns, &mut States::new(columns));
+    }
+
+    /// The same for the rows from measurement `from` on, `states` being what the rows before have left: zero for a column that was zero there.
+    pub(crate) fn whiten_from(&self, from: usize, matrix: &mut [f64], columns: usize, states: &mut States) {
+        Arch::new().dispatch(Rows { steps: &self.steps[from..], matrix, columns, states });
+    }
+
+    /// The transpose of whitening one column, applied to `white`: its inner product with any column is that of `white` with the whitened column.
+    pub(crate) fn whiten_transposed(&self, white: &[f64]) -> Vec<f64> {
+        let mut transposed = vec![0.0; white.len()];
+        let (mut v, mut d, mut b) = (0.0, 0.0, 0.0);
+        for ((step, white), out) in self.steps.iter().zip(white).zip(&mut transposed).rev() {
+            let [kv, kd, kb] = step.gain;
+            *out = step.inverse_root * white + kv * v + kd * d + kb * b;
+            v -= *out;
+            d = step.drift * v + step.decay * d;
+            b += step.dt * v;
+        }
+        transposed
+    }
+}
+
+/// The filter's states between two rows, for each column.
+pub(crate) struct States {
+    v: Vec<f64>,
+    d: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl States {
+    /// Zeros for at most so many columns.
+    pub(crate) fn new(columns: usize) -> Self {
+        Self { v: vec![0.0; columns], d: vec![0.0; columns], b: vec![0.0; columns] }
+    }
+}
+
+/// The loop over rows and columns, compiled for the vectors of the machine. Columns do not mix, so their width does not change a bit.
+struct Rows<'a> {
+    steps: &'a [Step],
+    matrix: &'a mut [f64],
+    columns: usize,
+    states: &'a mut States,
+}
+
+impl WithSimd for Rows<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always)] // only what is inlined is compiled for those vectors
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let States { v, d, b } = self.states;
+        for (step, row) in self.steps.iter().zip(self.matrix.chunks_exact_mut(self.columns)) {
             let [kv, kd, kb] = step.gain;
             for (((z, v), d), b) in row.iter_mut().zip(&mut *v).zip(&mut *d).zip(&mut *b) {
                 let ahead = *v + step.drift * *d + step.dt * *b;
@@ -322,6 +373,24 @@ mod tests {
         let mut columns = values;
         whiten(&mut columns, 1, &readings, 0.0, &NOISE, 3e-3);
         assert!(columns.iter().zip(&white).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+
+    #[test]
+    fn whitening_in_parts_and_transposed_is_the_same_map() {
+        let (readings, values) = simulated(200, 13);
+        let filter = Filter::over(&readings, 0.0, &NOISE, 3e-3);
+        let mut whole: Vec<f64> = values.iter().flat_map(|v| [*v, v * v]).collect();
+        let mut parts = whole.clone();
+        filter.whiten(&mut whole, 2);
+        let mut states = States::new(2);
+        let (first, second) = parts.split_at_mut(2 * 70);
+        filter.whiten_from(0, first, 2, &mut states);
+        filter.whiten_from(70, second, 2, &mut states);
+        assert_eq!(whole, parts);
+        let transposed = filter.whiten_transposed(&values);
+        let one: f64 = values.iter().zip(whole.chunks_exact(2)).map(|(v, row)| v * row[1]).sum();
+        let other: f64 = transposed.iter().zip(&values).map(|(t, v)| t * v * v).sum();
+        assert!((one - other).abs() < 1e-9 * one.abs(), "{one} {other}");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::course::{Course, surface_of};
 use super::gram::{Gram, LocalGram};
 use super::kalman::{Noise, filter, smooth};
 use super::lattice::LatticeSurface;
-use super::regressors::{Free, whitened};
+use super::regressors::{Free, whitened_sums};
 use super::segment::Segment;
 use crate::map::Gear;
 use rayon::prelude::*;
@@ -92,18 +92,21 @@ impl Pass<'_> {
     pub(crate) fn assemble(&self, speeds: &[Vec<f64>], free: Free, logs: usize, (fold, folds): (&[usize], usize)) -> Vec<[Gram; 2]> {
         let size = self.surfaces[0].lattice.columns() + free.nuisances(logs) + 1;
         let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
-        let paired: Vec<((&Course, &Vec<f64>), &usize)> = self.courses.iter().zip(speeds).zip(fold).collect();
-        for batch in paired.chunks(BATCH) {
-            let locals: Vec<(Gear, usize, LocalGram)> = batch
-                .par_iter()
-                .map(|((course, speed), fold)| {
-                    let surface = surface_of(self.surfaces, course.segment);
-                    let local = whitened(course, speed, surface, self.noise, free);
-                    (course.segment.gear, **fold, LocalGram::new(local.columns, &local.data))
-                })
-                .collect();
-            for (gear, fold, local) in locals {
-                grams[fold][usize::from(gear == Gear::Reverse)].add(&local);
+        // fold by fold, so that one fold's sums stay near
+        for (number, grams) in grams.iter_mut().enumerate() {
+            let own: Vec<usize> = (0..self.courses.len()).filter(|k| fold[*k] == number).collect();
+            for batch in own.chunks(BATCH) {
+                let locals: Vec<(Gear, LocalGram)> = batch
+                    .par_iter()
+                    .map(|&k| {
+                        let course = &self.courses[k];
+                        let surface = surface_of(self.surfaces, course.segment);
+                        (course.segment.gear, whitened_sums(course, &speeds[k], surface, self.noise, free))
+                    })
+                    .collect();
+                for (gear, local) in locals {
+                    grams[usize::from(gear == Gear::Reverse)].add(&local);
+                }
             }
         }
         grams
