@@ -39,10 +39,9 @@ impl Judge<'_> {
             log.cuts = Cuts::default();
         }
         let calm = calm(self.noise, &self.surfaces[0]);
-        let mut suspects: Option<BTreeSet<(usize, usize)>> = None;
+        let chosen: Vec<Vec<bool>> = logs.iter().map(|l| l.chosen.clone()).collect();
         for pass in 0..PASSES {
-            let mut segments = all_segments(logs, self.calibration, self.lagged, Some(self.surfaces), self.transients);
-            segments.retain(|s| suspects.as_ref().is_none_or(|runs| runs.contains(&(s.log, s.run))));
+            let segments = all_segments(logs, self.calibration, self.lagged, Some(self.surfaces), self.transients);
             let courses = courses(&segments, self.lagged, self.calibration);
             let white = Pass { courses: &courses, surfaces: self.surfaces, noise: &calm }.along(None).white;
             let whole = pass + 1 == PASSES;
@@ -51,9 +50,13 @@ impl Judge<'_> {
             if found.is_empty() {
                 break;
             }
-            suspects = Some(found);
+            // only runs that were cut are looked at again
+            for (k, log) in logs.iter_mut().enumerate() {
+                log.chosen.iter_mut().enumerate().for_each(|(run, chosen)| *chosen = found.contains(&(k, run)));
+            }
         }
-        for log in logs {
+        for (log, chosen) in logs.iter_mut().zip(chosen) {
+            log.chosen = chosen;
             join(&mut log.cuts);
         }
     }
