@@ -21,11 +21,9 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// Variance of a reading [m²/s²].
-    pub(crate) fn variance(&self, reading: &Reading) -> f64 {
-        let [encoder, yaw] = self.reading_mps;
-        let [encoders, yaws] = reading.of;
-        1.0 / (f64::from(encoders) / (encoder * encoder) + f64::from(yaws) / (yaw * yaw))
+    /// 1/σ² of a reading of each witness [s²/m²].
+    fn precisions(&self) -> [f64; 2] {
+        self.reading_mps.map(|std| 1.0 / (std * std))
     }
 }
 
@@ -51,6 +49,11 @@ impl Reading {
     /// One reading of one witness.
     pub(crate) fn single(t_s: f64, speed_mps: f64, witness: u8, sample: u32) -> Self {
         Self { t_s, speed_mps, witness, sample, of: if witness == 0 { [1, 0] } else { [0, 1] } }
+    }
+
+    /// Its variance [m²/s²], given 1/σ² of a reading of each witness.
+    fn variance(&self, precisions: [f64; 2]) -> f64 {
+        1.0 / (f64::from(self.of[0]) * precisions[0] + f64::from(self.of[1]) * precisions[1])
     }
 }
 
@@ -100,16 +103,16 @@ fn predict(p: &mut Covariance, noise: &Noise, dt: f64) -> (f64, f64) {
     (drift, decay)
 }
 
-/// Measures v with variance `r`; returns (gain, S).
+/// Measures v with variance `r`; returns (gain, 1/S).
 fn measure(p: &mut Covariance, r: f64) -> ([f64; 3], f64) {
-    let s = p[0][0] + r;
     let [[vv, vd, vb], [_, dd, db], [_, _, bb]] = *p;
-    let gain = [vv / s, vd / s, vb / s];
-    // (1 − k_v)·P of the first row is r/s·P: no cancellation, however vague the prior
-    let kept = r / s;
+    let over_s = 1.0 / (vv + r);
+    let gain = [vv * over_s, vd * over_s, vb * over_s];
+    // (1 − k_v)·P of the first row is r/S·P: no cancellation, however vague the prior
+    let kept = r * over_s;
     let (dd1, db1, bb1) = (dd - gain[1] * vd, db - gain[1] * vb, bb - gain[2] * vb);
     *p = [[kept * vv, kept * vd, kept * vb], [kept * vd, dd1, db1], [kept * vb, db1, bb1]];
-    (gain, s)
+    (gain, over_s)
 }
 
 /// The filter over one stretch: its gains do not depend on the data.
@@ -128,8 +131,8 @@ impl Filter {
                 let dt = (t_s - last).max(0.0);
                 last = t_s;
                 let (drift, decay) = predict(&mut p, noise, dt);
-                let (gain, s) = measure(&mut p, variance);
-                Step { drift, dt, decay, gain, inverse_root: 1.0 / s.sqrt() }
+                let (gain, over_s) = measure(&mut p, variance);
+                Step { drift, dt, decay, gain, inverse_root: over_s.sqrt() }
             })
             .collect();
         Self { steps }
@@ -137,7 +140,8 @@ impl Filter {
 
     /// Over readings.
     pub(crate) fn over(readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Self {
-        Self::new(readings.iter().map(|r| (r.t_s, noise.variance(r))), start_s, noise, start_std_mps)
+        let precisions = noise.precisions();
+        Self::new(readings.iter().map(|r| (r.t_s, r.variance(precisions))), start_s, noise, start_std_mps)
     }
 
     /// Replaces each column of `matrix` (row-major, one row per measurement, `columns` wide) by its whitened innovations.
@@ -219,19 +223,26 @@ pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64,
     let mut p = start_covariance(noise, start_std_mps);
     let (mut v, mut d, mut b) = (0.0, 0.0, 0.0);
     let mut last = start_s;
+    let precisions = noise.precisions();
     let mut sum = 0.0;
-    for (reading, residual) in readings.iter().zip(residual_mps) {
-        let dt = (reading.t_s - last).max(0.0);
-        last = reading.t_s;
-        let (drift, decay) = predict(&mut p, noise, dt);
-        let (gain, s) = measure(&mut p, noise.variance(reading));
-        v += drift * d + dt * b;
-        d *= decay;
-        let innovation = residual - v;
-        v += gain[0] * innovation;
-        d += gain[1] * innovation;
-        b += gain[2] * innovation;
-        sum += s.ln() + innovation * innovation / s;
+    // one logarithm for some readings: S lies between 10⁻⁸ and 10
+    for (readings, residual_mps) in readings.chunks(16).zip(residual_mps.chunks(16)) {
+        let mut product = 1.0;
+        for (reading, residual) in readings.iter().zip(residual_mps) {
+            let dt = (reading.t_s - last).max(0.0);
+            last = reading.t_s;
+            let (drift, decay) = predict(&mut p, noise, dt);
+            let (gain, over_s) = measure(&mut p, reading.variance(precisions));
+            v += drift * d + dt * b;
+            d *= decay;
+            let innovation = residual - v;
+            v += gain[0] * innovation;
+            d += gain[1] * innovation;
+            b += gain[2] * innovation;
+            product *= over_s;
+            sum += innovation * innovation * over_s;
+        }
+        sum -= product.ln();
     }
     sum
 }
@@ -250,6 +261,7 @@ pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
     let mut p = start_covariance(noise, start_std_mps);
     let mut x = [0.0; 3];
     let mut last = start_s;
+    let precisions = noise.precisions();
     let mut speed_mps = Vec::with_capacity(readings.len());
     let mut white = Vec::with_capacity(readings.len());
     for (reading, residual) in readings.iter().zip(residual_mps) {
@@ -257,13 +269,13 @@ pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
-        let (gain, s) = measure(&mut p, noise.variance(reading));
+        let (gain, over_s) = measure(&mut p, reading.variance(precisions));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
         }
         speed_mps.push(x[0]);
-        white.push(innovation / s.sqrt());
+        white.push(innovation * over_s.sqrt());
     }
     (Deviation { speed_mps, offset_mps2: x[2] }, white)
 }
@@ -284,6 +296,7 @@ pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
     }
     let mut p = start_covariance(noise, start_std_mps);
     let mut x = [0.0; 3];
+    let precisions = noise.precisions();
     let mut passed = Vec::with_capacity(readings.len());
     let mut last = start_s;
     for (reading, residual) in readings.iter().zip(residual_mps) {
@@ -292,12 +305,12 @@ pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
         let (drift, decay) = predict(&mut p, noise, dt);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
         let (predicted_mps, row) = (x[0], p[0]);
-        let (gain, s) = measure(&mut p, noise.variance(reading));
+        let (gain, over_s) = measure(&mut p, reading.variance(precisions));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
         }
-        passed.push(Passed { predicted_mps, row, gain, innovation_over_s: innovation / s, drift, dt, decay });
+        passed.push(Passed { predicted_mps, row, gain, innovation_over_s: innovation * over_s, drift, dt, decay });
     }
     let mut speed_mps = vec![0.0; passed.len()];
     let mut adjoint = [0.0; 3];

@@ -25,6 +25,7 @@ struct Piece {
 
 impl Piece {
     /// Weights at a fraction of the way.
+    #[inline]
     fn weights(&self, t: f64) -> [f64; 4] {
         let [a, b, c, d] = &self.powers;
         std::array::from_fn(|k| a[k] + t * (b[k] + t * (c[k] + t * d[k])))
@@ -80,6 +81,7 @@ impl Spline {
     }
 
     /// The piece that holds `x`, and the fraction of the way through it, beyond [0, 1] outside the ends.
+    #[inline]
     fn place(&self, x: f64) -> (&Piece, f64) {
         let along = (x - self.start) / self.step;
         let k = (along.max(0.0) as usize).min(self.pieces.len() - 1);
@@ -95,11 +97,7 @@ impl Spline {
     /// Weights at `x`, extended linearly beyond the ends.
     pub(crate) fn extended(&self, x: f64) -> Weights {
         let (piece, t) = self.place(x);
-        if (0.0..=1.0).contains(&t) {
-            Weights { first: piece.first, value: piece.weights(t) }
-        } else {
-            self.extended_with_slope(x).0
-        }
+        if (0.0..=1.0).contains(&t) { Weights { first: piece.first, value: piece.weights(t) } } else { self.extended_with_slope(x).0 }
     }
 
     /// Weights at `x` and their derivative, extended linearly beyond the ends.
@@ -164,7 +162,8 @@ fn powers(knots: &[f64], b: usize) -> [[f64; 4]; 4] {
     let mut powers = [[0.0; 4]; 4];
     for r in 0..4 {
         let [y0, y1, y2, y3] = samples.map(|sample| sample[r]);
-        let cubic = [y0, -5.5 * y0 + 9.0 * y1 - 4.5 * y2 + y3, 9.0 * y0 - 22.5 * y1 + 18.0 * y2 - 4.5 * y3, 4.5 * (y3 - y0) + 13.5 * (y1 - y2)];
+        let cubic =
+            [y0, -5.5 * y0 + 9.0 * y1 - 4.5 * y2 + y3, 9.0 * y0 - 22.5 * y1 + 18.0 * y2 - 4.5 * y3, 4.5 * (y3 - y0) + 13.5 * (y1 - y2)];
         powers.iter_mut().zip(cubic).for_each(|(of_all, own)| of_all[r] = own);
     }
     powers
