@@ -162,7 +162,7 @@ fn smoothed_speed(track: &Track, alignment: Alignment) -> Vec<f64> {
 fn gears(track: &Track, speed_mps: &[f64]) -> Vec<Option<Gear>> {
     let mut told = track.gear.as_ref().map(Series::cursor);
     let mut command = track.command_nm.cursor();
-    let mut gear_at = |(t_s, speed_mps): (&f64, &f64)| {
+    let gear_at = |(t_s, speed_mps): (&f64, &f64)| {
         let direction = match &mut told {
             Some(gear) => gear.held(*t_s)?,
             None if speed_mps.abs() > 0.01 => *speed_mps,
@@ -176,7 +176,7 @@ fn gears(track: &Track, speed_mps: &[f64]) -> Vec<Option<Gear>> {
             None
         }
     };
-    track.encoder_mps.t_s.iter().zip(speed_mps).map(&mut gear_at).collect()
+    track.encoder_mps.t_s.iter().zip(speed_mps).map(gear_at).collect()
 }
 
 fn moving_angle(angle: &Series, encoder: &Series, at_rest: &[bool]) -> Option<[f64; 3]> {

@@ -76,12 +76,13 @@ impl RestDetector {
 
     /// Whether every witness with a sample near `t_s` says rest; `false` where none has one.
     pub fn is_at_rest(&self, t_s: f64) -> bool {
-        self.are_at_rest([t_s]).next().unwrap_or(false)
+        let mut before: Vec<usize> = self.witnesses.iter().map(|w| w.series.t_s.partition_point(|t| *t < t_s)).collect();
+        self.rests(t_s, &mut before)
     }
 
     /// The same at several times, which rise.
     pub fn are_at_rest(&self, times_s: impl IntoIterator<Item = f64>) -> impl Iterator<Item = bool> {
-        let mut before: Vec<usize> = self.witnesses.iter().map(|_| 0).collect();
+        let mut before = vec![0; self.witnesses.len()];
         times_s.into_iter().map(move |t_s| self.rests(t_s, &mut before))
     }
 
