@@ -109,7 +109,9 @@ impl Pass<'_> {
                         sum
                     };
                     let sums: Vec<Gram> = batch.par_chunks(TOGETHER).map(sum).collect();
-                    sums.iter().for_each(|sum| gram.add_all(sum));
+                    for sum in &sums {
+                        gram.add_all(sum);
+                    }
                 }
             }
         }
