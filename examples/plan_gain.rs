@@ -67,13 +67,7 @@ fn main() -> Fallible<()> {
     // plans are made by what the vehicle is really like
     let planning = VehicleFile::from_toml(include_str!("../data/vehicles/scrubber.toml"))?;
     let vehicle = VehicleFile::from_toml(&text)?;
-    let mut uniform = Campaign::from_toml(include_str!("../data/campaigns/torque_steps.toml"))?;
-    if std::env::var("NOLOST").is_ok() {
-        uniform.topics.torque_command.lost_fraction = 0.0;
-    }
-    if std::env::var("NOJIT").is_ok() {
-        uniform.topics.torque_command.jitter_s = 0.0;
-    }
+    let uniform = Campaign::from_toml(include_str!("../data/campaigns/torque_steps.toml"))?;
     let yardstick = Yardstick::new(&vehicle, FASTEST_MPS, TORQUES_NM)?;
     let known = yardstick.judge(&known_maps(&vehicle.settings())?.0)?;
     println!(
@@ -118,8 +112,6 @@ fn main() -> Fallible<()> {
         let mut errors = Vec::new();
         for file in files {
             errors.push(yardstick.judge(file)?);
-            println!("  v_s {} form {}", file.report.diagnostics["stribeck_speed_mps"], file.report.diagnostics["model_choice"]["chosen"]);
-            println!("  used {:.0} s in {} rows; noise {:?}; dead {:?} lag {:?}", file.report.runs.iter().map(|r| r.used_s).sum::<f64>(), file.report.runs.len(), file.noise, file.actuator.dead_time, file.actuator.lag);
         }
         if !dump.is_empty() {
             for (((arm, file), errors), cells) in

@@ -1,7 +1,7 @@
 //! The gates that need no model: each looks at one signal and marks intervals.
 
 use super::Settings;
-use crate::signal::{Series, median};
+use crate::signal::{Series, median_of_few};
 use crate::units::RAD_PER_DEG;
 
 /// Closed intervals of time [s], ordered and apart.
@@ -31,7 +31,15 @@ fn intervals(series: &Series, margin_s: f64, marked: impl Fn(usize) -> bool) -> 
 /// The wheel angle over time, its spikes removed (median of five).
 pub(super) fn clean_angle(angle_rad: &Series) -> Series {
     let n = angle_rad.len();
-    let value = (0..n).map(|i| median(&angle_rad.value[i.saturating_sub(2)..(i + 3).min(n)])).collect();
+    let mut around = [0.0; 5];
+    let value = (0..n)
+        .map(|i| {
+            let window = &angle_rad.value[i.saturating_sub(2)..(i + 3).min(n)];
+            let around = &mut around[..window.len()];
+            around.copy_from_slice(window);
+            median_of_few(around)
+        })
+        .collect();
     Series { t_s: angle_rad.t_s.clone(), value }
 }
 

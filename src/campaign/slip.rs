@@ -9,11 +9,12 @@ use crate::signal::{Alignment, Series};
 /// The difference is averaged over ±0.06 s after scale and delay are taken out. It counts as slip from where it leaves a small band to
 /// where it returns, whenever it exceeds the threshold in between.
 pub(super) fn slips(encoder: &Series, yaw: &Series, alignment: Alignment, settings: &Settings) -> Intervals {
+    let mut yaw_along = yaw.cursor();
     let difference: Vec<f64> = encoder
         .t_s
         .iter()
         .zip(&encoder.value)
-        .map(|(t, v)| yaw.interpolated(t - alignment.delay_s).map_or(0.0, |y| v / alignment.scale - y))
+        .map(|(t, v)| yaw_along.interpolated(t - alignment.delay_s).map_or(0.0, |y| v / alignment.scale - y))
         .collect();
     let smooth = Series { t_s: encoder.t_s.clone(), value: difference }.smoothed(0.06);
     let size = |i: usize| smooth[i].abs() / (settings.slip_mps + settings.slip_ratio * encoder.value[i].abs());

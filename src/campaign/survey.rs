@@ -63,7 +63,7 @@ impl Survey {
         let encoder = &track.encoder_mps;
         let n = encoder.len();
         let rest = RestDetector::new(track.witnesses());
-        let at_rest: Vec<bool> = encoder.t_s.iter().map(|t| rest.is_at_rest(*t)).collect();
+        let at_rest: Vec<bool> = rest.are_at_rest(encoder.t_s.iter().copied()).collect();
         let angle = gates::clean_angle(&track.angle_rad);
         let off_angle = gates::off_angle(&angle, track.vehicle.test_angle_deg, settings);
         let steering = gates::steering(&angle, settings);
@@ -78,14 +78,15 @@ impl Survey {
             _ => Vec::new(),
         };
         let speed = smoothed_speed(&track, alignment.unwrap_or(Alignment::SAME));
-        let gears: Vec<Option<Gear>> = (0..n).map(|i| gear_at(&track, encoder.t_s[i], speed[i])).collect();
+        let gears = gears(&track, &speed);
         let moving_angle_deg = moving_angle(&angle, encoder, &at_rest);
         let commanded = largest(&track.command_nm.value);
 
+        let mut command = track.command_nm.cursor();
         let mut verdicts: Vec<Verdict> = (0..n)
             .map(|i| {
                 let t = encoder.t_s[i];
-                let idle = track.command_nm.held(t).is_none_or(|c| c.abs() <= settings.hold_tolerance * commanded);
+                let idle = command.held(t).is_none_or(|c| c.abs() <= settings.hold_tolerance * commanded);
                 if within(&stops, t) {
                     Verdict::EmergencyStop
                 } else if at_rest[i] && idle {
@@ -157,25 +158,31 @@ fn smoothed_speed(track: &Track, alignment: Alignment) -> Vec<f64> {
     track.encoder_mps.smoothed(0.04).iter().map(|v| v / alignment.scale).collect()
 }
 
-/// The gear engaged at `t_s`; by the direction of travel where the log has no gear. `None` in neutral.
-fn gear_at(track: &Track, t_s: f64, speed_mps: f64) -> Option<Gear> {
-    let direction = match &track.gear {
-        Some(gear) => gear.held(t_s)?,
-        None if speed_mps.abs() > 0.01 => speed_mps,
-        None => track.command_nm.held(t_s)?,
+/// The gear engaged at each encoder sample; by the direction of travel where the log has no gear. `None` in neutral.
+fn gears(track: &Track, speed_mps: &[f64]) -> Vec<Option<Gear>> {
+    let mut told = track.gear.as_ref().map(Series::cursor);
+    let mut command = track.command_nm.cursor();
+    let gear_at = |(t_s, speed_mps): (&f64, &f64)| {
+        let direction = match &mut told {
+            Some(gear) => gear.held(*t_s)?,
+            None if speed_mps.abs() > 0.01 => *speed_mps,
+            None => command.held(*t_s)?,
+        };
+        if direction > 0.0 {
+            Some(Gear::Forward)
+        } else if direction < 0.0 {
+            Some(Gear::Reverse)
+        } else {
+            None
+        }
     };
-    if direction > 0.0 {
-        Some(Gear::Forward)
-    } else if direction < 0.0 {
-        Some(Gear::Reverse)
-    } else {
-        None
-    }
+    track.encoder_mps.t_s.iter().zip(speed_mps).map(gear_at).collect()
 }
 
 fn moving_angle(angle: &Series, encoder: &Series, at_rest: &[bool]) -> Option<[f64; 3]> {
-    let mut degrees: Vec<f64> =
-        (0..encoder.len()).filter(|i| !at_rest[*i]).filter_map(|i| angle.interpolated(encoder.t_s[i])).map(|a| a / RAD_PER_DEG).collect();
+    let mut angle_along = angle.cursor();
+    let moving = (0..encoder.len()).filter(|i| !at_rest[*i]);
+    let mut degrees: Vec<f64> = moving.filter_map(|i| angle_along.interpolated(encoder.t_s[i])).map(|a| a / RAD_PER_DEG).collect();
     if degrees.is_empty() {
         return None;
     }

@@ -13,9 +13,12 @@ pub(crate) struct LaggedCommand {
     command_nm: Vec<f64>,
     torque_nm: Vec<f64>,
     by_lag: Vec<f64>,
+    /// ln|u − c| at each change.
+    ln_away: Vec<f64>,
     lag_s: f64,
-    /// Largest torque commanded [N·m].
+    /// Largest torque commanded [N·m], and its logarithm.
     largest_nm: f64,
+    ln_largest: f64,
 }
 
 /// A place in a lagged command that moves along with time: a question near the last one is answered without a search.
@@ -40,6 +43,21 @@ pub(crate) struct Torque {
 impl Cursor<'_> {
     /// As [`LaggedCommand::at`].
     pub(crate) fn at(&mut self, t_s: f64) -> Torque {
+        self.move_to(t_s);
+        self.lagged.after(self.passed, t_s)
+    }
+
+    /// Whether the torque moves by more than `share` of the largest commanded between two times, the first not after the second.
+    pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
+        self.move_to(from_s);
+        let LaggedCommand { change_s, ln_away, lag_s, ln_largest, .. } = self.lagged;
+        // |u − c|·e^(−s/T_c) against the share, in logarithms
+        let on_its_way =
+            self.passed.checked_sub(1).is_some_and(|k| from_s - change_s[k] < lag_s * (ln_away[k] - ln_largest - share.logarithm));
+        on_its_way || change_s.get(self.passed).is_some_and(|&t| t <= to_s)
+    }
+
+    fn move_to(&mut self, t_s: f64) {
         let changes = &self.lagged.change_s;
         while changes.get(self.passed).is_some_and(|&t| t <= t_s) {
             self.passed += 1;
@@ -47,14 +65,20 @@ impl Cursor<'_> {
         while self.passed > 0 && changes[self.passed - 1] > t_s {
             self.passed -= 1;
         }
-        self.lagged.after(self.passed, t_s)
     }
+}
 
-    /// Whether the torque still moves by more than `share` of the largest commanded between the last question's time and `to_s`, which is
-    /// not before it.
-    pub(crate) fn moves_until(&self, last: &Torque, to_s: f64, share: f64) -> bool {
-        let left_nm = (last.by_dead_time * self.lagged.lag_s).abs();
-        left_nm > share * self.lagged.largest_nm || self.lagged.change_s.get(self.passed).is_some_and(|&t| t <= to_s)
+/// A share of the largest torque, with its logarithm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Share {
+    pub(crate) value: f64,
+    logarithm: f64,
+}
+
+impl Share {
+    /// Of a positive value.
+    pub(crate) fn new(value: f64) -> Self {
+        Self { value, logarithm: value.ln() }
     }
 }
 
@@ -64,8 +88,16 @@ const LEAST_LAG_S: f64 = 1e-4;
 impl LaggedCommand {
     /// From the command, settled at its first value before it begins.
     pub(crate) fn new(command: &Series, lag_s: f64) -> Self {
-        let mut lagged =
-            Self { change_s: Vec::new(), command_nm: Vec::new(), torque_nm: Vec::new(), by_lag: Vec::new(), lag_s, largest_nm: 0.0 };
+        let mut lagged = Self {
+            change_s: Vec::new(),
+            command_nm: Vec::new(),
+            torque_nm: Vec::new(),
+            by_lag: Vec::new(),
+            ln_away: Vec::new(),
+            lag_s,
+            largest_nm: 0.0,
+            ln_largest: 0.0,
+        };
         for (t, c) in command.t_s.iter().zip(&command.value) {
             if lagged.command_nm.last() == Some(c) {
                 continue;
@@ -75,8 +107,10 @@ impl LaggedCommand {
             lagged.command_nm.push(*c);
             lagged.torque_nm.push(state.torque_nm);
             lagged.by_lag.push(state.by_lag);
+            lagged.ln_away.push((state.torque_nm - c).abs().ln());
             lagged.largest_nm = lagged.largest_nm.max(c.abs());
         }
+        lagged.ln_largest = lagged.largest_nm.ln();
         lagged
     }
 
@@ -96,8 +130,8 @@ impl LaggedCommand {
             return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
         }
         let (since, c, u0, w0) = (t_s - self.change_s[k - 1], self.command_nm[k - 1], self.torque_nm[k - 1], self.by_lag[k - 1]);
-        // e⁻²⁰ of a step, 10⁻⁹, is nothing
-        if self.lag_s < LEAST_LAG_S || since > 20.0 * self.lag_s {
+        // e⁻¹⁶ of a step, 10⁻⁷, is nothing
+        if self.lag_s < LEAST_LAG_S || since > 16.0 * self.lag_s {
             return Torque { torque_nm: c, by_dead_time: 0.0, by_lag: 0.0 };
         }
         let decay = (-since / self.lag_s).exp();

@@ -3,7 +3,7 @@
 //! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms while its last twentieth is to come, 20 ms
 //! while it stands, and never across a reading.
 
-use super::actuator::Torque;
+use super::actuator::{Share, Torque};
 use super::lattice::LatticeSurface;
 use super::segment::{Calibration, Segment};
 use super::torque::EffectiveTorque;
@@ -41,12 +41,12 @@ impl<'a> Course<'a> {
         let mut cursor = lagged.cursor();
         let mut steps = Vec::with_capacity(2 * segment.readings.len());
         let mut ends = Vec::with_capacity(segment.readings.len());
+        let longest = LONGEST_STEP.map(|(share, step_s)| (Share::new(share), step_s));
         let mut from_s = segment.start_s;
         for reading in &segment.readings {
             let length_s = (reading.t_s - from_s).max(0.0);
-            let first = cursor.at(from_s - dead_time_s);
-            let moving = |share: f64| cursor.moves_until(&first, reading.t_s - dead_time_s, share);
-            let longest_s = LONGEST_STEP.iter().find(|(share, _)| moving(*share)).map_or(LONGEST_STANDING_S, |(_, s)| *s);
+            let moving = |(share, _): &&(Share, f64)| cursor.moves(from_s - dead_time_s, reading.t_s - dead_time_s, *share);
+            let longest_s = longest.iter().find(moving).map_or(LONGEST_STANDING_S, |(_, s)| *s);
             let count = (length_s / longest_s).ceil().max(1.0);
             for k in 0..count as usize {
                 let fraction = (k as f64 + 0.5) / count;

@@ -5,7 +5,10 @@ use super::segment::{Segment, span_s};
 use rayon::prelude::*;
 
 /// Bounds of the parameters, in SI.
-const DISTURBANCE_MPS2: (f64, f64) = (1e-3, 2.0);
+const MOST_DISTURBANCE_MPS2: f64 = 2.0;
+/// Least disturbance, as a share of the accelerations that the torque commands: nearer no surface comes to a vehicle. A filter that believes
+/// in it more takes its speeds from the surface instead of the readings, and the rounds overshoot.
+const LEAST_DISTURBANCE_SHARE: f64 = 2e-3;
 const DISTURBANCE_TIME_S: (f64, f64) = (0.03, 1.0);
 const READING_MPS: (f64, f64) = (2e-4, 0.2);
 const LEAST_OFFSET_MPS2: f64 = 1e-4;
@@ -23,14 +26,20 @@ const ENOUGH_READINGS: usize = 15_000;
 /// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
 ///
 /// Weak log-normal priors (a factor of 20) centred on the start hold parameters that the data do not tell. `offset_bound_mps2` bounds σ_b by
-/// what the runs' spread can be.
-pub(crate) fn estimate(segments: &[Segment], residuals: &[Vec<f64>], start: Noise, offset_bound_mps2: f64) -> NoiseEstimate {
+/// what the runs' spread can be, `range_mps2` is the range of accelerations that the torque commands.
+pub(crate) fn estimate(
+    segments: &[Segment],
+    residuals: &[Vec<f64>],
+    start: Noise,
+    offset_bound_mps2: f64,
+    range_mps2: f64,
+) -> NoiseEstimate {
     let total: usize = segments.iter().map(|s| s.readings.len()).sum();
     let stride = total.div_ceil(ENOUGH_READINGS).max(1);
     let chosen: Vec<(&Segment, &Vec<f64>)> = segments.iter().zip(residuals).step_by(stride).collect();
     let has_yaw = segments.iter().any(|s| s.readings.iter().any(|r| r.witness == 1));
     let bounds = [
-        DISTURBANCE_MPS2,
+        ((LEAST_DISTURBANCE_SHARE * range_mps2).clamp(1e-3, 0.1), MOST_DISTURBANCE_MPS2),
         DISTURBANCE_TIME_S,
         (LEAST_OFFSET_MPS2, offset_bound_mps2.max(2.0 * LEAST_OFFSET_MPS2)),
         READING_MPS,

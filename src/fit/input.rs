@@ -13,7 +13,7 @@ use super::steady::{Reading, Settled, reading, settled};
 use super::torque::EffectiveTorque;
 use crate::campaign::Survey;
 use crate::map::LogRef;
-use crate::signal::Track;
+use crate::signal::{Series, Track};
 use std::collections::BTreeMap;
 
 /// Largest departure of the feedback from the command where the drive has settled: of its scale, and of its offset as a share of the largest
@@ -39,13 +39,13 @@ pub(crate) enum Input {
 }
 
 impl Input {
-    /// The effective torque of a log; the lag counts for the command only.
-    pub(crate) fn torque(self, track: &Track, lag_s: f64) -> EffectiveTorque {
+    /// The effective torque of a log, given the changes of its command; the lag counts for the command only.
+    pub(crate) fn torque(self, track: &Track, changes: &Series, lag_s: f64) -> EffectiveTorque {
         match (self, &track.feedback_nm) {
             (Self::Feedback { late_s }, Some(feedback)) => {
                 EffectiveTorque::Measured(MeasuredTorque::new(&track.command_nm, feedback, late_s))
             }
-            _ => EffectiveTorque::Lagged(LaggedCommand::new(&track.command_nm, lag_s)),
+            _ => EffectiveTorque::Lagged(LaggedCommand::new(changes, lag_s)),
         }
     }
 

@@ -66,7 +66,7 @@ impl Lattice {
 
     /// w(V), 0 to 1 over the lattice.
     pub(crate) fn warp(&self, speed_mps: f64) -> f64 {
-        (1.0 + speed_mps.max(0.0) / WARP_MPS).ln() * self.warp_scale
+        (1.0 + speed_mps.max(0.0) * (1.0 / WARP_MPS)).ln() * self.warp_scale
     }
 
     /// Coefficients along speed of a function of the speed.
@@ -102,29 +102,37 @@ pub(crate) struct LatticeSurface {
 }
 
 impl LatticeSurface {
+    /// Between the accelerations of a wheel that begins to move under the lowest and the highest torque [m/s²].
+    pub(crate) fn range_mps2(&self) -> f64 {
+        let torques = &self.lattice.torque_nm;
+        (self.accel_mps2(0.0, torques[torques.len() - 1]) - self.accel_mps2(0.0, torques[0])).abs()
+    }
+
     /// A(V, U) [m/s²].
     pub(crate) fn accel_mps2(&self, speed_mps: f64, torque_nm: f64) -> f64 {
-        let Spot { along_speed: a, along_torque: b } = self.lattice.spot(speed_mps, torque_nm);
-        let mut value = 0.0;
-        for i in 0..4 {
-            let from = self.lattice.column(a.first + i, b.first);
-            value += a.value[i] * self.theta[from..from + 4].iter().zip(b.value).map(|(t, w)| t * w).sum::<f64>();
-        }
-        value
+        self.at(&self.lattice.spot(speed_mps, torque_nm))
+    }
+
+    /// A at a spot of its lattice [m/s²].
+    pub(crate) fn at(&self, spot: &Spot) -> f64 {
+        dot(self.across(&spot.along_speed, spot.along_torque.first), spot.along_torque.value)
     }
 
     /// A(V, U) [m/s²] and ∂A/∂U [m/s² per N·m].
     pub(crate) fn value_and_slope(&self, speed_mps: f64, torque_nm: f64) -> (f64, f64) {
-        let a = self.lattice.speed.held(self.lattice.warp(speed_mps));
-        let (b, by_torque) = self.lattice.torque.extended_with_slope(torque_nm);
-        let (mut value, mut slope) = (0.0, 0.0);
-        for i in 0..4 {
-            let from = self.lattice.column(a.first + i, b.first);
-            let line = &self.theta[from..from + 4];
-            value += a.value[i] * line.iter().zip(b.value).map(|(t, w)| t * w).sum::<f64>();
-            slope += a.value[i] * line.iter().zip(by_torque).map(|(t, w)| t * w).sum::<f64>();
+        let (along_torque, by_torque) = self.lattice.torque.extended_with_slope(torque_nm);
+        let across = self.across(&self.lattice.speed.held(self.lattice.warp(speed_mps)), along_torque.first);
+        (dot(across, along_torque.value), dot(across, by_torque))
+    }
+
+    /// The four coefficients along torque from `first` on, at a speed.
+    fn across(&self, along_speed: &Weights, first: usize) -> [f64; 4] {
+        let mut sums = [0.0; 4];
+        for (i, weight) in along_speed.value.into_iter().enumerate() {
+            let from = self.lattice.column(along_speed.first + i, first);
+            sums.iter_mut().zip(&self.theta[from..from + 4]).for_each(|(sum, theta)| *sum += weight * theta);
         }
-        (value, slope)
+        sums
     }
 
     /// The torque at which A(V, U) last crosses zero from below within the knots, or `None` when it does not.
@@ -139,6 +147,10 @@ impl LatticeSurface {
         }
         Some(0.5 * (low + high))
     }
+}
+
+fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
 #[cfg(test)]

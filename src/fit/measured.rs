@@ -4,7 +4,7 @@
 //! neighbours round the corners off. (Means of three left 2 to 6 times the torque error at 25 Hz behind a limit of 150 or 300 N·m/s, and
 //! were no better at 100 Hz.) The dead time is what is left between feedback and speed, and ∂u/∂T_d = −u̇.
 
-use super::actuator::{LaggedCommand, Torque};
+use super::actuator::{LaggedCommand, Share, Torque};
 use crate::signal::Series;
 
 /// Readings further apart than this leave the torque between them unknown [s]: a lost reading or two are bridged.
@@ -44,11 +44,12 @@ impl MeasuredCursor<'_> {
         self.measured.after(self.passed, t_s)
     }
 
-    /// Whether the torque moves by more than `share` of the largest, and more than its noise, between the last question's time and `to_s`,
-    /// which is not before it.
-    pub(crate) fn moves_until(&self, last: &Torque, to_s: f64, share: f64) -> bool {
-        let mut ahead = MeasuredCursor { measured: self.measured, passed: self.passed };
-        (ahead.at(to_s).torque_nm - last.torque_nm).abs() > share.max(MOVING) * self.measured.largest_nm()
+    /// Whether the torque moves by more than `share` of the largest, and more than its noise, between two times, the first not after the
+    /// second.
+    pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
+        let from = self.at(from_s);
+        let mut ahead = self.clone();
+        (ahead.at(to_s).torque_nm - from.torque_nm).abs() > share.value.max(MOVING) * self.measured.largest_nm()
     }
 }
 
@@ -128,8 +129,8 @@ mod tests {
         for t in [0.5, 1.21, 1.27, 1.3, 1.22, 2.2, 5.0, -1.0] {
             assert_eq!(cursor.at(t), measured.at(t));
         }
-        let start = cursor.at(1.24);
-        assert!(cursor.moves_until(&start, 1.26, 1e-3) && !cursor.moves_until(&start, 1.241, 1e-3));
+        let share = Share::new(1e-3);
+        assert!(cursor.moves(1.24, 1.26, share) && !cursor.moves(1.24, 1.241, share));
     }
 
     #[test]

@@ -5,10 +5,10 @@
 //! by their speed then bias surface and lag by several standard errors in an hour of data.
 
 use super::course::{Course, surface_of};
-use super::gram::{Gram, LocalGram};
+use super::gram::Gram;
 use super::kalman::{Noise, filter, smooth};
 use super::lattice::LatticeSurface;
-use super::regressors::{Free, whitened};
+use super::regressors::{Free, whitened_sums};
 use super::segment::Segment;
 use crate::map::Gear;
 use rayon::prelude::*;
@@ -16,8 +16,10 @@ use std::borrow::Cow;
 
 /// Noise that lets the speed go where the readings say: for the first smoothing, before there is a surface.
 const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01] };
-/// Segments handled at once; sums are merged in their order.
-const BATCH: usize = 64;
+/// Segments added up together, one after another, while they are near; these sums are merged in their order.
+const TOGETHER: usize = 32;
+/// Such sums handled at once.
+const AT_ONCE: usize = 8;
 
 /// Speeds along the segments from their readings alone.
 pub(crate) fn wide_speeds(courses: &[Course]) -> Vec<Vec<f64>> {
@@ -92,18 +94,25 @@ impl Pass<'_> {
     pub(crate) fn assemble(&self, speeds: &[Vec<f64>], free: Free, logs: usize, (fold, folds): (&[usize], usize)) -> Vec<[Gram; 2]> {
         let size = self.surfaces[0].lattice.columns() + free.nuisances(logs) + 1;
         let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
-        let paired: Vec<((&Course, &Vec<f64>), &usize)> = self.courses.iter().zip(speeds).zip(fold).collect();
-        for batch in paired.chunks(BATCH) {
-            let locals: Vec<(Gear, usize, LocalGram)> = batch
-                .par_iter()
-                .map(|((course, speed), fold)| {
-                    let surface = surface_of(self.surfaces, course.segment);
-                    let local = whitened(course, speed, surface, self.noise, free);
-                    (course.segment.gear, **fold, LocalGram::new(local.columns, &local.data))
-                })
-                .collect();
-            for (gear, fold, local) in locals {
-                grams[fold][usize::from(gear == Gear::Reverse)].add(&local);
+        for (number, grams) in grams.iter_mut().enumerate() {
+            for (gear, gram) in Gear::ALL.into_iter().zip(grams) {
+                let of_gear = |k: &usize| fold[*k] == number && self.courses[*k].segment.gear == gear;
+                let own: Vec<usize> = (0..self.courses.len()).filter(of_gear).collect();
+                for batch in own.chunks(TOGETHER * AT_ONCE) {
+                    let sum = |segments: &[usize]| {
+                        let mut sum = Gram::new(size);
+                        for &k in segments {
+                            let course = &self.courses[k];
+                            let surface = surface_of(self.surfaces, course.segment);
+                            sum.add(&whitened_sums(course, &speeds[k], surface, self.noise, free));
+                        }
+                        sum
+                    };
+                    let sums: Vec<Gram> = batch.par_chunks(TOGETHER).map(sum).collect();
+                    for sum in &sums {
+                        gram.add_all(sum);
+                    }
+                }
             }
         }
         grams

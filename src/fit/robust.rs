@@ -39,10 +39,9 @@ impl Judge<'_> {
             log.cuts = Cuts::default();
         }
         let calm = calm(self.noise, &self.surfaces[0]);
-        let mut suspects: Option<BTreeSet<(usize, usize)>> = None;
+        let chosen: Vec<Vec<bool>> = logs.iter().map(|l| l.chosen.clone()).collect();
         for pass in 0..PASSES {
-            let mut segments = all_segments(logs, self.calibration, self.lagged, Some(self.surfaces), self.transients);
-            segments.retain(|s| suspects.as_ref().is_none_or(|runs| runs.contains(&(s.log, s.run))));
+            let segments = all_segments(logs, self.calibration, self.lagged, Some(self.surfaces), self.transients);
             let courses = courses(&segments, self.lagged, self.calibration);
             let white = Pass { courses: &courses, surfaces: self.surfaces, noise: &calm }.along(None).white;
             let whole = pass + 1 == PASSES;
@@ -51,9 +50,13 @@ impl Judge<'_> {
             if found.is_empty() {
                 break;
             }
-            suspects = Some(found);
+            // only runs that were cut are looked at again
+            for (k, log) in logs.iter_mut().enumerate() {
+                log.chosen.iter_mut().enumerate().for_each(|(run, chosen)| *chosen = found.contains(&(k, run)));
+            }
         }
-        for log in logs {
+        for (log, chosen) in logs.iter_mut().zip(chosen) {
+            log.chosen = chosen;
             join(&mut log.cuts);
         }
     }
@@ -62,9 +65,7 @@ impl Judge<'_> {
 /// The noise for judging what does not belong: offset and disturbance at most a fiftieth of the accelerations that the torque commands, so
 /// that a push, which is a disturbance, does not explain itself.
 pub(crate) fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
-    let torques = &surface.lattice.torque_nm;
-    let range = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, torques[0]);
-    let most = (0.02 * range.abs()).max(0.01);
+    let most = (0.02 * surface.range_mps2()).max(0.01);
     Noise { disturbance_mps2: noise.disturbance_mps2.min(most), offset_mps2: noise.offset_mps2.min(most), ..*noise }
 }
 

@@ -109,10 +109,13 @@ fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
     }
 }
 
+/// Longest step of the simulation [s]: fine enough for the midpoint rule even while the torque moves.
+const LONGEST_STEP_S: f64 = 10e-3;
+
 /// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
 pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
     let lagged = estimate.lagged_commands();
-    let mut compared = Vec::new();
+    let mut compared = Vec::with_capacity(estimate.segments.iter().map(|s| s.readings.len()).sum());
     for (k, ((segment, smoothed), offset)) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets).enumerate() {
         let surface = judge(estimate, k);
         let mut cursor = lagged[segment.log].cursor();
@@ -120,7 +123,7 @@ pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
         let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
         let mut t = segment.start_s;
         for reading in &segment.readings {
-            let steps = ((reading.t_s - t) / 5e-3).ceil().max(1.0);
+            let steps = ((reading.t_s - t) / LONGEST_STEP_S).ceil().max(1.0);
             let dt = (reading.t_s - t).max(0.0) / steps;
             for _ in 0..steps as usize {
                 let half = v + 0.5 * dt * surface.accel_mps2(v, torque(t));

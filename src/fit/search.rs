@@ -34,6 +34,8 @@ const STILL_S: f64 = 3e-5;
 const DELAY_STEP_S: f64 = 0.02;
 /// Threshold of the cuts in the first rounds, and later.
 const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
+/// Least share of a step of a delay that is made.
+const LEAST_DAMPED: f64 = 0.2;
 /// Prior standard deviation of what is known.
 const FIXED_STD: f64 = 1e-9;
 /// Rounds in which the encoder is calibrated by the yaw rate: at once, and when pushes and slips are out.
@@ -59,6 +61,8 @@ pub(crate) struct Search<'a> {
     sampled: bool,
     rounds: usize,
     converged: bool,
+    /// The last step of the lag and the dead times as the equations asked for it, and as it was made [s].
+    last_step: Vec<(f64, f64)>,
 }
 
 /// What rounds work on.
@@ -106,6 +110,7 @@ impl<'a> Search<'a> {
             sampled: false,
             rounds: 0,
             converged: false,
+            last_step: Vec::new(),
         })
     }
 
@@ -149,6 +154,7 @@ impl<'a> Search<'a> {
     /// Rounds on everything, without the moments after steps, until surface and delays stand still.
     pub(crate) fn surface(mut self) -> Result<Estimate<'a>> {
         self.penalties.clear();
+        self.last_step.clear();
         self.cut(CUT_BEYOND[1]);
         let mut stretch = self.stretch(true);
         let mut speeds = None;
@@ -174,6 +180,7 @@ impl<'a> Search<'a> {
                     self.cut(CUT_BEYOND[1]);
                     stretch = self.stretch(true);
                     before = None;
+                    self.last_step.clear();
                     continue;
                 }
             } else if self.converged || round >= most {
@@ -360,7 +367,8 @@ impl<'a> Search<'a> {
     fn update_noise(&mut self, segments: &[Segment], along: &Along, share: f64) {
         let (kept, residuals) = hyper::well_explained(segments, &along.residuals, &along.white, share);
         let spread = hyper::offset_spread(segments, &along.residuals, &self.noise);
-        let found = hyper::estimate(&kept, &residuals, self.noise, spread);
+        let range_mps2 = self.gears.iter().map(|g| self.surfaces[usize::from(*g == Gear::Reverse)].range_mps2()).fold(0.0, f64::max);
+        let found = hyper::estimate(&kept, &residuals, self.noise, spread, range_mps2);
         self.noise = found.noise;
         self.noise_bounds = found.at_bounds;
     }
@@ -371,10 +379,14 @@ impl<'a> Search<'a> {
         let of = |k: usize| solution.beta[q + k];
         let step = |k: usize| of(k).clamp(-DELAY_STEP_S, DELAY_STEP_S);
         let before = self.calibration.clone();
-        self.calibration.lag_s = (before.lag_s + step(nuisance::LAG)).clamp(0.0, 0.3);
-        for (k, dead_time) in self.calibration.dead_time_s.iter_mut().enumerate() {
-            *dead_time = (*dead_time + step(nuisance::DEAD_TIME + k)).clamp(-0.1, 0.5);
+        let asked: Vec<f64> =
+            std::iter::once(nuisance::LAG).chain((0..self.logs.len()).map(|k| nuisance::DEAD_TIME + k)).map(step).collect();
+        let made: Vec<f64> = asked.iter().enumerate().map(|(k, asked)| damped(*asked, self.last_step.get(k).copied())).collect();
+        self.calibration.lag_s = (before.lag_s + made[0]).clamp(0.0, 0.3);
+        for (dead_time, made) in self.calibration.dead_time_s.iter_mut().zip(&made[1..]) {
+            *dead_time = (*dead_time + made).clamp(-0.1, 0.5);
         }
+        self.last_step = asked.into_iter().zip(made).collect();
         let covariance = |a: usize, b: usize| solution.covariance[(q + a, q + b)];
         let std_err = |k: usize| covariance(k, k).max(0.0).sqrt();
         self.errors.lag_s = std_err(nuisance::LAG);
@@ -392,6 +404,15 @@ impl<'a> Search<'a> {
         let steps = before.dead_time_s.iter().zip(&now.dead_time_s).map(|(a, b)| (b - a).abs());
         steps.fold((now.lag_s - before.lag_s).abs(), f64::max)
     }
+}
+
+/// The step of a delay that is made when the equations ask for `asked`; `last` is what they asked for before, and what was made of it.
+///
+/// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
+/// each step overshoots by as much as it was asked for. The secant of the last two then tells how far to go; never further than asked.
+fn damped(asked: f64, last: Option<(f64, f64)>) -> f64 {
+    let secant = last.map(|(before, made)| made / (before - asked));
+    asked * secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0))
 }
 
 /// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.

@@ -7,6 +7,7 @@ use super::step_timing::StepTiming;
 use super::torque::EffectiveTorque;
 use crate::campaign::{Survey, Verdict};
 use crate::map::Gear;
+use crate::signal::Series;
 use std::collections::BTreeSet;
 
 /// What turns raw readings into speeds on one clock, and commands into torques. Estimated with the surface.
@@ -63,6 +64,8 @@ const STEP_TIMING_S: f64 = 2e-3;
 #[derive(Debug, Clone)]
 pub(crate) struct LogData<'a> {
     pub(crate) survey: &'a Survey,
+    /// The command [N·m], where it changes.
+    pub(crate) command: Series,
     /// Where its effective torque comes from.
     pub(crate) input: Input,
     /// How well the steps of its command are known in time.
@@ -79,7 +82,7 @@ pub(crate) struct LogData<'a> {
 impl LogData<'_> {
     /// The effective torque; the lag counts for a command only.
     pub(crate) fn torque(&self, lag_s: f64) -> EffectiveTorque {
-        self.input.torque(&self.survey.track, lag_s)
+        self.input.torque(&self.survey.track, &self.command, lag_s)
     }
 
     /// The segments of this log. `surfaces` (forward, reverse) tell when a resting wheel breaks away; without it starts are not anchored.
@@ -100,6 +103,7 @@ impl LogData<'_> {
         let shifted = |gap: &(f64, f64)| (gap.0 + calibration.dead_time_s[log], gap.1 + calibration.dead_time_s[log]);
         let gaps: Vec<(f64, f64)> = lagged.gaps().iter().map(shifted).collect();
         let mut segments = Vec::new();
+        let mut cursor = lagged.cursor();
         for (run, stretch) in self.survey.stretches.iter().enumerate().filter(|(run, _)| self.chosen[*run]) {
             let dead_time_s = calibration.dead_time_s[log];
             let mut start_s = stretch.from_s;
@@ -111,8 +115,8 @@ impl LogData<'_> {
             {
                 let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
                 let threshold = surface.zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
-                let torque = |t: f64| stretch.gear.sign() * lagged.at(t - dead_time_s).torque_nm;
-                if let Some(t) = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, torque)
+                let mut torque = |t: f64| stretch.gear.sign() * cursor.at(t - dead_time_s).torque_nm;
+                if let Some(t) = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, &mut torque)
                     && near(&gaps, t, t).is_empty()
                     && self.mean_speed(stretch.gear, t, calibration).is_none_or(|v| v < BELIEVABLE_START_MPS)
                 {
@@ -198,7 +202,7 @@ fn near(intervals: &[(f64, f64)], from_s: f64, to_s: f64) -> &[(f64, f64)] {
 }
 
 /// First time in an interval at which a rising torque passes `threshold`, to a millisecond.
-fn first_crossing(from_s: f64, to_s: f64, threshold: f64, torque: impl Fn(f64) -> f64) -> Option<f64> {
+fn first_crossing(from_s: f64, to_s: f64, threshold: f64, mut torque: impl FnMut(f64) -> f64) -> Option<f64> {
     let steps = ((to_s - from_s) / 1e-3) as usize;
     let mut before = torque(from_s);
     for k in 1..=steps {

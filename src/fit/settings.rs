@@ -17,7 +17,8 @@ pub struct Settings {
     /// Time after a step of the effective torque that the surface does not use [s]. Default 0: dead time and lag explain it, cells that are
     /// only passed through after a step have no other data, and a cut there parts the run, with which most of what tells the delays is lost.
     pub transient_s: f64,
-    /// Most iterations on a sample of the data with noise and encoder free, then on everything. Default 6 and 4.
+    /// Most iterations on a sample of the data with noise and encoder free, then on everything. Default 6 and 8; on everything two or three are
+    /// usual.
     pub iterations: [usize; 2],
     /// Speed breaks of the table [m/s]; by default every 0.05 from 0 to the fastest measured.
     pub speed_breaks_mps: Option<Vec<f64>>,
@@ -39,7 +40,7 @@ impl Default for Settings {
             speed_nodes: 15,
             torque_nodes: 21,
             transient_s: 0.0,
-            iterations: [6, 4],
+            iterations: [6, 8],
             speed_breaks_mps: None,
             torque_breaks_nm: None,
             least_coverage: 0.3,

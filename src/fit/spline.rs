@@ -9,12 +9,33 @@
 pub(crate) struct Spline {
     start: f64,
     step: f64,
-    /// First coefficient of each interval.
-    first: Vec<usize>,
-    /// Weights of the four coefficients of each interval as polynomials of the fraction of the way through it, constant term first.
-    pieces: Vec<[[f64; 4]; 4]>,
+    pieces: Vec<Piece>,
     /// Greville's abscissa of each coefficient: a linear function has its own values there as coefficients.
     greville: Vec<f64>,
+}
+
+/// The spline over one interval.
+#[derive(Debug, Clone, PartialEq)]
+struct Piece {
+    /// First of the four coefficients that matter.
+    first: usize,
+    /// Their weights as polynomials of the fraction of the way through: the constant terms of all four, the linear ones, and so on.
+    powers: [[f64; 4]; 4],
+}
+
+impl Piece {
+    /// Weights at a fraction of the way.
+    #[inline]
+    fn weights(&self, t: f64) -> [f64; 4] {
+        let [a, b, c, d] = &self.powers;
+        std::array::from_fn(|k| a[k] + t * (b[k] + t * (c[k] + t * d[k])))
+    }
+
+    /// Their derivatives by the fraction.
+    fn slopes(&self, t: f64) -> [f64; 4] {
+        let [_, b, c, d] = &self.powers;
+        std::array::from_fn(|k| b[k] + t * (2.0 * c[k] + t * 3.0 * d[k]))
+    }
 }
 
 /// The four coefficients that matter at a point.
@@ -40,9 +61,8 @@ impl Spline {
         }
         knots.extend([at(intervals); 4]);
         let greville = knots.windows(3).skip(1).take(knots.len() - 4).map(|k| (k[0] + k[1] + k[2]) / 3.0).collect();
-        let first = begins.iter().map(|b| b - 3).collect();
-        let pieces = begins.iter().map(|b| piece(&knots, *b)).collect();
-        Self { start, step, first, pieces, greville }
+        let pieces = begins.iter().map(|b| Piece { first: b - 3, powers: powers(&knots, *b) }).collect();
+        Self { start, step, pieces, greville }
     }
 
     /// Number of coefficients.
@@ -60,37 +80,37 @@ impl Spline {
         (0..=self.pieces.len()).map(|k| self.start + self.step * k as f64).collect()
     }
 
-    /// Interval and fraction of the way through it, the fraction beyond [0, 1] outside the ends.
-    fn place(&self, x: f64) -> (usize, f64) {
+    /// The piece that holds `x`, and the fraction of the way through it, beyond [0, 1] outside the ends.
+    #[inline]
+    fn place(&self, x: f64) -> (&Piece, f64) {
         let along = (x - self.start) / self.step;
         let k = (along.max(0.0) as usize).min(self.pieces.len() - 1);
-        (k, along - k as f64)
+        (&self.pieces[k], along - k as f64)
     }
 
     /// Weights at `x`, held at the ends.
     pub(crate) fn held(&self, x: f64) -> Weights {
-        let (k, t) = self.place(x);
-        let t = t.clamp(0.0, 1.0);
-        Weights { first: self.first[k], value: self.pieces[k].map(|c| c[0] + t * (c[1] + t * (c[2] + t * c[3]))) }
+        let (piece, t) = self.place(x);
+        Weights { first: piece.first, value: piece.weights(t.clamp(0.0, 1.0)) }
     }
 
     /// Weights at `x`, extended linearly beyond the ends.
     pub(crate) fn extended(&self, x: f64) -> Weights {
-        let (_, t) = self.place(x);
-        if (0.0..=1.0).contains(&t) { self.held(x) } else { self.extended_with_slope(x).0 }
+        let (piece, t) = self.place(x);
+        if (0.0..=1.0).contains(&t) { Weights { first: piece.first, value: piece.weights(t) } } else { self.extended_with_slope(x).0 }
     }
 
     /// Weights at `x` and their derivative, extended linearly beyond the ends.
     pub(crate) fn extended_with_slope(&self, x: f64) -> (Weights, [f64; 4]) {
-        let (k, t) = self.place(x);
+        let (piece, t) = self.place(x);
         let inside = t.clamp(0.0, 1.0);
-        let slope = self.pieces[k].map(|c| (c[1] + inside * (2.0 * c[2] + inside * 3.0 * c[3])) / self.step);
-        let mut value = self.pieces[k].map(|c| c[0] + inside * (c[1] + inside * (c[2] + inside * c[3])));
+        let slope = piece.slopes(inside).map(|s| s / self.step);
+        let mut value = piece.weights(inside);
         let beyond = (t - inside) * self.step;
         if beyond != 0.0 {
             value.iter_mut().zip(slope).for_each(|(v, s)| *v += beyond * s);
         }
-        (Weights { first: self.first[k], value }, slope)
+        (Weights { first: piece.first, value }, slope)
     }
 
     /// Coefficients of the spline that meets `f` at Greville's abscissae.
@@ -120,7 +140,7 @@ impl Spline {
 }
 
 /// The four basis functions over the interval that begins at knot `b`, as polynomials of the fraction through it.
-fn piece(knots: &[f64], b: usize) -> [[f64; 4]; 4] {
+fn powers(knots: &[f64], b: usize) -> [[f64; 4]; 4] {
     let (from, to) = (knots[b], knots[b + 1]);
     // values at four even points, by Cox and de Boor's recursion, determine the cubic
     let samples: [[f64; 4]; 4] = std::array::from_fn(|s| {
@@ -139,10 +159,14 @@ fn piece(knots: &[f64], b: usize) -> [[f64; 4]; 4] {
         }
         n
     });
-    std::array::from_fn(|r| {
-        let [y0, y1, y2, y3] = [samples[0][r], samples[1][r], samples[2][r], samples[3][r]];
-        [y0, -5.5 * y0 + 9.0 * y1 - 4.5 * y2 + y3, 9.0 * y0 - 22.5 * y1 + 18.0 * y2 - 4.5 * y3, 4.5 * (y3 - y0) + 13.5 * (y1 - y2)]
-    })
+    let mut powers = [[0.0; 4]; 4];
+    for r in 0..4 {
+        let [y0, y1, y2, y3] = samples.map(|sample| sample[r]);
+        let cubic =
+            [y0, -5.5 * y0 + 9.0 * y1 - 4.5 * y2 + y3, 9.0 * y0 - 22.5 * y1 + 18.0 * y2 - 4.5 * y3, 4.5 * (y3 - y0) + 13.5 * (y1 - y2)];
+        powers.iter_mut().zip(cubic).for_each(|(of_all, own)| of_all[r] = own);
+    }
+    powers
 }
 
 #[cfg(test)]

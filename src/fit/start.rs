@@ -42,11 +42,12 @@ impl<'a> Start<'a> {
         {
             return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
         }
-        let logs: Vec<LogData> = surveys.iter().map(|s| log_data(s, choice)).collect();
+        let grains: Vec<Grains> = surveys.iter().map(Grains::of).collect();
+        let logs: Vec<LogData> = surveys.iter().zip(&grains).map(|(s, g)| log_data(s, g, choice)).collect();
         let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
         let mut calibration = first_calibration(surveys, choice);
         hold_known(&mut calibration, &logs, settings);
-        let noise = first_noise(surveys);
+        let noise = first_noise(&grains);
         let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(calibration.lag_s)).collect();
         let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
         let seconds: f64 = segments.iter().map(span_s).sum();
@@ -89,15 +90,40 @@ pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
     (rate_hz < SLOW_HZ).then_some(rate_hz)
 }
 
-fn log_data<'a>(survey: &'a Survey, choice: &Choice) -> LogData<'a> {
-    let yaw_outliers = survey.track.yaw_speed_mps.as_ref().map(hampel).unwrap_or_default();
-    let encoder = &survey.track.encoder_mps.value;
-    let dithered = noise_std(encoder) > 0.2 * quantum(encoder);
-    let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum(encoder) < COARSE_QUANTUM_MPS || dithered;
+/// How finely a witness reads.
+struct Grain {
+    noise_mps: f64,
+    quantum_mps: f64,
+}
+
+impl Grain {
+    fn of(series: &Series) -> Self {
+        Self { noise_mps: noise_std(&series.value), quantum_mps: quantum(&series.value) }
+    }
+}
+
+/// The same of the witnesses of one log.
+struct Grains {
+    encoder: Grain,
+    yaw: Option<Grain>,
+}
+
+impl Grains {
+    fn of(survey: &Survey) -> Self {
+        Self { encoder: Grain::of(&survey.track.encoder_mps), yaw: survey.track.yaw_speed_mps.as_ref().map(Grain::of) }
+    }
+}
+
+fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &Choice) -> LogData<'a> {
+    let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
+    let Grain { noise_mps, quantum_mps } = grains.encoder;
+    let dithered = noise_mps > 0.2 * quantum_mps;
+    let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum_mps < COARSE_QUANTUM_MPS || dithered;
     LogData {
         survey,
+        command: changes(&survey.track.command_nm),
         input: choice.of(&survey.track.source),
-        yaw_outliers,
+        yaw_outliers: yaw_outliers.unwrap_or_default(),
         timing: StepTiming::new(&survey.track.command_nm),
         cuts: Cuts::default(),
         may_anchor,
@@ -106,9 +132,20 @@ fn log_data<'a>(survey: &'a Survey, choice: &Choice) -> LogData<'a> {
 }
 
 /// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.
-fn hampel(series: &Series) -> Vec<bool> {
-    let floor = noise_std(&series.value).max(quantum(&series.value)).max(1e-6);
-    crate::signal::hampel(&series.value, 6.0, floor)
+fn hampel(series: &Series, grain: &Grain) -> Vec<bool> {
+    crate::signal::hampel(&series.value, 6.0, grain.noise_mps.max(grain.quantum_mps).max(1e-6))
+}
+
+/// The samples of a command that are not what was told before.
+fn changes(command: &Series) -> Series {
+    let mut changes = Series::default();
+    for (t_s, value) in command.t_s.iter().zip(&command.value) {
+        if changes.value.last() != Some(value) {
+            changes.t_s.push(*t_s);
+            changes.value.push(*value);
+        }
+    }
+    changes
 }
 
 fn first_calibration(surveys: &[Survey], choice: &Choice) -> Calibration {
@@ -127,14 +164,14 @@ fn first_calibration(surveys: &[Survey], choice: &Choice) -> Calibration {
     }
 }
 
-fn first_noise(surveys: &[Survey]) -> Noise {
-    let largest = |f: &dyn Fn(&Survey) -> Option<f64>| surveys.iter().filter_map(f).fold(0.0, f64::max).clamp(1e-3, 0.1);
-    let reading = |s: &Series| noise_std(&s.value).max(quantum(&s.value) / 12f64.sqrt());
+fn first_noise(grains: &[Grains]) -> Noise {
+    let largest = |f: &dyn Fn(&Grains) -> Option<f64>| grains.iter().filter_map(f).fold(0.0, f64::max).clamp(1e-3, 0.1);
+    let reading = |grain: &Grain| grain.noise_mps.max(grain.quantum_mps / 12f64.sqrt());
     Noise {
         disturbance_mps2: 0.15,
         disturbance_time_s: 0.3,
         offset_mps2: 0.05,
-        reading_mps: [largest(&|s| Some(reading(&s.track.encoder_mps))), largest(&|s| s.track.yaw_speed_mps.as_ref().map(reading))],
+        reading_mps: [largest(&|g| Some(reading(&g.encoder))), largest(&|g| g.yaw.as_ref().map(reading))],
     }
 }
 

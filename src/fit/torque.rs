@@ -1,6 +1,6 @@
 //! The effective torque of one log, whichever way it is known: the command through dead time and lag, or the drive's own feedback.
 
-use super::actuator::{Cursor, LaggedCommand, Torque};
+use super::actuator::{Cursor, LaggedCommand, Share, Torque};
 use super::measured::{MeasuredCursor, MeasuredTorque};
 
 /// The effective torque of one log, ready to be asked for any time less the dead time.
@@ -30,11 +30,11 @@ impl TorqueCursor<'_> {
         }
     }
 
-    /// Whether the torque still moves by more than `share` of the largest between the last question's time and `to_s`, which is not before it.
-    pub(crate) fn moves_until(&self, last: &Torque, to_s: f64, share: f64) -> bool {
+    /// Whether the torque moves by more than `share` of the largest between two times, the first not after the second.
+    pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
         match self {
-            Self::Lagged(cursor) => cursor.moves_until(last, to_s, share),
-            Self::Measured(cursor) => cursor.moves_until(last, to_s, share),
+            Self::Lagged(cursor) => cursor.moves(from_s, to_s, share),
+            Self::Measured(cursor) => cursor.moves(from_s, to_s, share),
         }
     }
 }

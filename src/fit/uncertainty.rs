@@ -8,7 +8,7 @@
 
 use super::course::courses;
 use super::estimate::Estimate;
-use super::regressors::{Free, whitened};
+use super::regressors::{Free, add_score};
 use crate::map::Gear;
 use faer::Mat;
 use rayon::prelude::*;
@@ -81,36 +81,27 @@ fn meat(estimate: &Estimate) -> Mat<f64> {
     let courses = courses(segments, &lagged, &estimate.calibration);
     let base = estimate.surfaces[0].lattice.columns();
     let (q, nuisances) = (estimate.design.coefficients(), Free::Delays.nuisances(estimate.logs.len()));
-    // per segment, over the columns that it touches
-    let parts: Vec<(Vec<u32>, Vec<f64>)> = courses
-        .par_iter()
-        .zip(speeds)
-        .map(|(course, speed)| {
-            let surface = estimate.surface(course.segment.gear);
-            let mut local = whitened(course, speed, surface, &estimate.noise, Free::Delays);
-            let width = local.columns.len();
-            let touched = local.columns.iter().take_while(|c| (**c as usize) < base).count();
-            let mut score = vec![0.0; width - 1];
-            for row in local.data.chunks_exact(width) {
-                let fitted: f64 = row.iter().zip(&local.columns[..touched]).map(|(x, c)| x * surface.theta[*c as usize]).sum();
-                score.iter_mut().zip(row).for_each(|(s, x)| *s += x * (row[width - 1] - fitted));
-            }
-            local.columns.truncate(width - 1);
-            (local.columns, score)
-        })
-        .collect();
     let mut meat: Mat<f64> = Mat::zeros(q + nuisances, q + nuisances);
     for gear in &estimate.gears {
-        let mut scores: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
-        for (course, (columns, score)) in courses.iter().zip(&parts).filter(|(c, _)| c.segment.gear == *gear) {
-            let run = scores.entry((course.segment.log, course.segment.run)).or_insert_with(|| vec![0.0; base + nuisances]);
-            columns.iter().zip(score).for_each(|(c, s)| run[*c as usize] += s);
+        let mut runs: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+        for (k, course) in courses.iter().enumerate().filter(|(_, c)| c.segment.gear == *gear) {
+            runs.entry((course.segment.log, course.segment.run)).or_default().push(k);
         }
+        let runs: Vec<Vec<usize>> = runs.into_values().collect();
+        let scores: Vec<Vec<f64>> = runs
+            .par_iter()
+            .map(|run| {
+                let mut score = vec![0.0; base + nuisances];
+                for &k in run {
+                    add_score(&courses[k], &speeds[k], estimate.surface(*gear), &estimate.noise, &mut score);
+                }
+                score
+            })
+            .collect();
         let runs = scores.len();
         if runs < 2 {
             continue;
         }
-        let scores: Vec<Vec<f64>> = scores.into_values().collect();
         let lattice = Mat::from_fn(runs, base, |r, c| scores[r][c]) * estimate.design.transform(*gear);
         let all = Mat::from_fn(runs, q + nuisances, |r, c| if c < q { lattice[(r, c)] } else { scores[r][base + c - q] });
         // scores of a fitted model are shrunk: the usual small-sample factor

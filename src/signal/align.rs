@@ -33,8 +33,11 @@ impl Alignment {
         points = points.into_iter().step_by(stride).collect();
         let smooth = Series { t_s: reference.t_s.clone(), value: reference.smoothed(0.02) };
         let judge = |delay_s: f64| {
-            let pairs: Vec<(f64, f64)> =
-                points.iter().filter_map(|&(t, v)| smooth.interpolated(t - delay_s).filter(|r| r.abs() > 0.05).map(|r| (v, r))).collect();
+            let mut reference = smooth.cursor();
+            let pairs: Vec<(f64, f64)> = points
+                .iter()
+                .filter_map(|&(t, v)| reference.interpolated(t - delay_s).filter(|r| r.abs() > 0.05).map(|r| (v, r)))
+                .collect();
             if pairs.len() < 50 {
                 return (f64::INFINITY, 1.0);
             }

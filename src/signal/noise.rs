@@ -5,10 +5,15 @@ pub fn median(values: &[f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    if sorted.len() % 2 == 1 { sorted[middle] } else { 0.5 * (sorted[middle - 1] + sorted[middle]) }
+    median_of(&mut values.to_vec())
+}
+
+/// The same of at least one value; their order is lost.
+pub(crate) fn median_of(values: &mut [f64]) -> f64 {
+    let odd = values.len() % 2 == 1;
+    let (below, upper, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
+    let lower = below.iter().copied().max_by(f64::total_cmp);
+    lower.filter(|_| !odd).map_or(*upper, |lower| 0.5 * (lower + *upper))
 }
 
 /// Which values stand out by Hampel's rule: farther from the median of the seven around than `mads` scaled median absolute deviations, or
@@ -21,15 +26,29 @@ pub fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
             let window = &values[i.saturating_sub(3)..(i + 4).min(n)];
             let around = &mut around[..window.len()];
             around.copy_from_slice(window);
-            let centre = median_in_place(around);
-            around.iter_mut().zip(window).for_each(|(d, v)| *d = (v - centre).abs());
-            (values[i] - centre).abs() > mads * (1.4826 * median_in_place(around)).max(floor)
+            let centre = median_of_few(around);
+            let away = (values[i] - centre).abs();
+            // hardly a value is beyond the floor: only then the deviations are worth sorting
+            away > mads * floor && {
+                around.iter_mut().zip(window).for_each(|(d, v)| *d = (v - centre).abs());
+                away > mads * (1.4826 * median_of_few(around))
+            }
         })
         .collect()
 }
 
-/// Median of a few values, which it sorts.
-fn median_in_place(values: &mut [f64]) -> f64 {
+/// Median of a few values, at least one; their order is lost.
+pub(crate) fn median_of_few(values: &mut [f64]) -> f64 {
+    // seven by comparisons that are known beforehand (Devillard 1998, *Fast median search*), since nearly all windows have seven
+    const SWAPS: [(usize, usize); 13] =
+        [(0, 5), (0, 3), (1, 6), (2, 4), (0, 1), (3, 5), (2, 6), (2, 3), (3, 6), (4, 5), (1, 4), (1, 3), (3, 4)];
+    if let Ok(seven) = <&mut [f64; 7]>::try_from(&mut *values) {
+        for (a, b) in SWAPS {
+            let (x, y) = (seven[a], seven[b]);
+            (seven[a], seven[b]) = if y < x { (y, x) } else { (x, y) };
+        }
+        return seven[3];
+    }
     values.sort_unstable_by(f64::total_cmp);
     let middle = values.len() / 2;
     if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
@@ -39,8 +58,8 @@ fn median_in_place(values: &mut [f64]) -> f64 {
 /// a second difference of white noise has standard deviation √6·σ, and the median of its magnitude is 0.6745 of that.
 /// 0 for fewer than three values.
 pub fn noise_std(values: &[f64]) -> f64 {
-    let second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    if second.is_empty() { 0.0 } else { median(&second) / (0.674_489_750_196_082 * 6f64.sqrt()) }
+    let mut second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    if second.is_empty() { 0.0 } else { median_of(&mut second) / (0.674_489_750_196_082 * 6f64.sqrt()) }
 }
 
 /// Quantum of a digitised signal: the smallest step that explains nearly all differences between neighbouring values, 0 where the signal
@@ -51,13 +70,15 @@ pub fn quantum(values: &[f64]) -> f64 {
     if steps.len() < 20 {
         return 0.0;
     }
-    steps.sort_unstable_by(f64::total_cmp);
-    let candidate = steps[steps.len() / 50];
+    let number = steps.len() / 50;
+    let candidate = *steps.select_nth_unstable_by(number, f64::total_cmp).1;
     if candidate <= 0.0 {
         return 0.0;
     }
-    let whole = steps.iter().filter(|d| (*d / candidate - (*d / candidate).round()).abs() < 0.05).count();
-    if whole as f64 > 0.95 * steps.len() as f64 { candidate } else { 0.0 }
+    // a signal without a quantum shows it after a few steps
+    let most_broken = 0.05 * steps.len() as f64;
+    let broken = steps.iter().filter(|d| (*d / candidate - (*d / candidate).round()).abs() >= 0.05);
+    if broken.take(most_broken.ceil() as usize).count() as f64 >= most_broken { 0.0 } else { candidate }
 }
 
 #[cfg(test)]
@@ -73,6 +94,17 @@ mod tests {
         let values: Vec<f64> = (0..4000).map(|k| 1e-7 * f64::from(k * k) + normal.sample(&mut rng)).collect();
         // the relative standard error of a median absolute deviation of 4000 (correlated) values is about 3 %
         assert!((noise_std(&values) / 0.02 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_median_is_that_of_the_sorted_values() {
+        let values = [3.0, -1.0, 7.0, 2.0, 2.0, 9.0, 0.5, -4.0, 6.0, 1.0];
+        for n in 1..=values.len() {
+            let mut sorted = values[..n].to_vec();
+            sorted.sort_unstable_by(f64::total_cmp);
+            let wanted = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
+            assert!(median(&values[..n]) == wanted && median_of_few(&mut values[..n].to_vec()) == wanted, "{n}");
+        }
     }
 
     #[test]

@@ -61,8 +61,9 @@ impl RestDetector {
         let mut rest_s: Option<(f64, f64)> = None;
         // as often as a rest's end matters
         let stride = (0.25 * self.half_width_s / series.median_period_s()).max(1.0) as usize;
-        for t_s in series.t_s.iter().copied().step_by(stride).chain([f64::INFINITY]) {
-            if self.is_at_rest(t_s) {
+        let times_s = || series.t_s.iter().copied().step_by(stride).chain([f64::INFINITY]);
+        for (t_s, at_rest) in times_s().zip(self.are_at_rest(times_s())) {
+            if at_rest {
                 rest_s = Some((rest_s.map_or(t_s, |r| r.0), t_s));
             } else if let Some((from_s, to_s)) = rest_s.take() {
                 let inner = series.range(from_s + Self::MARGIN_S, to_s - Self::MARGIN_S);
@@ -75,11 +76,28 @@ impl RestDetector {
 
     /// Whether every witness with a sample near `t_s` says rest; `false` where none has one.
     pub fn is_at_rest(&self, t_s: f64) -> bool {
+        let mut before: Vec<usize> = self.witnesses.iter().map(|w| w.series.t_s.partition_point(|t| *t < t_s)).collect();
+        self.rests(t_s, &mut before)
+    }
+
+    /// The same at several times, which rise.
+    pub fn are_at_rest(&self, times_s: impl IntoIterator<Item = f64>) -> impl Iterator<Item = bool> {
+        let mut before = vec![0; self.witnesses.len()];
+        times_s.into_iter().map(move |t_s| self.rests(t_s, &mut before))
+    }
+
+    /// Whether all rest at `t_s`; `before` holds how many samples of each witness lay before the last question's time, which is not later.
+    fn rests(&self, t_s: f64, before: &mut [usize]) -> bool {
         let mut heard = false;
-        for w in &self.witnesses {
-            let range = w.series.range(t_s - self.half_width_s, t_s + self.half_width_s);
-            let distance = |k: &usize| (w.series.t_s[*k] - t_s).abs();
-            let Some(nearest) = range.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
+        for (w, before) in self.witnesses.iter().zip(before) {
+            let times = &w.series.t_s;
+            while times.get(*before).is_some_and(|t| *t < t_s) {
+                *before += 1;
+            }
+            let distance = |k: &usize| (times[*k] - t_s).abs();
+            let near = [before.checked_sub(1), Some(*before)].into_iter().flatten();
+            let near = near.filter(|k| times.get(*k).is_some_and(|t| *t >= t_s - self.half_width_s && *t <= t_s + self.half_width_s));
+            let Some(nearest) = near.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
             heard = true;
             if (w.smooth[nearest] - w.bias_mps).abs() > w.threshold_mps {
                 return false;

@@ -28,18 +28,32 @@ impl Series {
     /// The last value at or before `t_s`, as a held signal (a command, a gear) is read; before the first sample the first value.
     /// `None` for an empty series.
     pub fn held(&self, t_s: f64) -> Option<f64> {
-        self.value.get(self.count_until(t_s).saturating_sub(1)).copied()
+        self.held_after(self.count_until(t_s))
     }
 
     /// Linear interpolation; the first and last values are held beyond the ends. `None` for an empty series.
     pub fn interpolated(&self, t_s: f64) -> Option<f64> {
-        let upper = self.count_until(t_s);
+        self.interpolated_after(self.count_until(t_s), t_s)
+    }
+
+    /// The value held after so many samples.
+    fn held_after(&self, count: usize) -> Option<f64> {
+        self.value.get(count.saturating_sub(1)).copied()
+    }
+
+    /// Linear interpolation at a time that `upper` samples do not exceed.
+    fn interpolated_after(&self, upper: usize, t_s: f64) -> Option<f64> {
         if upper == 0 || upper == self.len() {
-            return self.held(t_s);
+            return self.held_after(upper);
         }
         let (t0, t1) = (self.t_s[upper - 1], self.t_s[upper]);
         let fraction = if t1 > t0 { (t_s - t0) / (t1 - t0) } else { 0.0 };
         Some(self.value[upper - 1] + fraction * (self.value[upper] - self.value[upper - 1]))
+    }
+
+    /// A cursor at the beginning.
+    pub fn cursor(&self) -> SeriesCursor<'_> {
+        SeriesCursor { series: self, passed: 0 }
     }
 
     /// Indices of the samples with `from_s` ≤ t ≤ `to_s`.
@@ -78,9 +92,17 @@ impl Series {
 
     /// Slope of the least-squares line through the samples within ±`half_width_s` of each sample [1/s]; 0 where fewer than three lie there.
     pub fn slopes(&self, half_width_s: f64) -> Vec<f64> {
-        (0..self.len())
-            .map(|i| {
-                let range = self.range(self.t_s[i] - half_width_s, self.t_s[i] + half_width_s);
+        let (mut from, mut to) = (0, 0);
+        self.t_s
+            .iter()
+            .map(|&t| {
+                while self.t_s[from] < t - half_width_s {
+                    from += 1;
+                }
+                while to < self.len() && self.t_s[to] <= t + half_width_s {
+                    to += 1;
+                }
+                let range = from..to;
                 let n = range.len() as f64;
                 if n < 3.0 {
                     return 0.0;
@@ -99,6 +121,38 @@ impl Series {
     }
 }
 
+/// A place in a series that moves along with time: a question near the last one is answered without a search.
+#[derive(Debug, Clone)]
+pub struct SeriesCursor<'a> {
+    series: &'a Series,
+    /// Number of samples at or before the last question's time.
+    passed: usize,
+}
+
+impl SeriesCursor<'_> {
+    /// As [`Series::held`].
+    pub fn held(&mut self, t_s: f64) -> Option<f64> {
+        self.move_to(t_s);
+        self.series.held_after(self.passed)
+    }
+
+    /// As [`Series::interpolated`].
+    pub fn interpolated(&mut self, t_s: f64) -> Option<f64> {
+        self.move_to(t_s);
+        self.series.interpolated_after(self.passed, t_s)
+    }
+
+    fn move_to(&mut self, t_s: f64) {
+        let times = &self.series.t_s;
+        while times.get(self.passed).is_some_and(|&t| t <= t_s) {
+            self.passed += 1;
+        }
+        while self.passed > 0 && times[self.passed - 1] > t_s {
+            self.passed -= 1;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -114,6 +168,15 @@ mod tests {
         assert!((ramp().interpolated(0.15).unwrap() - 1.5).abs() < 1e-12);
         assert_eq!(ramp().held(-1.0), Some(0.0));
         assert_eq!(ramp().interpolated(9.0), Some(3.0));
+    }
+
+    #[test]
+    fn a_cursor_answers_as_the_series_whichever_way_it_moves() {
+        let ramp = ramp();
+        let mut cursor = ramp.cursor();
+        for t_s in [-1.0, 0.05, 0.1, 0.29, 9.0, 0.15, -0.1, 0.3] {
+            assert_eq!((cursor.held(t_s), cursor.interpolated(t_s)), (ramp.held(t_s), ramp.interpolated(t_s)));
+        }
     }
 
     #[test]

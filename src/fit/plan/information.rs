@@ -2,10 +2,9 @@
 
 use super::super::anova::{Design, STRIBECK_MPS};
 use super::super::course::Course;
-use super::super::gram::LocalGram;
 use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
-use super::super::regressors::{Free, nuisance, whitened};
+use super::super::regressors::{Free, nuisance, whitened_sums};
 use super::super::validation::Form;
 use super::super::{Error, Result, Settings};
 use super::PlanSettings;
@@ -159,16 +158,17 @@ impl Model {
             .map(|part| {
                 let s = &part.segment;
                 let course = Course::new(s, &part.command, self.vehicles[0].dead_time_s);
-                let mut local = whitened(&course, &part.speed_mps, &self.surface, &self.noise, Free::Delays);
-                let width = local.columns.len();
-                for row in local.data.chunks_exact_mut(width) {
-                    for (value, column) in row.iter_mut().zip(&local.columns) {
-                        *value *= (*column as usize).checked_sub(base).map_or(1.0, |n| self.delay_std_s(n));
+                let mut gram = whitened_sums(&course, &part.speed_mps, &self.surface, &self.noise, Free::Delays);
+                let width = gram.columns.len();
+                let units: Vec<f64> =
+                    gram.columns.iter().map(|c| (*c as usize).checked_sub(base).map_or(1.0, |n| self.delay_std_s(n))).collect();
+                for c in 0..width {
+                    for r in c..width {
+                        gram.values[(r, c)] *= units[r] * units[c];
                     }
                 }
-                let gram = LocalGram::new(local.columns, &local.data);
-                let root = pivoted_root(&gram.values, width - 1, LEFT_OUT, MOST_ROWS);
-                let touched = Mat::from_fn(width - 1, q + DELAYS, |r, c| match (gram.columns[r] as usize).checked_sub(base) {
+                let root = pivoted_root(&gram.values, width, LEFT_OUT, MOST_ROWS);
+                let touched = Mat::from_fn(width, q + DELAYS, |r, c| match (gram.columns[r] as usize).checked_sub(base) {
                     None if c < q => t[(gram.columns[r] as usize, c)],
                     Some(nuisance::LAG) if c == q => 1.0,
                     Some(nuisance::DEAD_TIME) if c == q + 1 + log => 1.0,
