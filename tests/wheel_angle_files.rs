@@ -63,7 +63,10 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
         let (status, said, errors) = run(folder, args);
         assert_eq!(status, 0, "{args:?}: {said}{errors}");
     }
-    assert!(std::fs::read_to_string(maps.join("report.html")).unwrap().contains("the files hold maps of −40.0°, 30.0°, 60.0°, too"));
+    let page = std::fs::read_to_string(maps.join("report.html")).unwrap();
+    assert!(page.contains("the files hold maps of −40.0°, 30.0°, 60.0°, too"));
+    // each run tells its angle
+    assert!(page.contains("<th scope=\"col\">angle °</th>") && page.contains("<td class=\"l\">forward</td><td>−40.0</td>"));
     assert!(text(&maps, "export/pivot_map.c").contains("wheel at 90 deg"));
     let (status, said, errors) = run(folder, &["export", "--format", "c", "--angle", "30", "-o", "thirty"]);
     assert_eq!(status, 0, "{said}{errors}");

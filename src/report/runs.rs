@@ -28,9 +28,12 @@ pub(super) fn runs(inputs: &Inputs) -> Section {
     if shown.len() < rows.len() {
         section.paragraph(&format!("Of {} runs the {MOST_ROWS} with the largest residual are listed.", rows.len()));
     }
-    let several = inputs.table1.logs.len() > 1;
+    let (several, angles) = (inputs.table1.logs.len() > 1, rows.iter().any(|r| r.wheel_angle_deg.is_some()));
     let mut header =
         vec!["#", "start s", "gear|", "torque N·m", "from m/s", "to m/s", "held s", "used s", "residual m/s", "R²", "offset m/s²"];
+    if angles {
+        header.insert(3, "angle °");
+    }
     if several {
         header.insert(1, "log|");
     }
@@ -42,7 +45,7 @@ pub(super) fn runs(inputs: &Inputs) -> Section {
     }
     html.push_str("</tr></thead><tbody>\n");
     for k in shown {
-        html.push_str(&row(k, &rows[k], several, traces.is_some_and(|t| t.runs.iter().any(|r| r.row == k))));
+        html.push_str(&row(k, &rows[k], (several, angles), traces.is_some_and(|t| t.runs.iter().any(|r| r.row == k))));
     }
     html.push_str("</tbody></table></div>\n");
     section.body.push_str(&html);
@@ -64,7 +67,8 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
     order
 }
 
-fn row(k: usize, run: &RunRow, several: bool, traced: bool) -> String {
+/// A run; with its log and its wheel angle where there are several.
+fn row(k: usize, run: &RunRow, (several, angles): (bool, bool), traced: bool) -> String {
     let told = |value: Option<f64>, digits| value.map_or("–".to_owned(), |v| num(v, digits));
     let reasons: Vec<String> = run.rejected.iter().map(|r| format!("{}\u{a0}{}\u{a0}s", escaped(&r.verdict), num(r.seconds, 2))).collect();
     let unused = if run.used_s > 0.0 { "" } else { " unused" };
@@ -74,8 +78,9 @@ fn row(k: usize, run: &RunRow, several: bool, traced: bool) -> String {
         format!(" class=\"{}\"", unused.trim())
     };
     let log = if several { format!("<td class=\"l\">{}</td>", escaped(&run.log)) } else { String::new() };
+    let angle = if angles { format!("<td>{}</td>", told(run.wheel_angle_deg, 1)) } else { String::new() };
     format!(
-        "<tr data-row=\"{k}\"{click}><td>{}</td>{log}<td>{}</td><td class=\"l\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+        "<tr data-row=\"{k}\"{click}><td>{}</td>{log}<td>{}</td><td class=\"l\">{}</td>{angle}<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
          <td>{}</td><td>{}</td><td>{}</td><td class=\"l why\">{}</td></tr>\n",
         k + 1,
         num(run.start_s, 2),
