@@ -13,7 +13,7 @@ pub(crate) struct Cell {
     pub(crate) gear: Gear,
     pub(crate) speed_mps: f64,
     pub(crate) torque_nm: f64,
-    accel_mps2: f64,
+    pub(crate) accel_mps2: f64,
 }
 
 /// The cells, with the truth.
@@ -75,7 +75,7 @@ impl Yardstick {
 }
 
 /// The torque at which a surface, linear between its torques and beyond them, gives an acceleration [N·m].
-fn inverse(surface: &AccelTable, speed_mps: f64, accel_mps2: f64) -> f64 {
+pub(crate) fn inverse(surface: &AccelTable, speed_mps: f64, accel_mps2: f64) -> f64 {
     let torques = surface.torque_nm().breaks();
     let at = |k: usize| surface.accel_from_torque_clamped(speed_mps, torques[k]).unwrap_or(f64::NAN);
     let above = (1..torques.len() - 1).find(|k| at(*k) > accel_mps2).unwrap_or(torques.len() - 1);

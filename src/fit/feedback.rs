@@ -3,6 +3,7 @@
 
 use super::actuator::LaggedCommand;
 use super::steady::settled;
+use super::step_timing::StepTiming;
 use crate::signal::Series;
 
 /// Dead time and lag of one log as its torque feedback shows them.
@@ -144,14 +145,15 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
     }
     let lagged = LaggedCommand::new(command, lag);
     let residual = |i: usize| feedback.value[i] - lagged.at(feedback.t_s[i] - dead).torque_nm;
-    // each reading soon after a step, with the step's size
+    // each reading soon after a step, with the step's size; one that was told late, for messages that are missing, tells nothing of the drive
+    let timing = StepTiming::new(command);
     let after: Vec<(usize, f64)> = near
         .iter()
         .filter_map(|&i| {
             let t = feedback.t_s[i] - dead;
             let k = steps.partition_point(|s| *s <= t).checked_sub(1)?;
             let told = |t: f64| command.held(t).unwrap_or(0.0);
-            (t - steps[k] < 0.3).then(|| (i, told(steps[k]) - told(steps[k] - 1e-6)))
+            (t - steps[k] < 0.3 && !timing.follows_a_gap(steps[k])).then(|| (i, told(steps[k]) - told(steps[k] - 1e-6)))
         })
         .collect();
     Some(FeedbackDelays {

@@ -24,7 +24,9 @@ struct Change {
     from_s: f64,
     from_nm: f64,
     to_nm: f64,
-    /// Mean square by which the message that tells it is late, beyond what all are [s²].
+    /// By how much the message that tells it may be late, for messages that are missing [s].
+    most_s: f64,
+    /// Mean square by which it is late, beyond what all are [s²].
     late_s2: f64,
 }
 
@@ -63,9 +65,16 @@ impl StepTiming {
         let least_nm = LEAST_SHARE * value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let change = |k: usize| {
             let (most_s, late_s2) = late(k);
-            Change { from_s: t_s[k] - most_s, from_nm: value[k - 1], to_nm: value[k], late_s2 }
+            Change { from_s: t_s[k] - most_s, most_s, from_nm: value[k - 1], to_nm: value[k], late_s2 }
         };
         Self { changes: (1..t_s.len()).filter(|&k| (value[k] - value[k - 1]).abs() > least_nm).map(change).collect() }
+    }
+
+    /// Whether messages are missing before the one at `t_s` that tells a change.
+    pub(crate) fn follows_a_gap(&self, t_s: f64) -> bool {
+        let at = |c: &&Change| (c.from_s + c.most_s - t_s).abs() < 1e-6;
+        let near = self.changes.partition_point(|c| c.from_s < t_s + 1e-6);
+        self.changes[..near].iter().rev().take(2).find(at).is_some_and(|c| c.most_s > 0.0)
     }
 
     /// Tells `readings`, in the order of their time and first reached from `start_s`, what steps leave unsure of their speed. `sign` turns a
@@ -145,6 +154,8 @@ mod tests {
         assert!((shaken(&[50]) - 0.09 * 0.5 * 0.02f64.powi(2)).abs() < 1e-7);
         assert!((shaken(&[49, 50]) - 0.09 * 5.0 / 3.0 * 0.02f64.powi(2)).abs() < 3e-7);
         assert!(shaken(&[30, 60]) < 1e-12);
+        let late = |lost: &[usize], t_s: f64| StepTiming::new(&command(0.0, lost)).follows_a_gap(t_s);
+        assert!(late(&[50], 1.02) && !late(&[50], 1.0) && !late(&[30], 1.0) && !late(&[], 1.0));
         // messages that come with changes only
         let sparse = Series { t_s: vec![0.0, 1.0, 5.0], value: vec![0.0, 10.0, 0.0] };
         assert!(sum(&told(&sparse, 0.5)) == 0.0);
