@@ -1,7 +1,7 @@
 //! Messages of the torque command that are lost: a step is then told late, and the fit must not take what follows for the vehicle's doing, nor
 //! for a drive that its lag does not explain.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // the figures are worth seeing
 #![allow(dead_code)] // the study needs more of its yardstick than this
 
 #[path = "../examples/plan_gain/yardstick.rs"]
