@@ -9,6 +9,7 @@ mod actuator;
 mod angle_groups;
 mod anova;
 mod coarse;
+mod convergence;
 mod course;
 mod delay_likelihood;
 mod error;

@@ -5,6 +5,7 @@
 //! whitened sums, solves them with penalties chosen by the data, and moves on to the new surface and calibration.
 
 use super::anova::{Design, STRIBECK_MPS};
+use super::convergence::{damped, to_come};
 use super::course::{Course, courses, courses_again};
 use super::estimate::{CalibrationErrors, Estimate};
 use super::gram::Gram;
@@ -34,8 +35,6 @@ const STILL_S: f64 = 3e-5;
 const DELAY_STEP_S: f64 = 0.02;
 /// Threshold of the cuts in the first rounds, and later.
 const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
-/// Least share of a step of a delay that is made.
-const LEAST_DAMPED: f64 = 0.2;
 /// Prior standard deviation of what is known.
 const FIXED_STD: f64 = 1e-9;
 /// Rounds in which the encoder is calibrated by the yaw rate: at once, and when pushes and slips are out.
@@ -404,19 +403,4 @@ impl<'a> Search<'a> {
         let steps = before.dead_time_s.iter().zip(&now.dead_time_s).map(|(a, b)| (b - a).abs());
         steps.fold((now.lag_s - before.lag_s).abs(), f64::max)
     }
-}
-
-/// The step of a delay that is made when the equations ask for `asked`; `last` is what they asked for before, and what was made of it.
-///
-/// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
-/// each step overshoots by as much as it was asked for. The secant of the last two then tells how far to go; never further than asked.
-fn damped(asked: f64, last: Option<(f64, f64)>) -> f64 {
-    let secant = last.map(|(before, made)| made / (before - asked));
-    asked * secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0))
-}
-
-/// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
-fn to_come(before: f64, last: f64) -> f64 {
-    let factor = last / before.max(1e-300);
-    if factor < 1.0 { last * factor / (1.0 - factor) } else { f64::INFINITY }
 }

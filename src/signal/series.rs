@@ -68,6 +68,20 @@ impl Series {
         if steps.is_empty() { f64::INFINITY } else { super::median(&steps) }
     }
 
+    /// The samples within ±`half_width_s` of each sample.
+    fn around(&self, half_width_s: f64) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let (mut from, mut to) = (0, 0);
+        self.t_s.iter().map(move |&t| {
+            while self.t_s[from] < t - half_width_s {
+                from += 1;
+            }
+            while to < self.len() && self.t_s[to] <= t + half_width_s {
+                to += 1;
+            }
+            from..to
+        })
+    }
+
     /// Mean of the samples within ±`half_width_s` of each sample: a centred moving average.
     pub fn smoothed(&self, half_width_s: f64) -> Vec<f64> {
         let mut sums = Vec::with_capacity(self.len() + 1);
@@ -75,34 +89,13 @@ impl Series {
         for v in &self.value {
             sums.push(sums[sums.len() - 1] + v);
         }
-        let (mut from, mut to) = (0, 0);
-        self.t_s
-            .iter()
-            .map(|&t| {
-                while self.t_s[from] < t - half_width_s {
-                    from += 1;
-                }
-                while to < self.len() && self.t_s[to] <= t + half_width_s {
-                    to += 1;
-                }
-                (sums[to] - sums[from]) / (to - from) as f64
-            })
-            .collect()
+        self.around(half_width_s).map(|near| (sums[near.end] - sums[near.start]) / near.len() as f64).collect()
     }
 
     /// Slope of the least-squares line through the samples within ±`half_width_s` of each sample [1/s]; 0 where fewer than three lie there.
     pub fn slopes(&self, half_width_s: f64) -> Vec<f64> {
-        let (mut from, mut to) = (0, 0);
-        self.t_s
-            .iter()
-            .map(|&t| {
-                while self.t_s[from] < t - half_width_s {
-                    from += 1;
-                }
-                while to < self.len() && self.t_s[to] <= t + half_width_s {
-                    to += 1;
-                }
-                let range = from..to;
+        self.around(half_width_s)
+            .map(|range| {
                 let n = range.len() as f64;
                 if n < 3.0 {
                     return 0.0;

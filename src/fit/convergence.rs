@@ -1,0 +1,51 @@
+//! How far to go in a round, and how far there is still to go.
+
+/// Least share of a step of a delay that is made.
+const LEAST_DAMPED: f64 = 0.2;
+
+/// The step of a delay that is made when the equations ask for `asked`; `last` is what they asked for before, and what was made of it.
+///
+/// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
+/// each step overshoots by as much as it was asked for. The secant of the last two then tells how far to go; never further than asked.
+pub(crate) fn damped(asked: f64, last: Option<(f64, f64)>) -> f64 {
+    let secant = last.map(|(before, made)| made / (before - asked));
+    asked * secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0))
+}
+
+/// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
+pub(crate) fn to_come(before: f64, last: f64) -> f64 {
+    let factor = last / before.max(1e-300);
+    if factor < 1.0 { last * factor / (1.0 - factor) } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance from the answer after some rounds that each ask for (1 + `overshoot`) times the way.
+    fn left(overshoot: f64, rounds: usize) -> f64 {
+        let (mut x, mut last) = (1.0, None);
+        for _ in 0..rounds {
+            let asked = -(1.0 + overshoot) * x;
+            let made = damped(asked, last);
+            x += made;
+            last = Some((asked, made));
+        }
+        x
+    }
+
+    #[test]
+    fn steps_that_overshoot_find_the_answer_and_others_are_made_as_asked() {
+        // undamped, the second would go on for ever and the third away
+        for overshoot in [0.3, 1.0, 1.6] {
+            assert!(left(overshoot, 4).abs() < 1e-9, "{overshoot}: {}", left(overshoot, 4));
+        }
+        assert!((left(-0.5, 4) - 0.5f64.powi(4)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_to_come_is_the_sum_of_shrinking_steps() {
+        assert!((to_come(0.4, 0.2) - 0.2).abs() < 1e-12);
+        assert!(to_come(0.2, 0.2).is_infinite());
+    }
+}
