@@ -35,7 +35,7 @@ pub(crate) struct Estimate<'a> {
     pub(crate) gears: Vec<Gear>,
     pub(crate) surfaces: [LatticeSurface; 2],
     pub(crate) solution: Solution,
-    /// What the surface would change of a simpler form that was taken, in the coefficients; empty when the surface was taken.
+    /// What the whole surface would change of what was taken of it, in the coefficients; empty when all of it was taken.
     pub(crate) doubt: Vec<f64>,
     pub(crate) system: System,
     pub(crate) segments: Vec<Segment>,

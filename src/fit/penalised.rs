@@ -46,6 +46,25 @@ const VANISHED: f64 = 2e-3;
 /// Largest change of a penalty's logarithm in one step.
 const LARGEST_STEP: f64 = 3.0;
 
+impl Solution {
+    /// Goes a share of the way to the solution of the same equations with other blocks free. Coefficients, covariance and degrees of freedom
+    /// are mixed; blocks that are free in either keep their penalty.
+    pub(crate) fn approach(&mut self, other: &Self, share: f64) {
+        self.beta = mixed(&self.beta, &other.beta, share);
+        self.degrees = mixed(&self.degrees, &other.degrees, share);
+        self.covariance = &self.covariance + faer::Scale(share) * (&other.covariance - &self.covariance);
+        if share > 0.0 {
+            self.penalties.clone_from(&other.penalties);
+        }
+        self.settled &= other.settled;
+    }
+}
+
+/// `from`, a share of the way towards `to`.
+pub(crate) fn mixed(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
+}
+
 impl System {
     /// From the sums of each gear, over lattice columns, `nuisances` columns and the speed.
     pub(crate) fn new(design: &Design, grams: &[(Gear, &Gram)], nuisances: usize) -> Self {

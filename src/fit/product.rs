@@ -265,9 +265,9 @@ pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         })
         .collect();
     let model_choice = estimate.validation.as_ref().map(|v| {
-        let Comparison { gain, in_std_errs, runs, chosen } = v.comparison;
+        let Comparison { gain, in_std_errs, runs, surface_share } = v.comparison;
         serde_json::json!({
-            "chosen": chosen.name(),
+            "surface_share": round(surface_share, 1e3),
             "gain_of_surface": round(gain, 1e3),
             "in_std_errs": round(in_std_errs, 1e2),
             "runs": runs,

@@ -22,7 +22,7 @@ use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
 use super::start::{Start, hold_known};
 use super::torque::EffectiveTorque;
-use super::validation::{self, Form, Validation};
+use super::validation::{self, Validation};
 use super::{Error, Result, Settings, stribeck};
 use crate::campaign::Survey;
 use crate::map::Gear;
@@ -83,7 +83,7 @@ struct Found {
     moved_mps2: f64,
     /// Largest step of a delay [s].
     stepped_s: f64,
-    /// What the surface would change of the form that was taken, in the coefficients; empty when it was taken itself.
+    /// What the whole surface would change of what was taken, in the coefficients; empty when it was taken itself.
     doubt: Vec<f64>,
 }
 
@@ -192,19 +192,27 @@ impl<'a> Search<'a> {
         Err(Error::Singular)
     }
 
-    /// Cross-validates, and takes the simpler form where it tells as much.
+    /// Cross-validates, and takes as much of the surface as runs left out ask for.
     fn judge(&mut self, courses: &[Course], speeds: &[Vec<f64>], mut found: Found) -> Result<(Found, Option<Validation>)> {
         let prior = self.nuisance_prior(Free::Delays);
         let validation = {
             let along = validation::Along { courses, speeds, noise: &self.noise };
-            let whole = (&found.system, &found.solution);
-            validation::validate(&self.design, &self.surfaces[0].lattice, &self.gears, (&found.fold, &found.parts), whole, &prior, &along)
+            validation::validate(
+                &self.design,
+                &self.surfaces[0].lattice,
+                &self.gears,
+                (&found.fold, &found.parts),
+                &found.system,
+                &prior,
+                &along,
+            )
         };
-        if let Some(form) = validation.as_ref().map(|v| v.comparison.chosen).filter(|form| *form != Form::Surface) {
-            let penalties = form.penalties(&self.design.blocks, &found.solution.penalties);
-            let simpler = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
-            found.doubt = found.solution.beta.iter().zip(&simpler.beta).map(|(surface, form)| surface - form).collect();
-            found.solution = simpler;
+        if let Some(share) = validation.as_ref().map(|v| v.comparison.surface_share).filter(|share| *share < 1.0) {
+            let penalties = validation::physics_alone(&self.design.blocks, &found.solution.penalties);
+            let physics = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
+            let surface = std::mem::replace(&mut found.solution, physics);
+            found.doubt = surface.beta.iter().zip(&found.solution.beta).map(|(s, p)| (1.0 - share) * (s - p)).collect();
+            found.solution.approach(&surface, share);
             self.surfaces = self.surfaces_of(&found.solution);
             self.calibrate(&found.solution, Free::Delays);
             let lagged = self.lagged();

@@ -1,10 +1,11 @@
 //! The speed over which the extra friction near standstill fades (Stribeck's), the one parameter of the physics form that is not linear.
 //!
 //! Its profile likelihood: for each speed the form's linear parameters and the delays are solved for in the whitened sums, and the speed with
-//! the least sum of squares is taken. The form's own column for a speed that is not quite known then has little left to do; what the data
-//! leave unsure of it is in the posterior.
+//! the least sum of squares is taken, with a weak log-normal prior around the speed that stands before the data: a vehicle with hardly
+//! any extra friction would else get a narrow spike at standstill or a hump over half the speeds, as chance will have it. The form's own column for a speed
+//! that is not quite known then has little left to do; what the data leave unsure of it is in the posterior.
 
-use super::anova::friction;
+use super::anova::{STRIBECK_MPS, friction};
 use super::gram::Gram;
 use super::lattice::Lattice;
 use crate::map::Gear;
@@ -15,19 +16,22 @@ use faer::{Col, Mat};
 const FROM_MPS: f64 = 0.02;
 const TO_MPS: f64 = 0.4;
 const TRIED: usize = 25;
+/// Standard deviation of the prior in the speed's logarithm, around [`STRIBECK_MPS`]: a factor of two.
+const PRIOR_STD: f64 = std::f64::consts::LN_2;
 
-/// The likeliest speed [m/s], over the sums of each gear; `prior_std` are the prior standard deviations of their nuisance columns.
+/// The most probable speed [m/s], over the sums of each gear; `prior_std` are the prior standard deviations of their nuisance columns.
 pub(crate) fn speed(lattice: &Lattice, grams: &[(Gear, &Gram)], prior_std: &[f64]) -> f64 {
     let wholes: Vec<Mat<f64>> = grams.iter().map(|(_, gram)| gram.whole()).collect();
     let to = TO_MPS.min(lattice.fastest_mps() / 3.0).max(FROM_MPS);
     let step = (to / FROM_MPS).ln() / (TRIED - 1) as f64;
-    let cost = |speed_mps: f64| -> f64 { wholes.iter().map(|whole| left(lattice, whole, prior_std, speed_mps)).sum() };
+    let prior = |speed_mps: f64| ((speed_mps / STRIBECK_MPS).ln() / PRIOR_STD).powi(2);
+    let cost = |speed_mps: f64| prior(speed_mps) + wholes.iter().map(|whole| left(lattice, whole, prior_std, speed_mps)).sum::<f64>();
     let tried: Vec<(f64, f64)> = (0..TRIED)
         .map(|k| FROM_MPS * (step * k as f64).exp())
         .map(|speed_mps| (speed_mps, cost(speed_mps)))
         .filter(|(_, cost)| cost.is_finite())
         .collect();
-    tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(super::anova::STRIBECK_MPS, |best| best.0)
+    tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(STRIBECK_MPS, |best| best.0)
 }
 
 /// What the physics form with this speed explains of one gear's squares, with a minus: the sum of squares but for a constant.

@@ -5,7 +5,6 @@ use super::super::course::Course;
 use super::super::kalman::Noise;
 use super::super::lattice::{Lattice, LatticeSurface};
 use super::super::regressors::{Free, nuisance, whitened_sums};
-use super::super::validation::Form;
 use super::super::{Error, Result, Settings};
 use super::PlanSettings;
 use super::drive::{Part, READING_S, Vehicle};
@@ -22,7 +21,7 @@ const MOST_ROWS: usize = 12;
 /// Standard deviation that a block of coefficients may at least add to the surface [m/s², root mean square over the lattice]: what the data
 /// so far did not ask for is not thereby known to be nothing.
 const UNSEEN_MPS2: f64 = 0.01;
-/// The same beyond the physics form, where runs left out have shown that form to be enough.
+/// The same beyond the physics form, where runs left out ask for nothing of the surface.
 const UNSEEN_BEYOND_PHYSICS_MPS2: f64 = 0.001;
 /// The lag, and the dead times of the log driven before and of the one to come.
 const DELAYS: usize = 3;
@@ -248,13 +247,14 @@ impl Model {
             let blocks = file.report.diagnostics.get("blocks")?.as_array()?;
             blocks.iter().find(|b| b.get("block").and_then(serde_json::Value::as_str) == Some(name))?.get("penalty")?.as_f64()
         };
-        let physics_is_enough = file.report.diagnostics["model_choice"]["chosen"] == Form::Physics.name();
+        let surface_share = file.report.diagnostics["model_choice"]["surface_share"].as_f64().map_or(1.0, |share| share.clamp(0.0, 1.0));
+        let unseen_beyond_physics_mps2 = UNSEEN_BEYOND_PHYSICS_MPS2 + surface_share * (UNSEEN_MPS2 - UNSEEN_BEYOND_PHYSICS_MPS2);
         // delays are measured by their standard errors
         let mut ridge = vec![1.0; self.size()];
         for block in &self.design.blocks {
             let unit = self.unit_variance(&block.range);
             let penalty = if block.penalised {
-                let unseen_mps2 = if physics_is_enough && !block.physics { UNSEEN_BEYOND_PHYSICS_MPS2 } else { UNSEEN_MPS2 };
+                let unseen_mps2 = if block.physics { UNSEEN_MPS2 } else { unseen_beyond_physics_mps2 };
                 let most = unit / (unseen_mps2 * unseen_mps2);
                 told(block.name).filter(|p| *p > 0.0).map_or(most, |p| p.min(most))
             } else {
