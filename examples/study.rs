@@ -44,13 +44,12 @@ fn row(minutes: f64, o: &[Outcome]) -> [String; 2] {
         ours / bound,
     );
     let honesty = format!(
-        "| {minutes} | {:.1} % | {:.2} | {:.1} | {:.1} | {} of {} |",
+        "| {minutes} | {:.1} % | {:.2} | {:.1} | {:.1} | {:.2} |",
         100.0 * mean(o, |o| o.coverage),
         mean(o, |o| o.width_ratio),
         bins / ours,
         quadratic.min(golay) / ours,
-        o.iter().filter(|o| o.simpler_form).count(),
-        o.len(),
+        mean(o, |o| o.surface_share),
     );
     [accuracy, honesty]
 }

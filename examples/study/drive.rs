@@ -1,4 +1,5 @@
-//! A campaign of torque steps driven by a true vehicle, as a log would hold it, and as it really was.
+//! A campaign of torque steps driven by a true vehicle, as a log would hold it, and as it really was. The driver goes by what the encoder
+//! reads, as `record` does: torques that depend on a speed which no reading tells would tell of it themselves, and no estimator here knows that.
 
 use super::vehicle::{DEAD_TIME_S, DISTURBANCE_MPS2, DISTURBANCE_S, ENCODER_MPS, LAG_S, OFFSET_MPS2, QUANTUM_MPS, Truth, YAW_MPS};
 use pivot_cal::map::{LogRef, Vehicle};
@@ -8,7 +9,7 @@ use rand_pcg::Pcg64;
 
 /// Step of the simulation [s]; commands and encoder come every tenth, the yaw rate every fifth.
 const STEP_S: f64 = 2e-3;
-/// A run is braked from here on [m/s].
+/// A run is braked from here on, by the encoder [m/s].
 const FASTEST_MPS: f64 = 1.1;
 
 /// The true state at a yaw reading (every 10 ms).
@@ -70,11 +71,12 @@ impl Drive {
         for k in 0..steps {
             let t_s = k as f64 * STEP_S;
             if k % 10 == 0 {
+                let read_mps = encoder.value.last().copied().unwrap_or(0.0);
                 let next = match phase {
                     Phase::Rest if since > 0.8 => Some((Phase::Push, pick(&pushes))),
-                    Phase::Push if v > FASTEST_MPS || since > 2.2 => Some((Phase::Second, pick(&seconds))),
-                    Phase::Second if v > FASTEST_MPS || since > 1.6 || v <= 0.0 => Some((Phase::Stop, -10.0)),
-                    Phase::Stop if v <= 0.0 => Some((Phase::Rest, 0.0)),
+                    Phase::Push if read_mps > FASTEST_MPS || since > 2.2 => Some((Phase::Second, pick(&seconds))),
+                    Phase::Second if read_mps > FASTEST_MPS || since > 1.6 || read_mps <= 0.0 => Some((Phase::Stop, -10.0)),
+                    Phase::Stop if read_mps <= 0.0 => Some((Phase::Rest, 0.0)),
                     _ => None,
                 };
                 if let Some((p, c)) = next {

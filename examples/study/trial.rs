@@ -40,7 +40,8 @@ pub(crate) struct Outcome {
     pub(crate) coverage: f64,
     /// Median width of those intervals, relative to the bound's.
     pub(crate) width_ratio: f64,
-    pub(crate) simpler_form: bool,
+    /// Share of the surface's deviations from the physics form that was taken.
+    pub(crate) surface_share: f64,
     pub(crate) fit_s: f64,
 }
 
@@ -55,7 +56,7 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
-            "{} cells, bound {:.3}, table {:.3} ({:.3} node-exact), pivot-cal {:.3}, local quadratic {:.3}, Savitzky-Golay {:.3}, bins {:.3} N·m; intervals hold {:.1} %, {:.2} × as wide as the bound's{}; fit {:.1} s",
+            "{} cells, bound {:.3}, table {:.3} ({:.3} node-exact), pivot-cal {:.3}, local quadratic {:.3}, Savitzky-Golay {:.3}, bins {:.3} N·m; intervals hold {:.1} %, {:.2} × as wide as the bound's; {:.2} of the surface; fit {:.1} s",
             self.cells,
             self.bound_nm,
             self.discretisation_nm,
@@ -66,7 +67,7 @@ impl fmt::Display for Outcome {
             self.bins_nm,
             100.0 * self.coverage,
             self.width_ratio,
-            if self.simpler_form { "; a simpler form" } else { "" },
+            self.surface_share,
             self.fit_s
         )
     }
@@ -136,7 +137,7 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
         local_quadratic_nm: rms(&|v, a| local_quadratic.torque_nm(v, a)),
         coverage: inside as f64 / counted.max(1) as f64,
         width_ratio: pivot_cal::signal::median(&widths),
-        simpler_form: file.report.diagnostics["model_choice"]["chosen"] != "physics form and surface",
+        surface_share: file.report.diagnostics["model_choice"]["surface_share"].as_f64().unwrap_or(1.0),
         fit_s,
     })
 }

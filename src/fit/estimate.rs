@@ -35,7 +35,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) gears: Vec<Gear>,
     pub(crate) surfaces: [LatticeSurface; 2],
     pub(crate) solution: Solution,
-    /// What the whole surface would change of what was taken of it, in the coefficients; empty when all of it was taken.
+    /// The doubt between the physics form and the surface, in the coefficients: √(1 − w) of their difference, w the share of the surface that
+    /// was taken; empty when all of it was.
     pub(crate) doubt: Vec<f64>,
     pub(crate) system: System,
     pub(crate) segments: Vec<Segment>,

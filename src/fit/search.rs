@@ -83,7 +83,7 @@ struct Found {
     moved_mps2: f64,
     /// Largest step of a delay [s].
     stepped_s: f64,
-    /// What the whole surface would change of what was taken, in the coefficients; empty when it was taken itself.
+    /// The doubt between the physics form and the surface, in the coefficients; empty when the whole surface was taken.
     doubt: Vec<f64>,
 }
 
@@ -211,7 +211,9 @@ impl<'a> Search<'a> {
             let penalties = validation::physics_alone(&self.design.blocks, &found.solution.penalties);
             let physics = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
             let surface = std::mem::replace(&mut found.solution, physics);
-            found.doubt = surface.beta.iter().zip(&found.solution.beta).map(|(s, p)| (1.0 - share) * (s - p)).collect();
+            // w·(1 − w) of the difference's square is between the models, (1 − w)² of it what the share falls short of the surface
+            let doubt = (1.0 - share).sqrt();
+            found.doubt = surface.beta.iter().zip(&found.solution.beta).map(|(s, p)| doubt * (s - p)).collect();
             found.solution.approach(&surface, share);
             self.surfaces = self.surfaces_of(&found.solution);
             self.calibrate(&found.solution, Free::Delays);

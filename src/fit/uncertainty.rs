@@ -3,8 +3,8 @@
 //! The larger of two variances: the posterior cᵀ(XᵀX + Λ)⁻¹c, right when the model is, and the sandwich cᵀ·H⁻¹(Σ_r s_r·s_rᵀ)H⁻¹·c over the
 //! scores s_r of whole runs, right when runs differ more than the model thinks. X holds the columns of the delays as well, so that what is
 //! unsure of them is in both. On top: the square of the smoothing bias cᵀ·H⁻¹Λβ, and what penalties that are not exactly known make of that
-//! (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*). Where the physics
-//! form was taken, the square of what the surface would change stands for the doubt between them.
+//! (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*). Where only
+//! a share w of the surface's deviations was taken, 1 − w of their square stands for the doubt between form and surface.
 
 use super::course::courses;
 use super::estimate::Estimate;
