@@ -4,7 +4,7 @@ use super::anova::Design;
 use super::input::Choice;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
-use super::penalised::{Solution, System};
+use super::penalised::{Pull, Solution, System};
 use super::search::Search;
 use super::segment::{Calibration, LogData, Segment};
 use super::torque::EffectiveTorque;
@@ -38,6 +38,8 @@ pub(crate) struct Estimate<'a> {
     /// The doubt between the physics form and the surface, in the coefficients: √(1 − w) of their difference, w the share of the surface that
     /// was taken; empty when all of it was.
     pub(crate) doubt: Vec<f64>,
+    /// Where the penalties pull the coefficients.
+    pub(crate) pulls: Vec<Pull>,
     pub(crate) system: System,
     pub(crate) segments: Vec<Segment>,
     /// Speeds along the segments, smoothed [m/s]: the best that is known of them.

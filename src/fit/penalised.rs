@@ -46,9 +46,29 @@ const VANISHED: f64 = 2e-3;
 /// Largest change of a penalty's logarithm in one step.
 const LARGEST_STEP: f64 = 3.0;
 
+/// Where a block's penalty pulls the coefficients.
+#[derive(Debug, Clone)]
+pub(crate) struct Pull {
+    /// H⁻¹·λβ of the block: what its penalty makes of the coefficients.
+    pub(crate) of: Vec<f64>,
+    /// How unsure its penalty is, relative variance: λ is a ratio of edf squares to their number.
+    pub(crate) relative_variance: f64,
+}
+
 impl Solution {
-    /// Goes a share of the way to the solution of the same equations with other blocks free. Coefficients, covariance and degrees of freedom
-    /// are mixed; blocks that are free in either keep their penalty.
+    /// The pull of each penalised block; zero where it has vanished.
+    pub(crate) fn pulls(&self, blocks: &[Block]) -> Vec<Pull> {
+        let size = self.beta.len();
+        let pull = |(j, block): (usize, &Block)| {
+            let penalty = if self.penalties[j].is_finite() { self.penalties[j] } else { 0.0 };
+            let of = |a| block.range.clone().map(|k| self.covariance[(a, k)] * penalty * self.beta[k]).sum();
+            Pull { of: (0..size).map(of).collect(), relative_variance: 2.0 / self.degrees[j].max(1.0) }
+        };
+        blocks.iter().enumerate().filter(|(_, b)| b.penalised).map(pull).collect()
+    }
+
+    /// Goes a share of the way to the solution of the same equations with other blocks free: coefficients, covariance and degrees of freedom
+    /// are mixed. Penalties are the other's, where any of it is taken.
     pub(crate) fn approach(&mut self, other: &Self, share: f64) {
         self.beta = mixed(&self.beta, &other.beta, share);
         self.degrees = mixed(&self.degrees, &other.degrees, share);
@@ -104,7 +124,8 @@ impl System {
         Self { matrix: &self.matrix - &part.matrix, right: &self.right - &part.right, design: self.design }
     }
 
-    /// Solves with the given start for the penalties (empty: from the data's scale), updating them at most `updates` times.
+    /// Solves with the given start for the penalties (0, or none at all: from the data's scale; infinite: the block is left out), updating them
+    /// at most `updates` times.
     ///
     /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations are singular beyond
     /// repair (data that hold no information at all).
@@ -112,8 +133,8 @@ impl System {
         let size = self.matrix.nrows();
         let scale: Vec<f64> =
             blocks.iter().map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12)).collect();
-        let mut penalties: Vec<f64> =
-            if penalties.len() == blocks.len() { penalties.to_vec() } else { scale.iter().map(|s| FIRST_PENALTY * s).collect() };
+        let start = |(j, scale): (usize, &f64)| penalties.get(j).copied().filter(|p| *p > 0.0).unwrap_or(FIRST_PENALTY * scale);
+        let mut penalties: Vec<f64> = scale.iter().enumerate().map(start).collect();
         // Fellner-Schall climbs slowly where a block wants to vanish: steps that keep their direction grow
         let mut pace = vec![(1.0f64, 0.0f64); blocks.len()];
         let mut solution = None;

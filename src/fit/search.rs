@@ -15,7 +15,7 @@ use super::kalman::Noise;
 use super::lattice::LatticeSurface;
 use super::merging::{merged, spread};
 use super::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
-use super::penalised::{Solution, System, nuisance_prior_std};
+use super::penalised::{Pull, Solution, System, mixed, nuisance_prior_std};
 use super::regressors::{Free, nuisance};
 use super::robust::Judge;
 use super::sampling;
@@ -85,6 +85,8 @@ struct Found {
     stepped_s: f64,
     /// The doubt between the physics form and the surface, in the coefficients; empty when the whole surface was taken.
     doubt: Vec<f64>,
+    /// Where the penalties pull; empty before the last round.
+    pulls: Vec<Pull>,
 }
 
 impl<'a> Search<'a> {
@@ -207,13 +209,17 @@ impl<'a> Search<'a> {
                 &along,
             )
         };
+        found.pulls = found.solution.pulls(&self.design.blocks);
         if let Some(share) = validation.as_ref().map(|v| v.comparison.surface_share).filter(|share| *share < 1.0) {
-            let penalties = validation::physics_alone(&self.design.blocks, &found.solution.penalties);
+            let penalties = validation::physics_alone(&self.design.blocks);
             let physics = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
             let surface = std::mem::replace(&mut found.solution, physics);
             // w·(1 − w) of the difference's square is between the models, (1 − w)² of it what the share falls short of the surface
             let doubt = (1.0 - share).sqrt();
             found.doubt = surface.beta.iter().zip(&found.solution.beta).map(|(s, p)| doubt * (s - p)).collect();
+            let pulls = found.solution.pulls(&self.design.blocks).into_iter().zip(surface.pulls(&self.design.blocks));
+            let of_both = |(physics, surface): (Pull, Pull)| Pull { of: mixed(&physics.of, &surface.of, share), ..surface };
+            found.pulls = pulls.map(of_both).collect();
             found.solution.approach(&surface, share);
             self.surfaces = self.surfaces_of(&found.solution);
             self.calibrate(&found.solution, Free::Delays);
@@ -245,6 +251,7 @@ impl<'a> Search<'a> {
             surfaces: self.surfaces,
             solution: found.solution,
             doubt: found.doubt,
+            pulls: found.pulls,
             system: found.system,
             speeds: smoothed_speeds(&segments, &along.residuals, &self.noise),
             segments,
@@ -284,7 +291,7 @@ impl<'a> Search<'a> {
         let along = pass.along(Some(speeds));
         self.surfaces = next;
         let stepped_s = if free == Free::Surface { 0.0 } else { self.calibrate(&solution, free) };
-        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s, doubt: Vec::new() })
+        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s, doubt: Vec::new(), pulls: Vec::new() })
     }
 
     /// Prior standard deviations of the nuisance columns; what is known from outside does not move.

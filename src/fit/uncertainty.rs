@@ -14,12 +14,10 @@ use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Covariances and bias of the coefficients, those of the design and of the nuisance columns.
+/// Covariances of the coefficients, those of the design and of the nuisance columns.
 pub(crate) struct Uncertainty {
     posterior: Mat<f64>,
     sandwich: Mat<f64>,
-    /// H⁻¹·λ_j·β_j of each block: where its penalty pulls, and by how much of itself that is unsure.
-    pulls: Vec<(Vec<f64>, f64)>,
 }
 
 impl Uncertainty {
@@ -28,7 +26,7 @@ impl Uncertainty {
         let posterior = estimate.solution.covariance.clone();
         let half = &posterior * &meat(estimate);
         let sandwich = &half * &posterior;
-        Self { pulls: pulls(estimate, &posterior), posterior, sandwich }
+        Self { posterior, sandwich }
     }
 
     /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
@@ -43,27 +41,15 @@ impl Uncertainty {
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
                 let doubt: f64 = rows[k].iter().zip(&estimate.doubt).map(|(c, d)| c * d).sum();
                 let (mut bias, mut unsure) = (0.0, doubt * doubt);
-                for (pull, relative_variance) in &self.pulls {
-                    let pulled: f64 = rows[k].iter().zip(pull).map(|(c, p)| c * p).sum();
+                for pull in &estimate.pulls {
+                    let pulled: f64 = rows[k].iter().zip(&pull.of).map(|(c, p)| c * p).sum();
                     bias += pulled;
-                    unsure += relative_variance * pulled * pulled;
+                    unsure += pull.relative_variance * pulled * pulled;
                 }
                 (posterior.max(sandwich) + bias * bias + unsure).sqrt()
             })
             .collect()
     }
-}
-
-/// The pull of each block's penalty. λ_j is known to a relative variance of about 2/edf_j: it is a ratio of edf_j squares to their number.
-fn pulls(estimate: &Estimate, posterior: &Mat<f64>) -> Vec<(Vec<f64>, f64)> {
-    let solution = &estimate.solution;
-    let q = estimate.design.coefficients();
-    let mut pulls = Vec::new();
-    for (j, block) in estimate.design.blocks.iter().enumerate().filter(|(j, b)| b.penalised && solution.penalties[*j].is_finite()) {
-        let pull = (0..q).map(|a| block.range.clone().map(|k| posterior[(a, k)] * solution.penalties[j] * solution.beta[k]).sum());
-        pulls.push((pull.collect(), 2.0 / solution.degrees[j].max(1.0)));
-    }
-    pulls
 }
 
 /// The row c with A(V, U) = cᵀβ.

@@ -34,9 +34,9 @@ const FEWEST_RUNS: usize = 10;
 /// Surfaces of both gears: forward, reverse.
 pub(crate) type Surfaces = [LatticeSurface; 2];
 
-/// The penalties of the physics form alone: those of the whole surface, infinite elsewhere.
-pub(crate) fn physics_alone(blocks: &[Block], penalties: &[f64]) -> Vec<f64> {
-    blocks.iter().zip(penalties).map(|(block, penalty)| if block.physics { *penalty } else { f64::INFINITY }).collect()
+/// Where the penalties start for the physics form alone: from the data's scale, infinite elsewhere.
+pub(crate) fn physics_alone(blocks: &[Block]) -> Vec<f64> {
+    blocks.iter().map(|block| if block.physics { 0.0 } else { f64::INFINITY }).collect()
 }
 
 /// What the comparison found.
@@ -107,7 +107,7 @@ pub(crate) fn validate(
         let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
         let rest = whole.without(&System::new(design, &pairs, prior.len()));
         let surface = rest.solve(&design.blocks, &[], PENALTY_ROUNDS, prior)?;
-        let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks, &surface.penalties), PENALTY_ROUNDS, prior)?;
+        let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks), PENALTY_ROUNDS, prior)?;
         let fitted = |solution: Solution| {
             let (beta, delays_s) = solution.beta.split_at(design.coefficients());
             let surfaces = Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, beta) });
