@@ -73,6 +73,12 @@ fn the_demo_map_is_told_to_pass_on_one_page_below_3_mb_that_fetches_nothing() {
     }
     let table1: Value = serde_json::from_str(&std::fs::read_to_string(maps.join("table1.json")).unwrap()).unwrap();
     assert!(page.contains(table1["logs"][0]["sha256"].as_str().unwrap()), "the log's hash");
+    let choice = &table1["report"]["diagnostics"]["model_choice"];
+    assert!(choice["surface_share"].as_f64().unwrap() < 0.5, "the scrubber obeys the physics form: {choice}");
+    assert!(
+        page.contains("<dt>Surface</dt><dd>physics form ") && page.contains("tells runs left out"),
+        "how much of the surface was taken"
+    );
     assert_eq!(page.matches("<tr data-row=").count(), table1["report"]["runs"].as_array().unwrap().len(), "every run is a row");
     assert_eq!(report(&maps).0, page, "the same files give the same bytes");
 }

@@ -161,6 +161,7 @@ fn facts(inputs: &Inputs) -> String {
         ("Dead time", delay(&file.actuator.dead_time)),
         ("Lag", delay(&file.actuator.lag)),
         ("Breakaway", breakaway.join(", ")),
+        ("Surface", surface(&report.diagnostics["model_choice"])),
     ];
     let mut html = "<dl class=\"facts\">".to_owned();
     for (name, value) in facts {
@@ -168,4 +169,16 @@ fn facts(inputs: &Inputs) -> String {
     }
     html.push_str("</dl>\n");
     html
+}
+
+/// How much of the surface runs left out asked for, beside the physics form.
+fn surface(choice: &serde_json::Value) -> String {
+    if choice.is_null() {
+        return "all of it: too few runs to leave any out".to_owned();
+    }
+    let (Some(share), Some(z)) = (choice["surface_share"].as_f64(), choice["in_std_errs"].as_f64()) else { return "not told".to_owned() };
+    let taken =
+        if share > 0.0 { format!("physics form and {} % of the surface", num(100.0 * share, 0)) } else { "physics form alone".to_owned() };
+    let word = if z < 0.0 { "worse" } else { "better" };
+    format!("{taken}; all of it tells runs left out {word} by {} standard errors", num(z.abs(), 1))
 }
