@@ -1,6 +1,7 @@
 //! The surface's coefficients as an analysis of variance: a physics form that no penalty touches (inertia, drive and brake efficiency and how
-//! they change with speed, Coulomb, Stribeck, viscous and quadratic friction), with it Stribeck friction of another
-//! shape, penalised; then smooth deviations in blocks, each with its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric copies where both gears were driven.
+//! they change with speed, Coulomb, Stribeck, viscous and quadratic friction), with it Stribeck friction of another shape, penalised; then
+//! smooth deviations in blocks, each with its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric
+//! copies where both gears were driven.
 //!
 //! Penalised blocks are scaled so that their penalty is the identity. Along an axis they are the modes z of DᵀD, D the second differences of
 //! the splines' coefficients over Greville's abscissae (Eilers & Marx, P-splines): what bends at all, from the least to the most, with its

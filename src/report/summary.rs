@@ -174,11 +174,14 @@ fn facts(inputs: &Inputs) -> String {
 /// How much of the surface runs left out asked for, beside the physics form.
 fn surface(choice: &serde_json::Value) -> String {
     if choice.is_null() {
-        return "all of it: too few runs to leave any out".to_owned();
+        return "physics form and all of a free surface: too few runs to leave any out".to_owned();
     }
     let (Some(share), Some(z)) = (choice["surface_share"].as_f64(), choice["in_std_errs"].as_f64()) else { return "not told".to_owned() };
-    let taken =
-        if share > 0.0 { format!("physics form and {} % of the surface", num(100.0 * share, 0)) } else { "physics form alone".to_owned() };
+    let taken = if share > 0.0 {
+        format!("physics form and {} % of a free surface", num(100.0 * share, 0))
+    } else {
+        "physics form alone".to_owned()
+    };
     let word = if z < 0.0 { "worse" } else { "better" };
-    format!("{taken}; all of it tells runs left out {word} by {} standard errors", num(z.abs(), 1))
+    format!("{taken}; the whole surface tells runs left out {word} by {} standard errors", num(z.abs(), 1))
 }
