@@ -39,6 +39,7 @@ mod segment;
 mod settings;
 mod soundness;
 mod spline;
+mod stacked;
 mod start;
 mod steady;
 mod step_timing;

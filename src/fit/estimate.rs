@@ -4,9 +4,10 @@ use super::anova::Design;
 use super::input::Choice;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
-use super::penalised::{Pull, Solution, System};
+use super::penalised::System;
 use super::search::Search;
 use super::segment::{Calibration, LogData, Segment};
+use super::stacked::Stacked;
 use super::torque::EffectiveTorque;
 use super::validation::Validation;
 use super::{Result, Settings};
@@ -34,12 +35,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) noise_bounds: Vec<&'static str>,
     pub(crate) gears: Vec<Gear>,
     pub(crate) surfaces: [LatticeSurface; 2],
-    pub(crate) solution: Solution,
-    /// The doubt between the physics form and the surface, in the coefficients: √(1 − w) of their difference, w the share of the surface that
-    /// was taken; empty when all of it was.
-    pub(crate) doubt: Vec<f64>,
-    /// Where the penalties pull the coefficients.
-    pub(crate) pulls: Vec<Pull>,
+    /// The physics form with a share of the surface.
+    pub(crate) stacked: Stacked,
     pub(crate) system: System,
     pub(crate) segments: Vec<Segment>,
     /// Speeds along the segments, smoothed [m/s]: the best that is known of them.

@@ -66,16 +66,16 @@ impl<'a> Part<'a> {
 
 fn make_monotone(estimate: &mut Estimate, notes: &mut Vec<String>) -> monotone::Outcome {
     let lattice = estimate.surfaces[0].lattice.clone();
-    let mut beta = estimate.solution.beta.clone();
-    let outcome = monotone::enforce(&estimate.design, &lattice, &estimate.system, &estimate.solution, &estimate.gears, &mut beta);
+    let mut beta = estimate.stacked.solution.beta.clone();
+    let outcome = monotone::enforce(&estimate.design, &lattice, &estimate.system, &estimate.stacked.solution, &estimate.gears, &mut beta);
     match outcome {
         monotone::Outcome::AlreadyMonotone => {}
         monotone::Outcome::Moved(_) => {
-            estimate.solution.beta = beta;
+            estimate.stacked.solution.beta = beta;
             let q = estimate.design.coefficients();
             for gear in Gear::ALL {
                 estimate.surfaces[usize::from(gear == Gear::Reverse)].theta =
-                    estimate.design.lattice_values(gear, &estimate.solution.beta[..q]);
+                    estimate.design.lattice_values(gear, &estimate.stacked.solution.beta[..q]);
             }
         }
         monotone::Outcome::Forced => {

@@ -37,6 +37,8 @@ pub(crate) struct Solution {
     pub(crate) settled: bool,
 }
 
+/// Most rounds in which penalties settle for good.
+pub(crate) const SETTLING_ROUNDS: usize = 50;
 /// First penalty, relative to the mean diagonal of its block: smooth, yet far from vanishing.
 const FIRST_PENALTY: f64 = 1.0;
 /// Least penalty, relative to the mean diagonal of its block.
@@ -45,45 +47,6 @@ const LEAST_PENALTY: f64 = 1e-7;
 const VANISHED: f64 = 2e-3;
 /// Largest change of a penalty's logarithm in one step.
 const LARGEST_STEP: f64 = 3.0;
-
-/// Where a block's penalty pulls the coefficients.
-#[derive(Debug, Clone)]
-pub(crate) struct Pull {
-    /// H⁻¹·λβ of the block: what its penalty makes of the coefficients.
-    pub(crate) of: Vec<f64>,
-    /// How unsure its penalty is, relative variance: λ is a ratio of edf squares to their number.
-    pub(crate) relative_variance: f64,
-}
-
-impl Solution {
-    /// The pull of each penalised block; zero where it has vanished.
-    pub(crate) fn pulls(&self, blocks: &[Block]) -> Vec<Pull> {
-        let size = self.beta.len();
-        let pull = |(j, block): (usize, &Block)| {
-            let penalty = if self.penalties[j].is_finite() { self.penalties[j] } else { 0.0 };
-            let of = |a| block.range.clone().map(|k| self.covariance[(a, k)] * penalty * self.beta[k]).sum();
-            Pull { of: (0..size).map(of).collect(), relative_variance: 2.0 / self.degrees[j].max(1.0) }
-        };
-        blocks.iter().enumerate().filter(|(_, b)| b.penalised).map(pull).collect()
-    }
-
-    /// Goes a share of the way to the solution of the same equations with other blocks free: coefficients, covariance and degrees of freedom
-    /// are mixed. Penalties are the other's, where any of it is taken.
-    pub(crate) fn approach(&mut self, other: &Self, share: f64) {
-        self.beta = mixed(&self.beta, &other.beta, share);
-        self.degrees = mixed(&self.degrees, &other.degrees, share);
-        self.covariance = &self.covariance + faer::Scale(share) * (&other.covariance - &self.covariance);
-        if share > 0.0 {
-            self.penalties.clone_from(&other.penalties);
-        }
-        self.settled &= other.settled;
-    }
-}
-
-/// `from`, a share of the way towards `to`.
-pub(crate) fn mixed(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
-    from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
-}
 
 impl System {
     /// From the sums of each gear, over lattice columns, `nuisances` columns and the speed.

@@ -254,7 +254,7 @@ pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         .design
         .blocks
         .iter()
-        .zip(estimate.solution.penalties.iter().zip(&estimate.solution.degrees))
+        .zip(estimate.stacked.solution.penalties.iter().zip(&estimate.stacked.solution.degrees))
         .map(|(block, (penalty, degrees))| {
             serde_json::json!({
                 "block": block.name,
@@ -281,7 +281,7 @@ pub(super) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         "held_out": held_out,
         "stribeck_speed_mps": round(estimate.design.stribeck_mps, 1e6),
         "blocks": blocks,
-        "penalties_settled": estimate.solution.settled,
+        "penalties_settled": estimate.stacked.solution.settled,
         "monotone": match moved {
             monotone::Outcome::AlreadyMonotone => "by itself".to_owned(),
             monotone::Outcome::Moved(n) => format!("{n} differences bind"),

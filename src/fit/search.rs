@@ -15,11 +15,12 @@ use super::kalman::Noise;
 use super::lattice::LatticeSurface;
 use super::merging::{merged, spread};
 use super::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
-use super::penalised::{Pull, Solution, System, mixed, nuisance_prior_std};
+use super::penalised::{SETTLING_ROUNDS, Solution, System, nuisance_prior_std};
 use super::regressors::{Free, nuisance};
 use super::robust::Judge;
 use super::sampling;
 use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
+use super::stacked::Stacked;
 use super::start::{Start, hold_known};
 use super::torque::EffectiveTorque;
 use super::validation::{self, Validation};
@@ -40,7 +41,7 @@ const FIXED_STD: f64 = 1e-9;
 /// Rounds in which the encoder is calibrated by the yaw rate: at once, and when pushes and slips are out.
 const ENCODER_ROUNDS: [usize; 2] = [1, 4];
 /// Rounds of the penalties' own iteration: while other things still move, and for good.
-const PENALTY_ROUNDS: [usize; 2] = [4, 50];
+const PENALTY_ROUNDS: [usize; 2] = [4, SETTLING_ROUNDS];
 
 /// The state from one round to the next.
 pub(crate) struct Search<'a> {
@@ -83,10 +84,15 @@ struct Found {
     moved_mps2: f64,
     /// Largest step of a delay [s].
     stepped_s: f64,
-    /// The doubt between the physics form and the surface, in the coefficients; empty when the whole surface was taken.
-    doubt: Vec<f64>,
-    /// Where the penalties pull; empty before the last round.
-    pulls: Vec<Pull>,
+}
+
+/// What was taken of the last round.
+struct Judged {
+    stacked: Stacked,
+    system: System,
+    /// Filtered speeds [m/s].
+    speeds: Vec<Vec<f64>>,
+    validation: Option<Validation>,
 }
 
 impl<'a> Search<'a> {
@@ -195,45 +201,28 @@ impl<'a> Search<'a> {
     }
 
     /// Cross-validates, and takes as much of the surface as runs left out ask for.
-    fn judge(&mut self, courses: &[Course], speeds: &[Vec<f64>], mut found: Found) -> Result<(Found, Option<Validation>)> {
+    fn judge(&mut self, courses: &[Course], speeds: &[Vec<f64>], mut found: Found) -> Result<Judged> {
         let prior = self.nuisance_prior(Free::Delays);
-        let validation = {
-            let along = validation::Along { courses, speeds, noise: &self.noise };
-            validation::validate(
-                &self.design,
-                &self.surfaces[0].lattice,
-                &self.gears,
-                (&found.fold, &found.parts),
-                &found.system,
-                &prior,
-                &along,
-            )
-        };
-        found.pulls = found.solution.pulls(&self.design.blocks);
-        if let Some(share) = validation.as_ref().map(|v| v.comparison.surface_share).filter(|share| *share < 1.0) {
-            let penalties = validation::physics_alone(&self.design.blocks);
-            let physics = found.system.solve(&self.design.blocks, &penalties, PENALTY_ROUNDS[1], &prior).ok_or(Error::Singular)?;
-            let surface = std::mem::replace(&mut found.solution, physics);
-            // w·(1 − w) of the difference's square is between the models, (1 − w)² of it what the share falls short of the surface
-            let doubt = (1.0 - share).sqrt();
-            found.doubt = surface.beta.iter().zip(&found.solution.beta).map(|(s, p)| doubt * (s - p)).collect();
-            let pulls = found.solution.pulls(&self.design.blocks).into_iter().zip(surface.pulls(&self.design.blocks));
-            let of_both = |(physics, surface): (Pull, Pull)| Pull { of: mixed(&physics.of, &surface.of, share), ..surface };
-            found.pulls = pulls.map(of_both).collect();
-            found.solution.approach(&surface, share);
-            self.surfaces = self.surfaces_of(&found.solution);
-            self.calibrate(&found.solution, Free::Delays);
+        let along = validation::Along { courses, speeds, noise: &self.noise };
+        let parts = (found.fold.as_slice(), found.parts.as_slice());
+        let lattice = &self.surfaces[0].lattice;
+        let validation = validation::validate(&self.design, lattice, &self.gears, parts, &found.system, &prior, &along);
+        let share = validation.as_ref().map_or(1.0, |v| v.comparison.surface_share);
+        let stacked = Stacked::new(&found.system, found.solution, &self.design.blocks, share, &prior).ok_or(Error::Singular)?;
+        if share < 1.0 {
+            self.surfaces = self.surfaces_of(&stacked.solution);
+            self.calibrate(&stacked.solution, Free::Delays);
             let lagged = self.lagged();
             let courses = courses_again(courses, &lagged, &self.calibration);
             found.along = Pass { courses: &courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(speeds));
         }
-        Ok((found, validation))
+        Ok(Judged { stacked, system: found.system, speeds: found.along.speeds, validation })
     }
 
     /// The estimate, with every single reading told against it.
-    fn handed_over(self, stretch: Stretch, (found, validation): (Found, Option<Validation>)) -> Estimate<'a> {
+    fn handed_over(self, stretch: Stretch, judged: Judged) -> Estimate<'a> {
         let Stretch { transients, segments, merged } = stretch;
-        let fitted = (merged, found.along.speeds);
+        let fitted = (merged, judged.speeds);
         let speeds: Vec<Vec<f64>> =
             segments.iter().zip(fitted.0.iter().zip(&fitted.1)).map(|(s, (m, v))| spread(v, &m.readings, &s.readings)).collect();
         let lagged = self.lagged();
@@ -249,10 +238,8 @@ impl<'a> Search<'a> {
             noise_bounds: self.noise_bounds,
             gears: self.gears,
             surfaces: self.surfaces,
-            solution: found.solution,
-            doubt: found.doubt,
-            pulls: found.pulls,
-            system: found.system,
+            stacked: judged.stacked,
+            system: judged.system,
             speeds: smoothed_speeds(&segments, &along.residuals, &self.noise),
             segments,
             fitted,
@@ -262,7 +249,7 @@ impl<'a> Search<'a> {
             iterations: self.rounds,
             converged: self.converged,
             has_yaw: self.has_yaw,
-            validation,
+            validation: judged.validation,
         }
     }
 
@@ -291,7 +278,7 @@ impl<'a> Search<'a> {
         let along = pass.along(Some(speeds));
         self.surfaces = next;
         let stepped_s = if free == Free::Surface { 0.0 } else { self.calibrate(&solution, free) };
-        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s, doubt: Vec::new(), pulls: Vec::new() })
+        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s })
     }
 
     /// Prior standard deviations of the nuisance columns; what is known from outside does not move.

@@ -23,7 +23,7 @@ pub(crate) struct Uncertainty {
 impl Uncertainty {
     /// From the final estimate.
     pub(crate) fn new(estimate: &Estimate) -> Self {
-        let posterior = estimate.solution.covariance.clone();
+        let posterior = estimate.stacked.solution.covariance.clone();
         let half = &posterior * &meat(estimate);
         let sandwich = &half * &posterior;
         Self { posterior, sandwich }
@@ -39,9 +39,9 @@ impl Uncertainty {
             .map(|k| {
                 let [posterior, sandwich] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
-                let doubt: f64 = rows[k].iter().zip(&estimate.doubt).map(|(c, d)| c * d).sum();
+                let doubt: f64 = rows[k].iter().zip(&estimate.stacked.doubt).map(|(c, d)| c * d).sum();
                 let (mut bias, mut unsure) = (0.0, doubt * doubt);
-                for pull in &estimate.pulls {
+                for pull in &estimate.stacked.pulls {
                     let pulled: f64 = rows[k].iter().zip(&pull.of).map(|(c, p)| c * p).sum();
                     bias += pulled;
                     unsure += pull.relative_variance * pulled * pulled;

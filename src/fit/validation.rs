@@ -12,32 +12,26 @@
 //! is to be worth is shrunk by that: w = ŵ·(1 − 1/z²), none below z = 1. So the surface comes in as the data ask for it: taken or left as a
 //! whole, beyond some number of standard errors, maps of two drives of one vehicle would differ by which side of it they fell.
 
-use super::anova::{Block, Design};
+use super::anova::Design;
 use super::course::{Course, surface_of};
 use super::gram::Gram;
 use super::kalman::{Noise, whiten};
 use super::lattice::{Lattice, LatticeSurface};
-use super::penalised::{Solution, System, mixed};
+use super::penalised::{SETTLING_ROUNDS, Solution, System};
 use super::regressors::nuisance;
 use super::sampling::scramble;
+use super::stacked::{mixed, physics_alone};
 use crate::map::Gear;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Number of folds, when there are as many runs.
 const FOLDS: usize = 5;
-/// Most rounds of the penalties' own iteration without a fold.
-const PENALTY_ROUNDS: usize = 50;
 /// Fewest runs that are worth comparing.
 const FEWEST_RUNS: usize = 10;
 
 /// Surfaces of both gears: forward, reverse.
 pub(crate) type Surfaces = [LatticeSurface; 2];
-
-/// Where the penalties start for the physics form alone: from the data's scale, infinite elsewhere.
-pub(crate) fn physics_alone(blocks: &[Block]) -> Vec<f64> {
-    blocks.iter().map(|block| if block.physics { 0.0 } else { f64::INFINITY }).collect()
-}
 
 /// What the comparison found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,8 +100,8 @@ pub(crate) fn validate(
     let fit_without = |grams: &[Gram; 2]| -> Option<Without> {
         let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
         let rest = whole.without(&System::new(design, &pairs, prior.len()));
-        let surface = rest.solve(&design.blocks, &[], PENALTY_ROUNDS, prior)?;
-        let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks), PENALTY_ROUNDS, prior)?;
+        let surface = rest.solve(&design.blocks, &[], SETTLING_ROUNDS, prior)?;
+        let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks), SETTLING_ROUNDS, prior)?;
         let fitted = |solution: Solution| {
             let (beta, delays_s) = solution.beta.split_at(design.coefficients());
             let surfaces = Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, beta) });
