@@ -14,8 +14,10 @@ pub struct Stretch {
     pub gear: Gear,
     /// First usable moment [s]. For a start from rest this lies a little before the motion, which begins when the torque breaks away.
     pub from_s: f64,
-    /// Last usable moment [s].
+    /// Last usable moment [s], where it ends in a stop as the readings alone tell it.
     pub to_s: f64,
+    /// Where it ends in a stop, when the vehicle rests at last [s]: who knows better when the wheel came to rest may use what lies between.
+    pub stopped_s: Option<f64>,
     /// Whether the vehicle rested just before, so that the speed is known to start from 0.
     pub from_rest: bool,
 }
@@ -286,7 +288,9 @@ fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], setting
         }
         let rested = |s: usize| at_rest[s] && matches!(verdicts[s], Verdict::AtRest | Verdict::NoTorque);
         let from_rest = first >= 3 && (first - 3..first).all(rested) && encoder.t_s[first] - encoder.t_s[first - 1] <= longest_step;
-        found.push(Stretch { gear, from_s: encoder.t_s[first], to_s: encoder.t_s[last], from_rest });
+        let stopping = (i..encoder.len()).take_while(|k| verdicts[*k] == Verdict::Stopping && gears[*k] == Some(gear)).last();
+        let stopped_s = stopping.map(|k| encoder.t_s[k]);
+        found.push(Stretch { gear, from_s: encoder.t_s[first], to_s: encoder.t_s[last], stopped_s, from_rest });
     }
     found
 }

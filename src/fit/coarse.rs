@@ -100,7 +100,7 @@ fn residual(log: &LogView, lagged: &EffectiveTorque, dead_time_s: f64, noise: &N
             sums[COLUMNS] = reading.speed_mps;
             line.copy_from_slice(&sums);
         }
-        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, noise, segment.start_std_mps);
+        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, noise, segment.start_std(noise));
         for line in data.chunks_exact(WIDTH) {
             for a in 0..WIDTH {
                 for b in a..WIDTH {

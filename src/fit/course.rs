@@ -6,6 +6,7 @@
 use super::actuator::{Share, Torque};
 use super::lattice::LatticeSurface;
 use super::segment::{Calibration, Segment};
+use super::speeds::Speeds;
 use super::torque::EffectiveTorque;
 use crate::map::Gear;
 use rayon::prelude::*;
@@ -71,30 +72,31 @@ impl<'a> Course<'a> {
         &self.steps[from..self.ends[row] as usize]
     }
 
-    /// The steps that lead to a reading, each with its speed: linear between the readings, 0 at an anchored start, never negative [m/s].
-    pub(crate) fn along<'b>(&'b self, speed_mps: &'b [f64], row: usize) -> impl Iterator<Item = (f64, &'b Step)> + 'b {
-        let before = if row > 0 {
-            speed_mps[row - 1]
+    /// The steps that lead to a reading, each with its speed: linear from what the reading before has told to what is expected at this one, 0
+    /// at an anchored start, never negative [m/s].
+    pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, &'b Step)> + 'b {
+        let from = if row > 0 {
+            speeds.after[row - 1]
         } else if self.segment.anchored {
             0.0
         } else {
-            speed_mps[0]
+            speeds.before[0]
         };
-        let rise = speed_mps[row] - before;
-        self.steps(row).iter().map(move |step| ((before + step.fraction * rise).max(0.0), step))
+        let rise = speeds.before[row] - from;
+        self.steps(row).iter().map(move |step| ((from + step.fraction * rise).max(0.0), step))
     }
 
     /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
-    pub(crate) fn predicted(&self, speed_mps: &[f64], surface: &LatticeSurface) -> Vec<f64> {
-        self.predicted_with(speed_mps, surface, [0.0, 0.0])
+    pub(crate) fn predicted(&self, speeds: &Speeds, surface: &LatticeSurface) -> Vec<f64> {
+        self.predicted_with(speeds, surface, [0.0, 0.0])
     }
 
     /// The same with lag and dead time changed by so much [s].
-    pub(crate) fn predicted_with(&self, speed_mps: &[f64], surface: &LatticeSurface, [lag_s, dead_time_s]: [f64; 2]) -> Vec<f64> {
+    pub(crate) fn predicted_with(&self, speeds: &Speeds, surface: &LatticeSurface, [lag_s, dead_time_s]: [f64; 2]) -> Vec<f64> {
         let mut sum = 0.0;
         (0..self.rows())
             .map(|row| {
-                for (v, step) in self.along(speed_mps, row) {
+                for (v, step) in self.along(speeds, row) {
                     let Torque { torque_nm, by_lag, by_dead_time } = step.torque;
                     sum += step.length_s * surface.accel_mps2(v, torque_nm + lag_s * by_lag + dead_time_s * by_dead_time);
                 }

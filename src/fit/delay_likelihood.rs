@@ -11,6 +11,7 @@ use super::input::Input;
 use super::kalman::whiten;
 use super::runs::round;
 use super::segment::{LogData, Segment};
+use super::speeds::Speeds;
 use super::torque::EffectiveTorque;
 use crate::map::{DeadTimeLikelihood, DelayLikelihood};
 use faer::linalg::solvers::Solve;
@@ -36,7 +37,7 @@ const WIDTH: usize = DIRECTIONS + 1;
 struct LogView<'a> {
     data: &'a LogData<'a>,
     dead_time_s: f64,
-    segments: Vec<(&'a Segment, &'a Vec<f64>)>,
+    segments: Vec<(&'a Segment, &'a Speeds)>,
 }
 
 type Gram = [[f64; WIDTH]; WIDTH];
@@ -93,7 +94,7 @@ fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
     let data = &estimate.logs[log];
     let dead_time_s = estimate.calibration.dead_time_s[log];
     let (segments, speeds) = &estimate.fitted;
-    let own: Vec<(&Segment, &Vec<f64>)> = segments.iter().zip(speeds).filter(|(s, _)| s.log == log).collect();
+    let own: Vec<(&Segment, &Speeds)> = segments.iter().zip(speeds).filter(|(s, _)| s.log == log).collect();
     let readings: usize = own.iter().map(|(s, _)| s.readings.len()).sum();
     let enough = (ENOUGH_READINGS / estimate.logs.len().max(1)).max(FEWEST_READINGS);
     let segments = own.into_iter().step_by(readings.div_ceil(enough).max(1)).collect();
@@ -118,7 +119,7 @@ fn gram(estimate: &Estimate, log: &LogView, lagged: &EffectiveTorque, dead_time_
             sums[DIRECTIONS] = segment.readings[row].speed_mps - model[row];
             line.copy_from_slice(&sums);
         }
-        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, &estimate.noise, segment.start_std_mps);
+        whiten(&mut data, WIDTH, &segment.readings, segment.start_s, &estimate.noise, segment.start_std(&estimate.noise));
         for line in data.chunks_exact(WIDTH) {
             for a in 0..WIDTH {
                 for b in a..WIDTH {

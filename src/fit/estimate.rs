@@ -7,6 +7,7 @@ use super::lattice::LatticeSurface;
 use super::penalised::System;
 use super::search::Search;
 use super::segment::{Calibration, LogData, Segment};
+use super::speeds::Speeds;
 use super::stacked::Stacked;
 use super::torque::EffectiveTorque;
 use super::validation::Validation;
@@ -41,8 +42,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) segments: Vec<Segment>,
     /// Speeds along the segments, smoothed [m/s]: the best that is known of them.
     pub(crate) speeds: Vec<Vec<f64>>,
-    /// The segments with merged readings, as they were fitted, and filtered speeds along them [m/s]: where the surface was looked up.
-    pub(crate) fitted: (Vec<Segment>, Vec<Vec<f64>>),
+    /// The segments with merged readings, as they were fitted, and where the surface was looked up along them.
+    pub(crate) fitted: (Vec<Segment>, Vec<Speeds>),
     /// Offset of each segment [m/s²].
     pub(crate) offsets: Vec<f64>,
     /// Whitened residuals of the segments.

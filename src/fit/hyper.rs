@@ -12,6 +12,8 @@ const LEAST_DISTURBANCE_SHARE: f64 = 2e-3;
 const DISTURBANCE_TIME_S: (f64, f64) = (0.03, 1.0);
 const READING_MPS: (f64, f64) = (2e-4, 0.2);
 const LEAST_OFFSET_MPS2: f64 = 1e-4;
+/// A start that is thought less sure than it is follows the first readings' noise, and the look-ups with it.
+const START_SCALE: (f64, f64) = (0.1, 3.0);
 
 /// The estimate, and the bounds that it met.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +22,7 @@ pub(crate) struct NoiseEstimate {
     pub(crate) at_bounds: Vec<&'static str>,
 }
 
-/// Readings beyond which more do not sharpen five parameters; segments are then taken evenly.
+/// Readings beyond which more do not sharpen six parameters; segments are then taken evenly.
 const ENOUGH_READINGS: usize = 15_000;
 
 /// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
@@ -44,19 +46,21 @@ pub(crate) fn estimate(
         (LEAST_OFFSET_MPS2, offset_bound_mps2.max(2.0 * LEAST_OFFSET_MPS2)),
         READING_MPS,
         READING_MPS,
+        START_SCALE,
     ];
-    let pack = |n: &Noise| [n.disturbance_mps2, n.disturbance_time_s, n.offset_mps2, n.reading_mps[0], n.reading_mps[1]];
-    let unpack = |x: &[f64; 5]| Noise {
+    let pack = |n: &Noise| [n.disturbance_mps2, n.disturbance_time_s, n.offset_mps2, n.reading_mps[0], n.reading_mps[1], n.start_scale];
+    let unpack = |x: &[f64; 6]| Noise {
         disturbance_mps2: x[0],
         disturbance_time_s: x[1],
         offset_mps2: x[2],
         reading_mps: [x[3], if has_yaw { x[4] } else { start.reading_mps[1] }],
+        start_scale: x[5],
     };
     let centre = pack(&start);
-    let cost = |x: &[f64; 5]| {
+    let cost = |x: &[f64; 6]| {
         let noise = unpack(x);
         // collected in order, then summed in order: the same bits for any number of threads
-        let parts: Vec<f64> = chosen.par_iter().map(|(s, r)| deviance(r, &s.readings, s.start_s, &noise, s.start_std_mps)).collect();
+        let parts: Vec<f64> = chosen.par_iter().map(|(s, r)| deviance(r, &s.readings, s.start_s, &noise, s.start_std(&noise))).collect();
         let prior: f64 = x.iter().zip(centre).map(|(x, c)| ((x / c).ln() / 20f64.ln()).powi(2)).sum();
         parts.iter().sum::<f64>() + prior
     };
@@ -65,11 +69,11 @@ pub(crate) fn estimate(
         *value = value.clamp(low, high);
     }
     let mut best = cost(&x);
-    // coordinate search in the logarithms: five smooth, nearly separate directions
-    let mut reach = [0.7f64; 5];
+    // coordinate search in the logarithms: six smooth, nearly separate directions
+    let mut reach = [0.7f64; 6];
     for _ in 0..12 {
         let mut moved = false;
-        for k in 0..5 {
+        for k in 0..6 {
             if k == 4 && !has_yaw {
                 continue;
             }
@@ -122,7 +126,7 @@ pub(crate) fn offset_spread(segments: &[Segment], residuals: &[Vec<f64>], noise:
         .iter()
         .zip(residuals)
         .filter(|(s, _)| span_s(s) > 0.5)
-        .map(|(s, r)| smooth(r, &s.readings, s.start_s, &loose, s.start_std_mps).offset_mps2)
+        .map(|(s, r)| smooth(r, &s.readings, s.start_s, &loose, s.start_std(&loose)).offset_mps2)
         .collect();
     let centre = crate::signal::median(&offsets);
     let spread: Vec<f64> = offsets.iter().map(|o| (o - centre).abs()).collect();

@@ -19,6 +19,8 @@ pub(crate) struct Noise {
     pub(crate) offset_mps2: f64,
     /// Standard deviation of a reading of each witness [m/s]: encoder, yaw rate.
     pub(crate) reading_mps: [f64; 2],
+    /// How much less sure than thought the speed is where a stretch starts from rest ([`Segment::start_std`](super::segment::Segment)).
+    pub(crate) start_scale: f64,
 }
 
 impl Noise {
@@ -256,28 +258,45 @@ pub(crate) struct Deviation {
     pub(crate) offset_mps2: f64,
 }
 
-/// The filter over a residual sequence: what each reading and those before it tell, and the innovations over √S.
-pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> (Deviation, Vec<f64>) {
+/// What the filter tells of a residual sequence, one entry per reading.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Filtered {
+    /// v as the readings before tell it [m/s], and its standard deviation.
+    pub(crate) expected_mps: Vec<f64>,
+    pub(crate) expected_std_mps: Vec<f64>,
+    /// v as the reading tells it as well [m/s].
+    pub(crate) speed_mps: Vec<f64>,
+    /// Innovations over √S.
+    pub(crate) white: Vec<f64>,
+    /// b of the stretch [m/s²], as all of them tell it.
+    pub(crate) offset_mps2: f64,
+}
+
+/// The filter over a residual sequence.
+pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Filtered {
     let mut p = start_covariance(noise, start_std_mps);
     let mut x = [0.0; 3];
     let mut last = start_s;
     let precisions = noise.precisions();
-    let mut speed_mps = Vec::with_capacity(readings.len());
-    let mut white = Vec::with_capacity(readings.len());
+    let room = || Vec::with_capacity(readings.len());
+    let mut told = Filtered { expected_mps: room(), expected_std_mps: room(), speed_mps: room(), white: room(), offset_mps2: 0.0 };
     for (reading, residual) in readings.iter().zip(residual_mps) {
         let dt = (reading.t_s - last).max(0.0);
         last = reading.t_s;
         let (drift, decay) = predict(&mut p, noise, dt, reading);
         x = [x[0] + drift * x[1] + dt * x[2], decay * x[1], x[2]];
+        told.expected_mps.push(x[0]);
+        told.expected_std_mps.push(p[0][0].sqrt());
         let (gain, over_s) = measure(&mut p, reading.variance(precisions));
         let innovation = residual - x[0];
         for k in 0..3 {
             x[k] += gain[k] * innovation;
         }
-        speed_mps.push(x[0]);
-        white.push(innovation * over_s.sqrt());
+        told.speed_mps.push(x[0]);
+        told.white.push(innovation * over_s.sqrt());
     }
-    (Deviation { speed_mps, offset_mps2: x[2] }, white)
+    told.offset_mps2 = x[2];
+    told
 }
 
 /// Fixed-interval smoothing of a residual sequence, by Bryson and Frazier's adjoint recursion (Bierman 1973): with λ running backwards from
@@ -329,7 +348,8 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    const NOISE: Noise = Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008] };
+    const NOISE: Noise =
+        Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008], start_scale: 1.0 };
 
     fn simulated(n: usize, seed: u64) -> (Vec<Reading>, Vec<f64>) {
         let mut rng = rand_pcg::Pcg64::seed_from_u64(seed);

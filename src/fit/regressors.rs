@@ -7,6 +7,7 @@ use super::course::Course;
 use super::gram::LocalGram;
 use super::kalman::{Filter, Noise, States};
 use super::lattice::{LatticeSurface, Spot};
+use super::speeds::Speeds;
 
 /// Columns after those of the surface: shared ones, then one dead time per log.
 pub(crate) mod nuisance {
@@ -46,7 +47,7 @@ const PANEL_ROWS: usize = 32;
 ///
 /// A column of the surface is zero until the segment comes by. So the columns are put in the order in which panels of rows first touch them,
 /// and each panel is only as wide as what was touched up to its end.
-pub(crate) fn whitened_sums(course: &Course, speed_mps: &[f64], surface: &LatticeSurface, noise: &Noise, free: Free) -> LocalGram {
+pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, free: Free) -> LocalGram {
     let with_nuisance = free != Free::Surface;
     let segment = course.segment;
     let lattice = &surface.lattice;
@@ -65,7 +66,7 @@ pub(crate) fn whitened_sums(course: &Course, speed_mps: &[f64], surface: &Lattic
     for from in (0..course.rows()).step_by(PANEL_ROWS) {
         let before = columns.len();
         for row in from..(from + PANEL_ROWS).min(course.rows()) {
-            for (v, step) in course.along(speed_mps, row) {
+            for (v, step) in course.along(speeds, row) {
                 let spot = lattice.spot(v, step.torque.torque_nm);
                 for i in 0..4 {
                     let first = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
@@ -85,7 +86,7 @@ pub(crate) fn whitened_sums(course: &Course, speed_mps: &[f64], surface: &Lattic
         }
         widths.push(columns.len());
     }
-    let filter = Filter::over(&segment.readings, segment.start_s, noise, segment.start_std_mps);
+    let filter = Filter::over(&segment.readings, segment.start_s, noise, segment.start_std(noise));
     let mut states = States::new(columns.len());
     let mut sums = vec![0.0; columns.len()];
     let mut panel: Vec<f64> = Vec::with_capacity(PANEL_ROWS * columns.len());
@@ -94,7 +95,7 @@ pub(crate) fn whitened_sums(course: &Course, speed_mps: &[f64], surface: &Lattic
     for (from, width) in (0..course.rows()).step_by(PANEL_ROWS).zip(widths) {
         panel.clear();
         for row in from..(from + PANEL_ROWS).min(course.rows()) {
-            for ((v, step), spot) in course.along(speed_mps, row).zip(&mut spots) {
+            for ((v, step), spot) in course.along(speeds, row).zip(&mut spots) {
                 for i in 0..4 {
                     let first = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
                     let by_speed = step.length_s * spot.along_speed.value[i];
@@ -113,7 +114,7 @@ pub(crate) fn whitened_sums(course: &Course, speed_mps: &[f64], surface: &Lattic
             sums[0] = reading.speed_mps;
             if free == Free::DelaysAndEncoder {
                 let [scale, delay] = if reading.witness == 0 {
-                    let v = speed_mps[row].max(0.0);
+                    let v = speeds.before[row].max(0.0);
                     let torque_nm = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
                     [v, -surface.accel_mps2(v, torque_nm)]
                 } else {
@@ -132,13 +133,13 @@ pub(crate) fn whitened_sums(course: &Course, speed_mps: &[f64], surface: &Lattic
 
 /// The score Xᵀe of one segment, e its whitened `residual` and X the whitened columns of surface and delays, added to `score` over those
 /// columns; the encoder's stay as they are. X is not formed: whitening transposed takes e to what each step of the way counts.
-pub(crate) fn add_score(course: &Course, speed_mps: &[f64], surface: &LatticeSurface, noise: &Noise, score: &mut [f64]) {
+pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, score: &mut [f64]) {
     let segment = course.segment;
     let lattice = &surface.lattice;
     let base = lattice.columns();
-    let predicted = course.predicted(speed_mps, surface);
+    let predicted = course.predicted(speeds, surface);
     let mut white: Vec<f64> = segment.readings.iter().zip(predicted).map(|(r, p)| r.speed_mps - p).collect();
-    let filter = Filter::over(&segment.readings, segment.start_s, noise, segment.start_std_mps);
+    let filter = Filter::over(&segment.readings, segment.start_s, noise, segment.start_std(noise));
     filter.whiten(&mut white, 1);
     let mut counts = filter.whiten_transposed(&white);
     // a step counts in every reading that follows
@@ -146,7 +147,7 @@ pub(crate) fn add_score(course: &Course, speed_mps: &[f64], surface: &LatticeSur
         counts[row - 1] += counts[row];
     }
     for (row, count) in counts.iter().enumerate() {
-        for (v, step) in course.along(speed_mps, row) {
+        for (v, step) in course.along(speeds, row) {
             let weight = step.length_s * count;
             for (column, share) in lattice.spot(v, step.torque.torque_nm).columns(lattice) {
                 score[column] += weight * share;

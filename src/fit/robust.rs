@@ -4,7 +4,7 @@ use super::course::courses;
 use super::kalman::Noise;
 use super::lattice::LatticeSurface;
 use super::passes::Pass;
-use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
+use super::segment::{Calibration, Cuts, LogData, Segment, SoFar, all_segments};
 use super::torque::EffectiveTorque;
 use crate::campaign::Verdict;
 use std::collections::BTreeSet;
@@ -40,8 +40,9 @@ impl Judge<'_> {
         }
         let calm = calm(self.noise, &self.surfaces[0]);
         let chosen: Vec<Vec<bool>> = logs.iter().map(|l| l.chosen.clone()).collect();
+        let so_far = SoFar { surfaces: self.surfaces, noise: self.noise };
         for pass in 0..PASSES {
-            let segments = all_segments(logs, self.calibration, self.lagged, Some(self.surfaces), self.transients);
+            let segments = all_segments(logs, self.calibration, self.lagged, Some(so_far), self.transients);
             let courses = courses(&segments, self.lagged, self.calibration);
             let white = Pass { courses: &courses, surfaces: self.surfaces, noise: &calm }.along(None).white;
             let whole = pass + 1 == PASSES;

@@ -142,7 +142,7 @@ pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
     let (mut sum, mut count) = (0.0, 0usize);
     for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
         let course = Course::new(segment, &lagged[segment.log], estimate.calibration.dead_time_s[segment.log]);
-        let model = course.predicted(smoothed, estimate.surface(segment.gear));
+        let model = course.predicted(&smoothed.clone().into(), estimate.surface(segment.gear));
         // over windows of about 0.1 s: the difference quotient of the deviation
         let n = segment.readings.len();
         let stride = (n * 100 / ((segment.readings[n - 1].t_s - segment.start_s) * 1000.0).max(1.0) as usize).max(1);

@@ -19,7 +19,8 @@ use super::penalised::{SETTLING_ROUNDS, Solution, System, nuisance_prior_std};
 use super::regressors::{Free, nuisance};
 use super::robust::Judge;
 use super::sampling;
-use super::segment::{Calibration, Cuts, LogData, Segment, all_segments};
+use super::segment::{Calibration, Cuts, LogData, Segment, SoFar, all_segments};
+use super::speeds::Speeds;
 use super::stacked::Stacked;
 use super::start::{Start, hold_known};
 use super::torque::EffectiveTorque;
@@ -90,8 +91,8 @@ struct Found {
 struct Judged {
     stacked: Stacked,
     system: System,
-    /// Filtered speeds [m/s].
-    speeds: Vec<Vec<f64>>,
+    /// Filtered.
+    speeds: Vec<Speeds>,
     validation: Option<Validation>,
 }
 
@@ -201,7 +202,7 @@ impl<'a> Search<'a> {
     }
 
     /// Cross-validates, and takes as much of the surface as runs left out ask for.
-    fn judge(&mut self, courses: &[Course], speeds: &[Vec<f64>], mut found: Found) -> Result<Judged> {
+    fn judge(&mut self, courses: &[Course], speeds: &[Speeds], mut found: Found) -> Result<Judged> {
         let prior = self.nuisance_prior(Free::Delays);
         let along = validation::Along { courses, speeds, noise: &self.noise };
         let parts = (found.fold.as_slice(), found.parts.as_slice());
@@ -223,8 +224,11 @@ impl<'a> Search<'a> {
     fn handed_over(self, stretch: Stretch, judged: Judged) -> Estimate<'a> {
         let Stretch { transients, segments, merged } = stretch;
         let fitted = (merged, judged.speeds);
-        let speeds: Vec<Vec<f64>> =
-            segments.iter().zip(fitted.0.iter().zip(&fitted.1)).map(|(s, (m, v))| spread(v, &m.readings, &s.readings)).collect();
+        let speeds: Vec<Speeds> = segments
+            .iter()
+            .zip(fitted.0.iter().zip(&fitted.1))
+            .map(|(s, (m, v))| spread(&v.after, &m.readings, &s.readings).into())
+            .collect();
         let lagged = self.lagged();
         let courses = courses(&segments, &lagged, &self.calibration);
         let along = Pass { courses: &courses, surfaces: &self.surfaces, noise: &self.noise }.along(Some(&speeds));
@@ -254,7 +258,7 @@ impl<'a> Search<'a> {
     }
 
     /// One round: sums, solution, new surface; with delays free, a step of the calibration. The penalties settle when nothing else moves.
-    fn round(&mut self, courses: &[Course], speeds: &[Vec<f64>], free: Free, settle: bool) -> Result<Found> {
+    fn round(&mut self, courses: &[Course], speeds: &[Speeds], free: Free, settle: bool) -> Result<Found> {
         self.rounds += 1;
         let logs = self.logs.len();
         let pass = Pass { courses, surfaces: &self.surfaces, noise: &self.noise };
@@ -306,7 +310,7 @@ impl<'a> Search<'a> {
     }
 
     /// Speeds along the courses: by the surface, where there is one.
-    fn speeds(&self, courses: &[Course]) -> Vec<Vec<f64>> {
+    fn speeds(&self, courses: &[Course]) -> Vec<Speeds> {
         if self.has_surface() {
             Pass { courses, surfaces: &self.surfaces, noise: &self.noise }.along(None).speeds
         } else {
@@ -337,8 +341,8 @@ impl<'a> Search<'a> {
         } else {
             vec![Vec::new(); self.logs.len()]
         };
-        let known = self.has_surface().then_some(&self.surfaces);
-        let segments = all_segments(&self.logs, &self.calibration, &lagged, known, &transients);
+        let so_far = self.has_surface().then_some(SoFar { surfaces: &self.surfaces, noise: &self.noise });
+        let segments = all_segments(&self.logs, &self.calibration, &lagged, so_far, &transients);
         let merged = merged(&segments, &lagged, &self.calibration, &self.noise);
         Stretch { transients, segments, merged }
     }

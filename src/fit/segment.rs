@@ -1,9 +1,11 @@
 //! Segments: stretches of readings on one clock, ready to be integrated.
 
+use super::course::Course;
 use super::input::Input;
-use super::kalman::{Reading, UNKNOWN_SPEED_MPS};
+use super::kalman::{Noise, Reading, UNKNOWN_SPEED_MPS};
 use super::lattice::LatticeSurface;
 use super::step_timing::StepTiming;
+use super::stop::readings_before_stop;
 use super::torque::EffectiveTorque;
 use crate::campaign::{Survey, Verdict};
 use crate::map::Gear;
@@ -35,9 +37,24 @@ pub(crate) struct Segment {
     pub(crate) start_s: f64,
     /// Whether the speed is 0 at the start.
     pub(crate) anchored: bool,
-    /// Prior standard deviation of the speed at the start [m/s].
+    /// Prior standard deviation of the speed at the start [m/s], before the noise of starts from rest is known.
     pub(crate) start_std_mps: f64,
     pub(crate) readings: Vec<Reading>,
+}
+
+impl Segment {
+    /// Standard deviation of the speed at the start [m/s]: where it starts from rest, as unsure as starts have turned out to be.
+    pub(crate) fn start_std(&self, noise: &Noise) -> f64 {
+        if self.anchored { noise.start_scale * self.start_std_mps } else { self.start_std_mps }
+    }
+}
+
+/// Surfaces and noise as found so far.
+#[derive(Clone, Copy)]
+pub(crate) struct SoFar<'a> {
+    /// Forward, reverse.
+    pub(crate) surfaces: &'a [LatticeSurface; 2],
+    pub(crate) noise: &'a Noise,
 }
 
 /// What is left out of one log.
@@ -85,14 +102,14 @@ impl LogData<'_> {
         self.input.torque(&self.survey.track, &self.command, lag_s)
     }
 
-    /// The segments of this log. `surfaces` (forward, reverse) tell when a resting wheel breaks away; without it starts are not anchored.
-    /// `transient_s` is left out after each step of the effective torque, unless the stretch starts from rest there.
+    /// The segments of this log. What was found so far tells when a resting wheel breaks away and when it comes to rest; without it starts are
+    /// not anchored, and stops are where the survey has them. `transients` are left out, unless the stretch starts from rest there.
     pub(crate) fn segments(
         &self,
         log: usize,
         calibration: &Calibration,
         lagged: &EffectiveTorque,
-        surfaces: Option<&[LatticeSurface; 2]>,
+        so_far: Option<SoFar>,
         transients: &[(f64, f64)],
     ) -> Vec<Segment> {
         let mut intervals: Vec<(f64, f64)> = self.cuts.intervals.iter().map(|c| (c.0, c.1)).collect();
@@ -111,7 +128,7 @@ impl LogData<'_> {
             let mut start_std_mps = UNKNOWN_SPEED_MPS;
             if stretch.from_rest
                 && self.may_anchor
-                && let Some(surfaces) = surfaces
+                && let Some(SoFar { surfaces, .. }) = so_far
             {
                 let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
                 let threshold = surface.zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
@@ -127,24 +144,30 @@ impl LogData<'_> {
                     start_std_mps = ANCHOR_MPS.hypot(STEP_TIMING_S * accel);
                 }
             }
-            let mut readings = self.readings(stretch.gear, start_s, stretch.to_s, calibration);
-            if let Some(surfaces) = surfaces
+            let to_s = if so_far.is_some() { stretch.stopped_s.unwrap_or(stretch.to_s) } else { stretch.to_s };
+            let mut readings = self.readings(stretch.gear, start_s, to_s, calibration);
+            if let Some(SoFar { surfaces, .. }) = so_far
                 && self.input == Input::Command
             {
                 let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
                 let drive = (stretch.gear.sign(), dead_time_s, calibration.lag_s);
                 self.timing.tell(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
             }
-            let mut cuts: Vec<(f64, f64)> = near(&intervals, start_s, stretch.to_s).to_vec();
-            cuts.extend(near(&gaps, start_s, stretch.to_s));
+            let mut whole = Segment { log, run, gear: stretch.gear, start_s, anchored, start_std_mps, readings };
+            if let Some(SoFar { surfaces, noise }) = so_far
+                && stretch.stopped_s.is_some()
+            {
+                let course = Course::new(&whole, lagged, dead_time_s);
+                let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
+                let before = readings_before_stop(&course, surface, noise, FEWEST_READINGS);
+                whole.readings.truncate(before);
+            }
+            let mut cuts: Vec<(f64, f64)> = near(&intervals, start_s, to_s).to_vec();
+            cuts.extend(near(&gaps, start_s, to_s));
             // what follows the first step of a start from rest is anchored, and worth keeping
-            cuts.extend(near(transients, start_s, stretch.to_s).iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
-            split(
-                &readings,
-                &cuts,
-                &Segment { log, run, gear: stretch.gear, start_s, anchored, start_std_mps, readings: Vec::new() },
-                &mut segments,
-            );
+            cuts.extend(near(transients, start_s, to_s).iter().filter(|c| !(anchored && c.0 <= start_s + 0.02)));
+            let readings = std::mem::take(&mut whole.readings);
+            split(&readings, &cuts, &whole, &mut segments);
         }
         segments
     }
@@ -183,10 +206,10 @@ pub(crate) fn all_segments(
     logs: &[LogData],
     calibration: &Calibration,
     lagged: &[EffectiveTorque],
-    surfaces: Option<&[LatticeSurface; 2]>,
+    so_far: Option<SoFar>,
     transients: &[Vec<(f64, f64)>],
 ) -> Vec<Segment> {
-    logs.iter().enumerate().flat_map(|(k, log)| log.segments(k, calibration, &lagged[k], surfaces, &transients[k])).collect()
+    logs.iter().enumerate().flat_map(|(k, log)| log.segments(k, calibration, &lagged[k], so_far, &transients[k])).collect()
 }
 
 /// Time that a segment takes [s].

@@ -127,10 +127,10 @@ fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
     let mut n = [[0.0; 3]; 3];
     for (segment, speed) in estimate.segments.iter().zip(&estimate.speeds).filter(|(s, _)| s.log == log) {
         let course = Course::new(segment, &lagged, estimate.calibration.dead_time_s[log]);
-        let model = course.predicted(speed, estimate.surface(segment.gear));
+        let model = course.predicted(&speed.clone().into(), estimate.surface(segment.gear));
         let mut rows: Vec<f64> =
             segment.readings.iter().zip(&model).flat_map(|(r, m)| [*m, r.t_s - segment.start_s, r.speed_mps - m]).collect();
-        whiten(&mut rows, 3, &segment.readings, segment.start_s, &noise, segment.start_std_mps);
+        whiten(&mut rows, 3, &segment.readings, segment.start_s, &noise, segment.start_std(&noise));
         for row in rows.chunks_exact(3) {
             for (a, line) in n.iter_mut().enumerate() {
                 line.iter_mut().zip(row).for_each(|(sum, b)| *sum += row[a] * b);

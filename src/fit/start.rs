@@ -172,6 +172,7 @@ fn first_noise(grains: &[Grains]) -> Noise {
         disturbance_time_s: 0.3,
         offset_mps2: 0.05,
         reading_mps: [largest(&|g| Some(reading(&g.encoder))), largest(&|g| g.yaw.as_ref().map(reading))],
+        start_scale: 1.0,
     }
 }
 

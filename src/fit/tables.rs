@@ -5,6 +5,7 @@ use super::uncertainty::Uncertainty;
 use super::{Result, Settings};
 use crate::campaign::Verdict;
 use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
+use std::collections::BTreeMap;
 
 /// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
 const MEASURED_SAMPLES: u64 = 3;
@@ -204,6 +205,16 @@ fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Brea
     Breakaway { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
 }
 
+/// From the last reading used of each run of a log that ends in a stop to the rest, in order [s].
+fn stops(estimate: &Estimate, log: usize) -> Vec<(f64, f64)> {
+    let mut last_s: BTreeMap<usize, f64> = BTreeMap::new();
+    for segment in estimate.segments.iter().filter(|s| s.log == log) {
+        last_s.extend(segment.readings.last().map(|r| (segment.run, r.t_s)));
+    }
+    let stretches = &estimate.logs[log].survey.stretches;
+    last_s.into_iter().filter_map(|(run, last_s)| Some((last_s, stretches[run].stopped_s?))).collect()
+}
+
 /// The final verdict on every encoder sample of every log.
 pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
     let mut all: Vec<Vec<Verdict>> = estimate.logs.iter().map(|l| l.survey.verdicts.clone()).collect();
@@ -212,6 +223,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
         // both in the order of time, and the last to begin is the last to end
         let (cuts, transients) = (&log.cuts.intervals, &estimate.transients[k]);
         let torque = estimate.lagged(k);
+        let stops = stops(estimate, k);
         let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
         for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == Verdict::Used) {
             let t = encoder.t_s[i] - estimate.calibration.encoder_delay_s;
@@ -226,6 +238,8 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
                 Verdict::Gap
             } else if transient {
                 Verdict::Transient
+            } else if stops[..stops.partition_point(|s| s.0 < t)].last().is_some_and(|s| t <= s.1) {
+                Verdict::Stopping
             } else {
                 Verdict::TooShort
             };

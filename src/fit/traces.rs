@@ -150,7 +150,8 @@ fn windows(estimate: &Estimate) -> Vec<Window> {
     for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
         let dead_time_s = estimate.calibration.dead_time_s[segment.log];
         let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - dead_time_s).torque_nm;
-        let model = Course::new(segment, &lagged[segment.log], dead_time_s).predicted(smoothed, estimate.surface(segment.gear));
+        let model =
+            Course::new(segment, &lagged[segment.log], dead_time_s).predicted(&smoothed.clone().into(), estimate.surface(segment.gear));
         let mut from = 0;
         for k in 1..segment.readings.len() {
             let dt = segment.readings[k].t_s - segment.readings[from].t_s;

@@ -20,6 +20,7 @@ use super::lattice::{Lattice, LatticeSurface};
 use super::penalised::{SETTLING_ROUNDS, Solution, System};
 use super::regressors::nuisance;
 use super::sampling::scramble;
+use super::speeds::Speeds;
 use super::stacked::{mixed, physics_alone};
 use crate::map::Gear;
 use rayon::prelude::*;
@@ -78,8 +79,7 @@ fn deal_runs(run_of: &[(usize, usize)]) -> (Vec<usize>, usize) {
 /// What the segments are judged with.
 pub(crate) struct Along<'a> {
     pub(crate) courses: &'a [Course<'a>],
-    /// Speeds along the segments, filtered [m/s].
-    pub(crate) speeds: &'a [Vec<f64>],
+    pub(crate) speeds: &'a [Speeds],
     pub(crate) noise: &'a Noise,
 }
 
@@ -167,7 +167,7 @@ fn sums(along: &Along, fold: &[usize], without: &[Without]) -> Sums {
             for ((reading, p), s) in segment.readings.iter().zip(physics).zip(surface) {
                 rows.extend([reading.speed_mps - p, s - p]);
             }
-            whiten(&mut rows, 2, &segment.readings, segment.start_s, along.noise, segment.start_std_mps);
+            whiten(&mut rows, 2, &segment.readings, segment.start_s, along.noise, segment.start_std(along.noise));
             rows.chunks_exact(2).fold(Sums::default(), |sums, row| Sums {
                 squared: sums.squared + row[0] * row[0],
                 with_difference: sums.with_difference + row[0] * row[1],

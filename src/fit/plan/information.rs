@@ -108,6 +108,7 @@ impl Model {
             disturbance_time_s: file.noise.disturbance_time_s.max(0.01),
             offset_mps2: file.noise.run_offset_mps2.max(1e-4),
             reading_mps: [(1.0 / (precision * READING_S)).sqrt(); 2],
+            start_scale: 1.0,
         };
         let mut vehicles = Vec::new();
         for map in &file.maps {
@@ -157,7 +158,7 @@ impl Model {
             .map(|part| {
                 let s = &part.segment;
                 let course = Course::new(s, &part.command, self.vehicles[0].dead_time_s);
-                let mut gram = whitened_sums(&course, &part.speed_mps, &self.surface, &self.noise, Free::Delays);
+                let mut gram = whitened_sums(&course, &part.speed_mps.clone().into(), &self.surface, &self.noise, Free::Delays);
                 let width = gram.columns.len();
                 let units: Vec<f64> =
                     gram.columns.iter().map(|c| (*c as usize).checked_sub(base).map_or(1.0, |n| self.delay_std_s(n))).collect();
