@@ -1,5 +1,5 @@
 //! The surface's coefficients as an analysis of variance: a physics form that no penalty touches (inertia, drive and brake efficiency and how
-//! they change with speed, Coulomb, Stribeck, viscous and quadratic friction), with it Stribeck friction of another shape, penalised; then
+//! they change with speed, Coulomb, Stribeck, viscous and quadratic friction), with it, penalised, the other shapes of Stribeck friction; then
 //! smooth deviations in blocks, each with its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric
 //! copies where both gears were driven.
 //!
@@ -26,7 +26,7 @@ const SMOOTHNESS: f64 = 1.5;
 
 /// The name of the physics form, which that of its gear-antisymmetric copy ends with.
 const PHYSICS: &str = "physics form";
-/// The name of Stribeck friction of another shape, which belongs to the form.
+/// The name of Stribeck friction of other shapes, which belongs to the form.
 const NEAR_STANDSTILL: &str = "near standstill";
 
 /// A group of coefficients with one penalty.
@@ -104,10 +104,15 @@ impl Design {
             columns.extend(along_speed.iter().map(|f| tensor(f, &one_u)));
             columns
         };
-        // friction fades from standstill as exp(−(V/v_s)²), as 1/(1 + (V/v_s)²), whose tail is longer, or in between (Armstrong-Hélouvry,
-        // Dupont & Canudas de Wit 1994, *A survey of models, analysis tools and compensation methods for the control of machines with
-        // friction*): with one shape alone errors of 0.04 N·m alternate over speed where the vehicle has the other
-        let near_standstill = || vec![tensor(&lattice.along_speed(|s| 1.0 / (1.0 + (s / stribeck_mps).powi(2))), &one_u)];
+        // from the one shape of the extra friction to the other: with one of them alone errors of 0.04 N·m alternate over speed where the
+        // vehicle has the other
+        let near_standstill = || {
+            let difference = |s: f64| {
+                let squared = (s / stribeck_mps).powi(2);
+                1.0 / (1.0 + squared) - (-squared).exp()
+            };
+            vec![tensor(&lattice.along_speed(difference), &one_u)]
+        };
         let f = || bends_w.iter().map(|z| tensor(z, &one_u)).collect::<Vec<_>>();
         let g = || bends_u.iter().map(|z| tensor(&one_v, z)).collect::<Vec<_>>();
         let w_by_u = || vec![tensor(&w, &u), tensor(&w, &drive)];
@@ -168,8 +173,10 @@ impl Design {
 }
 
 /// What friction may be made of along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction,
-/// Stribeck's (extra friction that fades over `stribeck_mps` as exp(−(V/v_s)²)), and its derivative by the logarithm of that speed, which
-/// leaves room for a speed that is not quite known.
+/// Stribeck's (extra friction that fades over `stribeck_mps`), and its derivative by the logarithm of that speed, which leaves room for a speed
+/// that is not quite known. Models let it fade as exp(−(V/v_s)²) or as 1/(1 + (V/v_s)²), whose tail is longer (Armstrong-Hélouvry, Dupont &
+/// Canudas de Wit 1994, *A survey of models, analysis tools and compensation methods for the control of machines with friction*): this is the
+/// mean of both.
 pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 5] {
     let fastest = lattice.fastest_mps();
     let squared = |s: f64| (s / stribeck_mps).powi(2);
@@ -177,8 +184,8 @@ pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 5] {
         lattice.along_speed(|_| 1.0),
         lattice.along_speed(|s| s / fastest),
         lattice.along_speed(|s| (s / fastest).powi(2)),
-        lattice.along_speed(|s| (-squared(s)).exp()),
-        lattice.along_speed(|s| 2.0 * squared(s) * (-squared(s)).exp()),
+        lattice.along_speed(|s| 0.5 * ((-squared(s)).exp() + 1.0 / (1.0 + squared(s)))),
+        lattice.along_speed(|s| squared(s) * ((-squared(s)).exp() + 1.0 / (1.0 + squared(s)).powi(2))),
     ]
 }
 

@@ -397,15 +397,15 @@ mod tests {
     #[test]
     fn the_filter_ends_where_the_smoother_does_and_knows_nothing_of_what_follows() {
         let (readings, values) = simulated(500, 11);
-        let (filtered, white) = filter(&values, &readings, 0.0, &NOISE, 3e-3);
+        let filtered = filter(&values, &readings, 0.0, &NOISE, 3e-3);
         let smoothed = smooth(&values, &readings, 0.0, &NOISE, 3e-3);
         assert!((filtered.speed_mps[499] - smoothed.speed_mps[499]).abs() < 1e-12);
         assert!((filtered.offset_mps2 - smoothed.offset_mps2).abs() < 1e-12);
-        let (shorter, _) = filter(&values[..200], &readings[..200], 0.0, &NOISE, 3e-3);
+        let shorter = filter(&values[..200], &readings[..200], 0.0, &NOISE, 3e-3);
         assert_eq!(shorter.speed_mps, filtered.speed_mps[..200]);
         let mut columns = values;
         whiten(&mut columns, 1, &readings, 0.0, &NOISE, 3e-3);
-        assert!(columns.iter().zip(&white).all(|(a, b)| (a - b).abs() < 1e-9));
+        assert!(columns.iter().zip(&filtered.white).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 
     #[test]

@@ -161,3 +161,142 @@ pub(crate) fn total(folds: &[[Gram; 2]]) -> [Gram; 2] {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::actuator::LaggedCommand;
+    use super::super::kalman::{Reading, whiten};
+    use super::super::lattice::Lattice;
+    use super::super::stop::readings_before_stop;
+    use super::super::torque::EffectiveTorque;
+    use super::*;
+    use crate::signal::Series;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const NOISE: Noise =
+        Noise { disturbance_mps2: 0.05, disturbance_time_s: 0.25, offset_mps2: 0.01, reading_mps: [0.02, 0.02], start_scale: 1.0 };
+    /// Readings are so far apart [s].
+    const PERIOD_S: f64 = 0.01;
+
+    /// A(v, u) = 0.05·u + `by_speed`·v − 0.5.
+    fn surface(by_speed: f64) -> LatticeSurface {
+        let lattice = Lattice::new(1.0, -20.0, 20.0, 12, 9);
+        let (along_speed, mut theta) = (lattice.along_speed(|v| v), vec![0.0; lattice.columns()]);
+        for (i, v) in along_speed.iter().enumerate() {
+            for (j, u) in lattice.torque_nm.iter().enumerate() {
+                theta[lattice.column(i, j)] = 0.05 * u + by_speed * v - 0.5;
+            }
+        }
+        LatticeSurface { lattice, theta }
+    }
+
+    fn torque(torque_nm: f64) -> EffectiveTorque {
+        EffectiveTorque::Lagged(LaggedCommand::new(&Series { t_s: vec![0.0], value: vec![torque_nm] }, 0.0))
+    }
+
+    fn segment(readings_mps: &[f64], anchored: bool) -> Segment {
+        let reading = |(k, v): (usize, &f64)| Reading::single((k + 1) as f64 * PERIOD_S, *v, 0, k as u32);
+        let start_std_mps = if anchored { 3e-3 } else { 3.0 };
+        Segment {
+            log: 0,
+            run: 0,
+            gear: Gear::Forward,
+            start_s: 0.0,
+            anchored,
+            start_std_mps,
+            readings: readings_mps.iter().enumerate().map(reading).collect(),
+        }
+    }
+
+    /// Speeds that settle: each look goes by what the last one has filtered.
+    fn settled(course: &Course, surface: &LatticeSurface) -> AlongOne {
+        let mut found = along_one(course, surface, &NOISE, &wide_speed(course.segment).into());
+        for _ in 0..20 {
+            found = along_one(course, surface, &NOISE, &found.speeds);
+        }
+        found
+    }
+
+    #[test]
+    fn what_is_expected_at_a_reading_does_not_depend_on_it() {
+        let (torque, surface) = (torque(14.0), surface(3.0));
+        let mut readings_mps: Vec<f64> = (0..60).map(|k| 0.3 * PERIOD_S * f64::from(k)).collect();
+        let mut expected = Vec::new();
+        for error_mps in [0.0, 0.1] {
+            readings_mps[40] += error_mps;
+            let segment = segment(&readings_mps, true);
+            let found = settled(&Course::new(&segment, &torque, 0.0), &surface);
+            expected.push((found.speeds.before[..=40].to_vec(), found.speeds.after[40]));
+        }
+        let [(before, after), (before_wrong, after_wrong)] = &expected[..] else { unreachable!("two readings were tried") };
+        assert!(before.iter().zip(before_wrong).all(|(a, b)| (a - b).abs() < 1e-9), "{:?} {:?}", before[40], before_wrong[40]);
+        assert!(after_wrong - after > 1e-3);
+    }
+
+    /// Innovations say nothing of how steep the surface is along speed, where they are those of the true one: their product with what a
+    /// steeper surface would have foretold is zero on average. It was not as long as look-ups leaned towards the reading.
+    #[test]
+    fn innovations_of_the_true_surface_do_not_lean_towards_a_steeper_one() {
+        let (torque, surface) = (torque(13.0), surface(1.0));
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(7);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let decay = (-PERIOD_S / NOISE.disturbance_time_s).exp();
+        let (mut sum, mut squares, mut leanings) = (0.0, 0.0, Vec::new());
+        for _ in 0..400 {
+            let (mut v, mut d, b) = (0.0, NOISE.disturbance_mps2 * draw(), NOISE.offset_mps2 * draw());
+            let mut readings_mps = Vec::new();
+            for _ in 0..120 {
+                v += PERIOD_S * (surface.accel_mps2(v, 13.0) + d + b);
+                d = decay * d + NOISE.disturbance_mps2 * (1.0 - decay * decay).sqrt() * draw();
+                readings_mps.push(v + NOISE.reading_mps[0] * draw());
+            }
+            let segment = segment(&readings_mps, true);
+            let segment = Segment { start_std_mps: 1e-4, ..segment };
+            let course = Course::new(&segment, &torque, 0.0);
+            let found = settled(&course, &surface);
+            let lean = |speeds: &Speeds| {
+                let mut foretold = 0.0;
+                let way = |row| {
+                    foretold += course.along(speeds, row).map(|(v, step)| v * step.length_s).sum::<f64>();
+                    foretold
+                };
+                let mut steeper: Vec<f64> = (0..course.rows()).map(way).collect();
+                whiten(&mut steeper, 1, &segment.readings, segment.start_s, &NOISE, segment.start_std(&NOISE));
+                let square: f64 = steeper.iter().map(|s| s * s).sum();
+                (steeper.iter().zip(&found.white).map(|(s, e)| s * e).sum::<f64>(), square)
+            };
+            let (own, square) = lean(&found.speeds);
+            sum += own;
+            squares += square;
+            leanings.push(lean(&found.speeds.after.clone().into()).0 - own);
+        }
+        assert!(sum.abs() < 3.0 * squares.sqrt(), "{}", sum / squares.sqrt());
+        let runs = leanings.len() as f64;
+        let mean = leanings.iter().sum::<f64>() / runs;
+        let spread = (leanings.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / runs).sqrt();
+        assert!(mean > 10.0 * spread / runs.sqrt(), "{mean} {spread}");
+    }
+
+    #[test]
+    fn a_segment_ends_before_the_stop_whatever_the_last_readings_say() {
+        let (torque, surface) = (torque(-10.0), surface(0.0));
+        // v̇ = −1 m/s² from 0.5 m/s: the wheel stands from 0.5 s on
+        let true_mps: Vec<f64> = (1..=80).map(|k| (0.5 - PERIOD_S * f64::from(k)).max(0.0)).collect();
+        let end = |readings_mps: &[f64]| {
+            let segment = segment(readings_mps, false);
+            readings_before_stop(&Course::new(&segment, &torque, 0.0), &surface, &NOISE, 8)
+        };
+        let first = end(&true_mps);
+        assert!((40..50).contains(&first), "{first}");
+        for error_mps in [-0.1, 0.03, 0.1] {
+            let mut readings_mps = true_mps.clone();
+            readings_mps[first..].iter_mut().for_each(|v| *v += error_mps);
+            assert_eq!(end(&readings_mps), first);
+        }
+        // what speeds up has no stop before it
+        let faster: Vec<f64> = (1..=80).map(|k| PERIOD_S * 0.5 * f64::from(k)).collect();
+        let segment = segment(&faster, false);
+        assert_eq!(readings_before_stop(&Course::new(&segment, &self::torque(20.0), 0.0), &self::surface(0.0), &NOISE, 8), 80);
+    }
+}
