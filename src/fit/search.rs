@@ -31,14 +31,16 @@ use crate::map::Gear;
 
 /// Movement of the surface below which it stands still [m/s², root mean square].
 const STILL_MPS2: f64 = 2e-4;
-/// Step of a delay below which it stands still [s]: a tenth of what an hour of data leaves unsure.
-const STILL_S: f64 = 3e-5;
+/// Step of a delay below which it stands still, as a share of its standard error.
+const STILL_DELAY: f64 = 0.1;
 /// Largest step of a delay in one round [s].
 const DELAY_STEP_S: f64 = 0.02;
 /// Threshold of the cuts in the first rounds, and later.
 const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
 /// Prior standard deviation of what is known.
 const FIXED_STD: f64 = 1e-9;
+/// Round on everything from which on speeds go half the way only: most campaigns stand still before.
+const HALF_WAY_FROM: usize = 3;
 /// Rounds in which the encoder is calibrated by the yaw rate: at once, and when pushes and slips are out.
 const ENCODER_ROUNDS: [usize; 2] = [1, 4];
 /// Rounds of the penalties' own iteration: while other things still move, and for good.
@@ -83,8 +85,8 @@ struct Found {
     fold: Vec<usize>,
     along: Along,
     moved_mps2: f64,
-    /// Largest step of a delay [s].
-    stepped_s: f64,
+    /// Largest step of a delay, over its standard error.
+    stepped: f64,
 }
 
 /// What was taken of the last round.
@@ -173,10 +175,10 @@ impl<'a> Search<'a> {
             let courses = courses(&stretch.merged, &lagged, &self.calibration);
             let along = speeds.take().unwrap_or_else(|| self.speeds(&courses));
             let mut found = self.round(&courses, &along, Free::Delays, true)?;
-            let moved = [found.moved_mps2, found.stepped_s];
+            let moved = [found.moved_mps2, found.stepped];
             self.converged = moved
                 .into_iter()
-                .zip([STILL_MPS2, STILL_S])
+                .zip([STILL_MPS2, STILL_DELAY])
                 .enumerate()
                 .all(|(k, (moved, still))| moved < still || before.is_some_and(|before| to_come(before[k], moved) < still));
             before = Some(moved);
@@ -196,7 +198,12 @@ impl<'a> Search<'a> {
                 drop(courses);
                 return Ok(self.handed_over(stretch, judged));
             }
-            speeds = Some(std::mem::take(&mut found.along.speeds));
+            // where speeds and surface chase each other, going half the way meets
+            let mut next = std::mem::take(&mut found.along.speeds);
+            if round >= HALF_WAY_FROM {
+                next.iter_mut().zip(&along).for_each(|(next, last)| next.go_half_way_from(last));
+            }
+            speeds = Some(next);
         }
         Err(Error::Singular)
     }
@@ -281,8 +288,8 @@ impl<'a> Search<'a> {
         let moved_mps2 = pass.movement(speeds, &self.surfaces);
         let along = pass.along(Some(speeds));
         self.surfaces = next;
-        let stepped_s = if free == Free::Surface { 0.0 } else { self.calibrate(&solution, free) };
-        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped_s })
+        let stepped = if free == Free::Surface { 0.0 } else { self.calibrate(&solution, free) };
+        Ok(Found { solution, system, parts, fold, along, moved_mps2, stepped })
     }
 
     /// Prior standard deviations of the nuisance columns; what is known from outside does not move.
@@ -380,7 +387,7 @@ impl<'a> Search<'a> {
         self.noise_bounds = found.at_bounds;
     }
 
-    /// A step of delays and encoder calibration, and how sure they are; the largest step of a delay [s].
+    /// A step of delays and encoder calibration, and how sure they are; the largest step of a delay, over its standard error.
     fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
         let q = self.design.coefficients();
         let of = |k: usize| solution.beta[q + k];
@@ -408,7 +415,8 @@ impl<'a> Search<'a> {
         }
         hold_known(&mut self.calibration, &self.logs, &self.settings);
         let now = &self.calibration;
-        let steps = before.dead_time_s.iter().zip(&now.dead_time_s).map(|(a, b)| (b - a).abs());
-        steps.fold((now.lag_s - before.lag_s).abs(), f64::max)
+        let errors = &self.errors;
+        let steps = before.dead_time_s.iter().zip(&now.dead_time_s).zip(&errors.dead_time_s).map(|((a, b), error)| (b - a).abs() / error);
+        steps.fold((now.lag_s - before.lag_s).abs() / errors.lag_s, f64::max)
     }
 }

@@ -15,6 +15,15 @@ pub(crate) struct Speeds {
     pub(crate) after: Vec<f64>,
 }
 
+impl Speeds {
+    /// Goes half the way only from `last`.
+    pub(crate) fn go_half_way_from(&mut self, last: &Self) {
+        for (now, last) in [(&mut self.before, &last.before), (&mut self.after, &last.after)] {
+            now.iter_mut().zip(last).for_each(|(now, last)| *now = 0.5 * (*now + last));
+        }
+    }
+}
+
 impl From<Vec<f64>> for Speeds {
     /// Speeds that are known whatever is read.
     fn from(known: Vec<f64>) -> Self {
