@@ -77,9 +77,9 @@ pub(super) fn delay(inputs: &Inputs) -> Section {
         .iter()
         .take(8)
         .map(|log| Panel {
-            title: format!("{}: found {} ms", log.log, num(1e3 * log.found_s, 1)),
+            title: format!("{}: found {} ms [σ]", log.log, num(1e3 * log.found_s, 1)),
             lines: vec![Line {
-                name: "σ worse than the best",
+                name: "",
                 class: "a",
                 points: log.dead_time_s.iter().zip(&log.deviance).map(|(d, v)| (1e3 * d, sigma(*v))).collect(),
             }],
