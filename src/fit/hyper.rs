@@ -12,7 +12,7 @@ const LEAST_DISTURBANCE_SHARE: f64 = 2e-3;
 const DISTURBANCE_TIME_S: (f64, f64) = (0.03, 1.0);
 const READING_MPS: (f64, f64) = (2e-4, 0.2);
 const LEAST_OFFSET_MPS2: f64 = 1e-4;
-/// A start that is thought less sure than it is follows the first readings' noise, and the look-ups with it.
+/// Starts that are thought less sure than they are follow the noise of the first readings, and the look-ups with them.
 const START_SCALE: (f64, f64) = (0.1, 3.0);
 
 /// The estimate, and the bounds that it met.

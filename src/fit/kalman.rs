@@ -19,7 +19,8 @@ pub(crate) struct Noise {
     pub(crate) offset_mps2: f64,
     /// Standard deviation of a reading of each witness [m/s]: encoder, yaw rate.
     pub(crate) reading_mps: [f64; 2],
-    /// How much less sure than thought the speed is where a stretch starts from rest ([`Segment::start_std`](super::segment::Segment)).
+    /// Standard deviation of the speed where a stretch starts from rest, over what is assumed before the data have told
+    /// ([`Segment::start_std`](super::segment::Segment)).
     pub(crate) start_scale: f64,
 }
 
