@@ -94,11 +94,11 @@ pub(crate) fn estimate(
             break;
         }
     }
-    let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise"];
-    let at_bounds = (0..5)
-        .filter(|&k| (k < 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
-        // an offset or a disturbance that vanishes is no trouble
-        .filter(|&k| !(k == 2 || k == 0) || x[k] >= bounds[k].1 * 0.999)
+    let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise", "starts from rest"];
+    let at_bounds = (0..6)
+        .filter(|&k| (k != 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
+        // an offset or a disturbance that vanishes is no trouble, nor are starts that are sure
+        .filter(|&k| ![0, 2, 5].contains(&k) || x[k] >= bounds[k].1 * 0.999)
         .map(|k| names[k])
         .collect();
     NoiseEstimate { noise: unpack(&x), at_bounds }

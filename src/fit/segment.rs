@@ -159,8 +159,10 @@ impl LogData<'_> {
             {
                 let course = Course::new(&whole, lagged, dead_time_s);
                 let surface = &surfaces[usize::from(stretch.gear == Gear::Reverse)];
+                // where a surface that is wrong expects none, the survey's stop stands
                 let before = readings_before_stop(&course, surface, noise, FEWEST_READINGS);
-                whole.readings.truncate(before);
+                let surveyed = whole.readings.partition_point(|r| r.t_s <= stretch.to_s);
+                whole.readings.truncate(before.unwrap_or(surveyed));
             }
             let mut cuts: Vec<(f64, f64)> = near(&intervals, start_s, to_s).to_vec();
             cuts.extend(near(&gaps, start_s, to_s));

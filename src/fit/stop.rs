@@ -18,8 +18,8 @@ const MARGIN_MPS: f64 = 2e-3;
 /// Looks along the segment: the second goes by the speeds that the first has filtered.
 const LOOKS: usize = 2;
 
-/// How many readings of a segment come before its stop, of which the first `least` are not asked: all where none is expected.
-pub(crate) fn readings_before_stop(course: &Course, surface: &LatticeSurface, noise: &Noise, least: usize) -> usize {
+/// How many readings of a segment come before its stop, of which the first `least` are not asked; `None` where no stop is expected.
+pub(crate) fn readings_before_stop(course: &Course, surface: &LatticeSurface, noise: &Noise, least: usize) -> Option<usize> {
     let mut speeds = Speeds::from(wide_speed(course.segment));
     let mut expected_std_mps = Vec::new();
     for _ in 0..LOOKS {
@@ -31,5 +31,5 @@ pub(crate) fn readings_before_stop(course: &Course, surface: &LatticeSurface, no
         let speed_mps = speeds.before[row];
         speed_mps < STANDARD_DEVIATIONS * expected_std_mps[row] + MARGIN_MPS && surface.accel_mps2(speed_mps, torque_nm) < 0.0
     };
-    (least.min(course.rows())..course.rows()).find(stops).unwrap_or(course.rows())
+    (least.min(course.rows())..course.rows()).find(stops)
 }
