@@ -52,7 +52,7 @@ impl Greedy {
         // coordinates: the rows of L with LᵀL = C, coefficients measured by what they give the surface
         let unit: Vec<f64> = model.unit_mps2();
         let scaled = Mat::from_fn(q, q, |a, b| unit[a] * covariance[(a, b)] * unit[b]);
-        let root = pivoted_root(&scaled, q, LEFT_OUT, q);
+        let root = pivoted_root(&scaled, q, LEFT_OUT);
         let root = Mat::from_fn(root.nrows(), q, |r, c| root[(r, c)] / unit[c]);
         let size = root.nrows();
         let mut rows = Mat::zeros(candidates.iter().map(|c| c.2.nrows()).sum(), size);
@@ -66,7 +66,7 @@ impl Greedy {
         }
         let contrasts = product(root.as_ref(), Mat::from_fn(q, cells.len(), |r, c| cells[c].contrast[r]).as_ref());
         let criterion = product(contrasts.as_ref(), contrasts.transpose());
-        let factor = pivoted_root(&criterion, size, CRITERION_LEFT_OUT, size);
+        let factor = pivoted_root(&criterion, size, CRITERION_LEFT_OUT);
         let reach = product(rows.as_ref(), factor.transpose());
         Self { runs, spread: rows.clone(), rows, covariance: Mat::identity(size, size), reach, contrasts, criterion }
     }

@@ -14,15 +14,14 @@ use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of a run's information are added until so little of its trace is left.
+/// Rows of a stretch's information are added until so little of its trace is left: fewer make long stretches that pass many speeds and torques
+/// tell too little.
 const LEFT_OUT: f64 = 1e-3;
-/// Most rows of one stretch.
-const MOST_ROWS: usize = 12;
-/// Standard deviation that a block of coefficients may at least add to the surface [m/s², root mean square over the lattice]: what the data
+/// Standard deviation that a block of the physics form may at least add to the surface [m/s², root mean square over the lattice]: what the data
 /// so far did not ask for is not thereby known to be nothing.
-const UNSEEN_MPS2: f64 = 0.01;
-/// The same beyond the physics form, where runs left out ask for nothing of the surface.
-const UNSEEN_BEYOND_PHYSICS_MPS2: f64 = 0.001;
+const UNSEEN_PHYSICS_MPS2: f64 = 0.01;
+/// The same of a block beyond it: where runs left out ask for nothing of the surface, and where they ask for all of it.
+const UNSEEN_BEYOND_MPS2: [f64; 2] = [0.0003, 0.003];
 /// The lag, and the dead times of the log driven before and of the one to come.
 const DELAYS: usize = 3;
 /// What a standard error of a delay counts as beside coefficients, which are measured by what they give the surface [m/s²].
@@ -167,7 +166,7 @@ impl Model {
                         gram.values[(r, c)] *= units[r] * units[c];
                     }
                 }
-                let root = pivoted_root(&gram.values, width, LEFT_OUT, MOST_ROWS);
+                let root = pivoted_root(&gram.values, width, LEFT_OUT);
                 let touched = Mat::from_fn(width, q + DELAYS, |r, c| match (gram.columns[r] as usize).checked_sub(base) {
                     None if c < q => t[(gram.columns[r] as usize, c)],
                     Some(nuisance::LAG) if c == q => 1.0,
@@ -242,20 +241,21 @@ impl Model {
         unit
     }
 
-    /// The diagonal of Λ: what the fit chose, yet no tighter than [`UNSEEN_MPS2`] and [`UNSEEN_BEYOND_PHYSICS_MPS2`] allow.
+    /// The diagonal of Λ: what the fit chose, yet no tighter than [`UNSEEN_PHYSICS_MPS2`] and [`UNSEEN_BEYOND_MPS2`] allow.
     fn ridge(&self, file: &Table1File) -> Vec<f64> {
         let told = |name: &str| {
             let blocks = file.report.diagnostics.get("blocks")?.as_array()?;
             blocks.iter().find(|b| b.get("block").and_then(serde_json::Value::as_str) == Some(name))?.get("penalty")?.as_f64()
         };
         let surface_share = file.report.diagnostics["model_choice"]["surface_share"].as_f64().map_or(1.0, |share| share.clamp(0.0, 1.0));
-        let unseen_beyond_physics_mps2 = UNSEEN_BEYOND_PHYSICS_MPS2 + surface_share * (UNSEEN_MPS2 - UNSEEN_BEYOND_PHYSICS_MPS2);
+        let [none, all] = UNSEEN_BEYOND_MPS2;
+        let unseen_beyond_mps2 = none + surface_share * (all - none);
         // delays are measured by their standard errors
         let mut ridge = vec![1.0; self.size()];
         for block in &self.design.blocks {
             let unit = self.unit_variance(&block.range);
             let penalty = if block.penalised {
-                let unseen_mps2 = if block.physics { UNSEEN_MPS2 } else { unseen_beyond_physics_mps2 };
+                let unseen_mps2 = if block.physics { UNSEEN_PHYSICS_MPS2 } else { unseen_beyond_mps2 };
                 let most = unit / (unseen_mps2 * unseen_mps2);
                 told(block.name).filter(|p| *p > 0.0).map_or(most, |p| p.min(most))
             } else {
@@ -298,12 +298,12 @@ impl Model {
 }
 
 /// Rows R with RᵀR nearly the leading `size` × `size` part of a symmetric matrix: Cholesky's factor with diagonal pivots, as many as leave
-/// `left_out` of the trace, at most `most_rows`.
-pub(super) fn pivoted_root(gram: &Mat<f64>, size: usize, left_out: f64, most_rows: usize) -> Mat<f64> {
+/// `left_out` of the trace.
+pub(super) fn pivoted_root(gram: &Mat<f64>, size: usize, left_out: f64) -> Mat<f64> {
     let mut left: Vec<f64> = (0..size).map(|k| gram[(k, k)]).collect();
     let total: f64 = left.iter().sum();
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    while rows.len() < most_rows.min(size) && left.iter().sum::<f64>() > left_out * total {
+    while rows.len() < size && left.iter().sum::<f64>() > left_out * total {
         let pivot = (0..size).fold(0, |best, k| if left[k] > left[best] { k } else { best });
         let scale = left[pivot].sqrt();
         if scale.is_nan() || scale <= 0.0 {
