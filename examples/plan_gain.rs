@@ -126,7 +126,7 @@ fn main() -> Fallible<()> {
         let wish = PlanSettings {
             budget_s: more_s,
             speed_breaks_mps: Some(yardstick.speeds_mps()),
-            torque_breaks_nm: Some(yardstick.torques_nm(case.step_nm)),
+            torque_breaks_nm: Some(in_steps(torques_nm, case.step_nm)),
         };
         let planned = plan(&start, &wish)?;
         let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml())? };
@@ -249,10 +249,17 @@ fn model_cells(start: &Table1File, wish: &PlanSettings, runs: &[RunGroup]) -> Fa
                 speed_limit_mps: run.speed_limit_mps,
                 end_speed_mps: run.end_speed_mps,
                 hold_s: run.hold_s,
+                cycles: run.cycles,
             })
         })
         .collect();
     Ok(expected(start, wish, &runs)?)
+}
+
+/// From the lowest torque to the highest every `step_nm` [N·m].
+fn in_steps([low, high]: [f64; 2], step_nm: f64) -> Vec<f64> {
+    let steps = ((high - low) / step_nm + 1e-9) as u32;
+    (0..=steps).map(|k| low + f64::from(k) * step_nm).collect()
 }
 
 /// One line per cell, for maps of the error.

@@ -57,13 +57,6 @@ impl Yardstick {
         speeds
     }
 
-    /// The torques of the cells, from the lowest on every `step_nm` [N·m].
-    pub(crate) fn torques_nm(&self, step_nm: f64) -> Vec<f64> {
-        let torques = || self.cells.iter().map(|c| c.torque_nm);
-        let (low, high) = (torques().fold(f64::INFINITY, f64::min), torques().fold(f64::NEG_INFINITY, f64::max));
-        (0..).map(|k| low + f64::from(k) * step_nm).take_while(|u| *u < high + 1e-9).collect()
-    }
-
     pub(crate) fn judge(&self, file: &Table1File) -> Fallible<Errors> {
         let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default())?;
         let mut errors = Errors { table: Vec::new(), surface: Vec::new(), outside: 0 };

@@ -2,6 +2,7 @@
 
 use super::drive::{PAUSE_S, PlannedRun, STALL_S};
 use super::{Plan, PlanEntry};
+use crate::map::start_in_words;
 use std::fmt::Write;
 
 impl Plan {
@@ -23,19 +24,16 @@ impl Plan {
 }
 
 impl PlannedRun {
-    /// What is driven: `from rest`, or the spin-up.
+    /// From where it starts, in words, and how often without a rest where it is more than once.
     pub fn start(&self) -> String {
-        match self.spin_up_nm {
-            Some(spin_up_nm) => format!("from {:.2} m/s reached with {spin_up_nm:.1} N·m", self.start_speed_mps),
-            None => "from rest".to_owned(),
-        }
+        start_in_words(self.start_speed_mps, self.spin_up_nm, self.cycles)
     }
 }
 
 impl PlanEntry {
     fn write(&self, text: &mut String) -> std::fmt::Result {
         let run = &self.run;
-        writeln!(text, "\n# {} at {:.1} N·m: {}", run.start(), run.torque_nm, self.reason)?;
+        writeln!(text, "\n# {:.1} N·m {}: {}", run.torque_nm, run.start(), self.reason)?;
         writeln!(
             text,
             "# the first run: {:.1} s, {:.4} N·m off the standard error ({:.2} %)",
@@ -46,8 +44,8 @@ impl PlanEntry {
         if let Some(spin_up_nm) = run.spin_up_nm {
             writeln!(
                 text,
-                "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}",
-                run.start_speed_mps, run.end_speed_mps
+                "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}\ncycles = {}",
+                run.start_speed_mps, run.end_speed_mps, run.cycles
             )?;
         }
         writeln!(text, "hold_s = {:?}\nspeed_limit_mps = {:?}", run.hold_s, run.speed_limit_mps)?;
