@@ -249,7 +249,6 @@ fn model_cells(start: &Table1File, wish: &PlanSettings, runs: &[RunGroup]) -> Fa
                 speed_limit_mps: run.speed_limit_mps,
                 end_speed_mps: run.end_speed_mps,
                 hold_s: run.hold_s,
-                cycles: run.cycles,
             })
         })
         .collect();

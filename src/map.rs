@@ -36,7 +36,6 @@ pub use error::{Error, Result};
 pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
-pub(crate) use plan_file::start_in_words;
 pub use plan_file::{PlanFile, PlannedRun, Proposal};
 pub use save::{sha256_hex, write_whole};
 pub(crate) use table1_file::expect_format;

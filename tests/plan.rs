@@ -106,6 +106,47 @@ fn cells_that_are_asked_for_are_what_runs_are_for() {
 }
 
 #[test]
+fn cells_beyond_the_torques_of_the_table_weigh_as_those_at_its_end() {
+    let map = &TABLE1.maps[0];
+    let (low, high) = (map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]);
+    let torques = vec![low - 2.0, low, high, high + 2.0];
+    let asked = PlanSettings { speed_breaks_mps: Some(vec![0.3, 0.6]), torque_breaks_nm: Some(torques.clone()), ..wish(20.0) };
+    let cells = expected(&TABLE1, &asked, &[]).unwrap();
+    let at = |torque_nm: f64| {
+        let errors: Vec<f64> = cells.iter().filter(|c| (c.torque_nm - torque_nm).abs() < 1e-9).map(|c| c.std_err_nm).collect();
+        rms(&errors)
+    };
+    for [end, beyond] in [[torques[1], torques[0]], [torques[2], torques[3]]] {
+        let ratio = at(beyond) / at(end);
+        assert!((0.9..1.4).contains(&ratio), "{ratio} from {end} to {beyond} N·m");
+    }
+}
+
+/// The runs as `record` drives them, the information as the estimator has it: so the model expects about what the fit then tells.
+#[test]
+fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_tells_of_them() {
+    for map in &TABLE1.maps {
+        let inner = |breaks: &[f64]| breaks.iter().copied().filter(|x| *x > 0.15 || *x < -1.0).collect::<Vec<f64>>();
+        let (speeds, torques) = (inner(&map.speed_mps), inner(&map.torque_nm));
+        let asked = PlanSettings { speed_breaks_mps: Some(speeds.clone()), torque_breaks_nm: Some(torques), ..wish(20.0) };
+        let cells = expected(&TABLE1, &asked, &[]).unwrap();
+        let table = map.surface.table().unwrap();
+        let mut pairs = Vec::new();
+        for cell in cells.iter().filter(|c| c.gear == map.gear) {
+            let place = |breaks: &[f64], x: f64| breaks.iter().position(|b| (b - x).abs() < 1e-9);
+            let (Some(i), Some(j)) = (place(&map.torque_nm, cell.torque_nm), place(&map.speed_mps, cell.speed_mps)) else { continue };
+            let at = |u: f64| table.accel_from_torque_clamped(cell.speed_mps, u).unwrap();
+            let slope = (at(cell.torque_nm + 0.5) - at(cell.torque_nm - 0.5)).max(0.01);
+            pairs.push((cell.std_err_nm, map.std_err_mps2[i][j] / slope));
+        }
+        let (model, told): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        let ratio = rms(&model) / rms(&told);
+        println!("{} {} {} {ratio}", map.gear, rms(&model), rms(&told));
+        assert!((0.7..1.4).contains(&ratio), "{}: {} by the model, {} told", map.gear, rms(&model), rms(&told));
+    }
+}
+
+#[test]
 fn what_cannot_be_planned_is_told() {
     let told = |file: &Table1File, settings: &PlanSettings| plan(file, settings).unwrap_err().to_string();
     assert!(told(&TABLE1, &wish(3.0)).contains("no run fits"));

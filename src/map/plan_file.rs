@@ -48,10 +48,7 @@ pub struct PlannedRun {
     pub start_speed_mps: f64,
     /// Torque of the spin-up to that speed [N·m]; absent from rest.
     pub spin_up_nm: Option<f64>,
-    /// How often spin-up and level follow one another before the wheel rests.
-    #[serde(default = "once")]
-    pub cycles: u32,
-    /// How often the run is driven.
+    /// How often.
     pub repeats: u32,
     /// Time of one run with everything around it [s].
     pub seconds: f64,
@@ -61,10 +58,6 @@ pub struct PlannedRun {
     pub gain_percent: f64,
     /// Why.
     pub reason: String,
-}
-
-fn once() -> u32 {
-    1
 }
 
 impl PlanFile {
@@ -100,17 +93,11 @@ impl PlanFile {
 }
 
 impl PlannedRun {
-    /// From where it starts, in words, and how often without a rest where it is more than once.
+    /// From where it starts, in words.
     pub fn start(&self) -> String {
-        start_in_words(self.start_speed_mps, self.spin_up_nm, self.cycles)
-    }
-}
-
-/// `from rest`, or the speed and the torque of the spin-up, and how often where it is more than once.
-pub(crate) fn start_in_words(start_speed_mps: f64, spin_up_nm: Option<f64>, cycles: u32) -> String {
-    let often = if cycles > 1 { format!(", {cycles} times without a rest") } else { String::new() };
-    match spin_up_nm {
-        Some(torque_nm) => format!("from {start_speed_mps:.2} m/s reached with {torque_nm:.1} N·m{often}"),
-        None => "from rest".to_owned(),
+        match self.spin_up_nm {
+            Some(torque_nm) => format!("from {:.2} m/s reached with {torque_nm:.1} N·m", self.start_speed_mps),
+            None => "from rest".to_owned(),
+        }
     }
 }

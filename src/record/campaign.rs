@@ -108,10 +108,6 @@ pub struct RunGroup {
     /// Torque [N·m] of the spin-up. Default 30.
     #[serde(default = "default_spin_up_nm")]
     pub spin_up_nm: f64,
-    /// How often spin-up and level follow one another, without a rest between, before the wheel is let coast. Ends sooner where the level
-    /// leaves the wheel no slower than it began. Default 1.
-    #[serde(default = "default_cycles", skip_serializing_if = "is_once")]
-    pub cycles: u32,
     /// Longest time at the level [s]. Default 3.
     #[serde(default = "default_hold_s")]
     pub hold_s: f64,
@@ -147,14 +143,6 @@ fn default_repeats() -> u32 {
 }
 fn default_spin_up_nm() -> f64 {
     30.0
-}
-fn default_cycles() -> u32 {
-    1
-}
-// serde asks for a reference
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_once(cycles: &u32) -> bool {
-    *cycles == 1
 }
 fn default_hold_s() -> f64 {
     3.0
@@ -274,9 +262,6 @@ impl RunGroup {
         within("repeats", f64::from(self.repeats), 1.0..=1000.0, "1 to 1000")?;
         within("start_speed_mps", self.start_speed_mps, 0.0..=20.0, "0 to 20")?;
         within("spin_up_nm", self.spin_up_nm, 0.0..=1e5, "0 to 1e5")?;
-        // one that starts from rest has no spin-up to go back to
-        let (most, allowed) = if self.start_speed_mps > 0.0 { (1000, "1 to 1000") } else { (1, "1 without a start_speed_mps above 0") };
-        within("cycles", f64::from(self.cycles), 1.0..=f64::from(most), allowed)?;
         within("hold_s", self.hold_s, 0.02..=600.0, "0.02 to 600")?;
         within("speed_limit_mps", self.speed_limit_mps, 0.01..=20.0, "0.01 to 20")?;
         within("end_speed_mps", self.end_speed_mps, 0.0..=20.0, "0 to 20")?;

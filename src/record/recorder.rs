@@ -69,7 +69,7 @@ pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::runner::{End, RunOutcome};
+    use super::super::runner::End;
     use super::*;
 
     const VEHICLE: &str = "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.12\n";
@@ -89,33 +89,6 @@ mod tests {
         let ends: Vec<End> = runs.iter().map(|run| run.end).collect();
         assert_eq!(ends, [End::Stalled, End::TimeUp, End::SpeedLimit, End::Slowed, End::EmergencyStop]);
         assert!(runs[3].start_speed_mps > 0.55 && runs[3].end_speed_mps < 0.03, "{:?}", runs[3]);
-    }
-
-    #[test]
-    fn cycles_follow_one_another_without_a_rest_as_long_as_the_level_slows_the_wheel() {
-        let levels = |torque_nm: i32, cycles: u32| {
-            recorded(&format!(
-                "[[runs]]\ntorque_nm = {torque_nm}\nstart_speed_mps = 0.6\nend_speed_mps = 0.3\ncycles = {cycles}\n[[runs]]\ntorque_nm = 12\n"
-            ))
-            .report
-            .runs
-        };
-        let once = levels(-20, 1);
-        let thrice = levels(-20, 3);
-        assert_eq!(thrice.iter().map(|r| r.group).collect::<Vec<_>>(), [0, 0, 0, 1]);
-        assert!(thrice[..3].iter().all(|r| r.end == End::Slowed && r.start_speed_mps > 0.55), "{thrice:?}");
-        // from one level to the next only the spin-up; to the next run the wheel coasts and rests
-        let gap_s = |runs: &[RunOutcome], k: usize| runs[k + 1].start_s - runs[k].start_s - runs[k].duration_s;
-        assert!(gap_s(&thrice, 0) < 0.7 && gap_s(&thrice, 1) < 0.7 && gap_s(&thrice, 2) > 1.2, "{thrice:?}");
-        assert!((gap_s(&thrice, 2) - gap_s(&once, 0)).abs() < 0.1);
-        // a level that speeds up has nothing to spin up for
-        assert_eq!(levels(25, 3).iter().map(|r| r.group).collect::<Vec<_>>(), [0, 1]);
-    }
-
-    #[test]
-    fn cycles_without_a_spin_up_are_refused() {
-        let error = Campaign::from_toml("[[runs]]\ntorque_nm = 20\ncycles = 3\n").unwrap_err().to_string();
-        assert_eq!(error, "runs entry 1: cycles is 3; allowed: 1 without a start_speed_mps above 0");
     }
 
     #[test]

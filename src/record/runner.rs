@@ -1,7 +1,6 @@
-//! Who drives the campaign: steers to the angle, spins up, holds the level, both again where a run has several cycles, lets coast, pauses; by
-//! what the sensors say.
+//! Who drives the campaign: steers to the angle, spins up, holds the level, lets coast, pauses; by what the sensors say.
 
-use super::campaign::{RunGroup, RunPlan};
+use super::campaign::RunPlan;
 use super::event::EventKind;
 use crate::map::{Gear, Vehicle};
 use crate::sim::{Command, Fault, Measurement, Random, Stream, World};
@@ -80,8 +79,6 @@ pub(super) struct Runner {
     since_s: f64,
     settled_since_s: f64,
     moved_at_s: f64,
-    /// Levels of the run that have ended.
-    cycles: u32,
     dither: Random,
     dithered: (f64, f64),
     event_on: bool,
@@ -99,7 +96,6 @@ impl Runner {
             since_s: 0.0,
             settled_since_s: 0.0,
             moved_at_s: 0.0,
-            cycles: 0,
             dither: Random::new(seed, Stream::Dither),
             dithered: (f64::NEG_INFINITY, 0.0),
             event_on: false,
@@ -132,7 +128,7 @@ impl Runner {
                     self.go(Phase::Hold, now_s);
                 } else if now_s - self.since_s > SPIN_UP_LIMIT_S {
                     self.begin_level(&run, now_s, speed_mps);
-                    self.end_level(End::NoSpinUp, now_s, speed_mps, &run.settings);
+                    self.end_level(End::NoSpinUp, now_s, speed_mps);
                 }
             }
             Phase::Hold | Phase::Coast | Phase::Pause => {}
@@ -170,7 +166,6 @@ impl Runner {
         let settled = now_s - self.settled_since_s >= SETTLED_S && now_s - self.moved_at_s >= SETTLED_S;
         if settled || now_s - self.since_s > STEER_LIMIT_S {
             world.begin_run();
-            self.cycles = 0;
             self.go(if run.settings.start_speed_mps > 0.0 { Phase::SpinUp } else { Phase::Hold }, now_s);
         }
     }
@@ -189,13 +184,11 @@ impl Runner {
         });
     }
 
-    fn end_level(&mut self, end: End, now_s: f64, speed_mps: f64, settings: &RunGroup) {
+    fn end_level(&mut self, end: End, now_s: f64, speed_mps: f64) {
         if let Some(outcome) = self.outcome.take() {
             self.outcomes.push(RunOutcome { duration_s: now_s - outcome.start_s, end_speed_mps: speed_mps, end, ..outcome });
         }
-        self.cycles += 1;
-        let again = matches!(end, End::Slowed | End::TimeUp) && speed_mps < settings.start_speed_mps && self.cycles < settings.cycles;
-        self.go(if again { Phase::SpinUp } else { Phase::Coast }, now_s);
+        self.go(Phase::Coast, now_s);
     }
 
     fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut Command) {
@@ -220,10 +213,7 @@ impl Runner {
                 world.inject(Fault::Cleared);
                 self.event_on = false;
             }
-            self.end_level(end, now_s, speed_mps, settings);
-            if self.phase == Phase::SpinUp {
-                command.torque_nm = settings.gear.sign() * settings.spin_up_nm;
-            }
+            self.end_level(end, now_s, speed_mps);
             return;
         }
         if settings.dither_nm > 0.0 && now_s - self.dithered.0 >= DITHER_S {

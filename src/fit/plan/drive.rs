@@ -21,8 +21,6 @@ const SEEN_LATE: usize = 3;
 const ANSWER_S: f64 = SEEN_LATE as f64 * STEP_S + 0.5 * READING_S;
 /// Longest time at a level [s], as a campaign usually has it; and longer, for levels that hardly change the speed.
 const HOLDS_S: [f64; 2] = [2.5, 6.0];
-/// How often spin-up and a level that slows down follow one another before the wheel rests.
-const CYCLES: [u32; 2] = [1, 3];
 /// A level at which the wheel rests ends after this time [s].
 pub(super) const STALL_S: f64 = 1.0;
 /// Pause at rest after a run [s]: settling is rest enough.
@@ -66,8 +64,6 @@ pub struct PlannedRun {
     pub end_speed_mps: f64,
     /// ... and after this time [s].
     pub hold_s: f64,
-    /// How often spin-up and level follow one another before the wheel rests.
-    pub cycles: u32,
 }
 
 /// A stretch of a run: readings without noise, the command behind them.
@@ -128,7 +124,6 @@ impl Vehicle {
                 speed_limit_mps: top,
                 end_speed_mps: END_MPS,
                 hold_s: 0.0,
-                cycles: 1,
             };
             if torque_nm > 0.0 {
                 add(from_rest);
@@ -148,10 +143,7 @@ impl Vehicle {
                     let early = (-self.accel_mps2(0.0, torque_nm) * late_s * 100.0).round() / 100.0;
                     let turns = torque_nm < -self.breakaway_nm;
                     if !turns || early < 0.5 * start_speed_mps {
-                        let end_speed_mps = if turns { early.max(END_MPS) } else { END_MPS };
-                        for &cycles in if slows { &CYCLES[..] } else { &CYCLES[..1] } {
-                            add(PlannedRun { end_speed_mps, cycles, ..run });
-                        }
+                        add(PlannedRun { end_speed_mps: if turns { early.max(END_MPS) } else { END_MPS }, ..run });
                     }
                 }
             }
@@ -162,8 +154,26 @@ impl Vehicle {
     /// Drives a run as `record` does; `None` when its speed is never reached, or when it ends before it differs from a shorter one.
     pub(super) fn drive(&self, run: &PlannedRun) -> Option<Driven> {
         let mut way = Way::new(self, 0.0, 0.0);
-        for _ in 0..run.cycles {
-            way.cycle(run)?;
+        if let Some(spin_up_nm) = run.spin_up_nm {
+            way.command(spin_up_nm);
+            while way.seen_mps() < run.start_speed_mps {
+                way.decide();
+                if way.t_s > LONGEST_SPIN_UP_S {
+                    return None;
+                }
+            }
+        }
+        way.command(run.torque_nm);
+        let from_s = way.t_s;
+        while way.t_s - from_s < run.hold_s && way.seen_mps() < run.speed_limit_mps {
+            way.decide();
+            let slowed = run.spin_up_nm.is_some() && way.seen_mps() < run.end_speed_mps;
+            if slowed || way.t_s - from_s.max(way.moved_s) > STALL_S {
+                break;
+            }
+        }
+        if run.hold_s > HOLDS_S[0] && way.t_s - from_s < HOLDS_S[0] {
+            return None;
         }
         way.command(0.0);
         let from_s = way.t_s;
@@ -264,30 +274,6 @@ impl<'a> Way<'a> {
         for _ in 0..STEPS_PER_READING {
             self.step();
         }
-    }
-
-    /// One spin-up and level; `None` as for the whole run.
-    fn cycle(&mut self, run: &PlannedRun) -> Option<()> {
-        if let Some(spin_up_nm) = run.spin_up_nm {
-            let from_s = self.t_s;
-            self.command(spin_up_nm);
-            while self.seen_mps() < run.start_speed_mps {
-                self.decide();
-                if self.t_s - from_s > LONGEST_SPIN_UP_S {
-                    return None;
-                }
-            }
-        }
-        self.command(run.torque_nm);
-        let from_s = self.t_s;
-        while self.t_s - from_s < run.hold_s && self.seen_mps() < run.speed_limit_mps {
-            self.decide();
-            let slowed = run.spin_up_nm.is_some() && self.seen_mps() < run.end_speed_mps;
-            if slowed || self.t_s - from_s.max(self.moved_s) > STALL_S {
-                break;
-            }
-        }
-        (run.hold_s <= HOLDS_S[0] || self.t_s - from_s >= HOLDS_S[0]).then_some(())
     }
 
     /// The stretches that the fit would use: moving, without what follows a step.

@@ -2,7 +2,6 @@
 
 use super::drive::{PAUSE_S, PlannedRun, STALL_S};
 use super::{Plan, PlanEntry};
-use crate::map::start_in_words;
 use std::fmt::Write;
 
 impl Plan {
@@ -24,9 +23,12 @@ impl Plan {
 }
 
 impl PlannedRun {
-    /// From where it starts, in words, and how often without a rest where it is more than once.
+    /// What is driven: `from rest`, or the spin-up.
     pub fn start(&self) -> String {
-        start_in_words(self.start_speed_mps, self.spin_up_nm, self.cycles)
+        match self.spin_up_nm {
+            Some(spin_up_nm) => format!("from {:.2} m/s reached with {spin_up_nm:.1} N·m", self.start_speed_mps),
+            None => "from rest".to_owned(),
+        }
     }
 }
 
@@ -44,8 +46,8 @@ impl PlanEntry {
         if let Some(spin_up_nm) = run.spin_up_nm {
             writeln!(
                 text,
-                "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}\ncycles = {}",
-                run.start_speed_mps, run.end_speed_mps, run.cycles
+                "start_speed_mps = {:?}\nspin_up_nm = {spin_up_nm:?}\nend_speed_mps = {:?}",
+                run.start_speed_mps, run.end_speed_mps
             )?;
         }
         writeln!(text, "hold_s = {:?}\nspeed_limit_mps = {:?}", run.hold_s, run.speed_limit_mps)?;
