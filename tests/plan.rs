@@ -141,7 +141,6 @@ fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_tells_of_them
         }
         let (model, told): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
         let ratio = rms(&model) / rms(&told);
-        println!("{} {} {} {ratio}", map.gear, rms(&model), rms(&told));
         assert!((0.7..1.4).contains(&ratio), "{}: {} by the model, {} told", map.gear, rms(&model), rms(&told));
     }
 }

@@ -15,7 +15,8 @@ fn maps(folder: &Path) -> PathBuf {
     std::fs::create_dir(&maps).unwrap();
     for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")).unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|e| e == "json" || e == "csv") {
+        // not what somebody has planned with the demo's maps
+        if path.extension().is_some_and(|e| e == "json" || e == "csv") && !path.ends_with("plan.json") {
             std::fs::copy(&path, maps.join(path.file_name().unwrap())).unwrap();
         }
     }
