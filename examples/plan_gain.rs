@@ -1,7 +1,7 @@
 //! What five minutes of `plan` are worth beside five minutes of the uniform campaign:
 //! `cargo run --release --example plan_gain -- [--seeds 101:116] [--minutes 5] [--first 1] [--vehicle sweeper] [--quiet] [--model] [--dump cells.csv]`.
-//! docs/plan.md states the protocol and tells the figures. `--vehicle` takes the bundled sweeper instead of the scrubber, `--quiet` takes the disturbance and the spread of the friction away: what is left is
-//! what no campaign removes. `--model` stops at what the model of `plan` expects. `--dump` writes errors and standard errors cell by cell.
+//! docs/plan.md states the protocol and tells the figures. `--vehicle` takes the bundled sweeper instead of the scrubber, `--quiet` takes the
+//! disturbance and the spread of the friction away: what is left is what no campaign removes. `--model` stops at what the model of `plan` expects. `--dump` writes errors and standard errors cell by cell.
 
 #![allow(clippy::print_stdout)] // a study prints
 

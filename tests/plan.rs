@@ -107,9 +107,9 @@ fn cells_that_are_asked_for_are_what_runs_are_for() {
 
 #[test]
 fn cells_beyond_the_torques_of_the_table_weigh_as_those_at_its_end() {
-    let map = &TABLE1.maps[0];
-    let (low, high) = (map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]);
-    let torques = vec![low - 2.0, low, high, high + 2.0];
+    let surface = TABLE1.maps[0].surface.table().unwrap();
+    let (low, high) = (surface.torque_nm().first(), surface.torque_nm().last());
+    let torques = vec![low - 2.0, low, high, high + 1.0]; // the vehicle takes 44 N·m
     let asked = PlanSettings { speed_breaks_mps: Some(vec![0.3, 0.6]), torque_breaks_nm: Some(torques.clone()), ..wish(20.0) };
     let cells = expected(&TABLE1, &asked, &[]).unwrap();
     let at = |torque_nm: f64| {
@@ -126,9 +126,9 @@ fn cells_beyond_the_torques_of_the_table_weigh_as_those_at_its_end() {
 #[test]
 fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_tells_of_them() {
     for map in &TABLE1.maps {
-        let inner = |breaks: &[f64]| breaks.iter().copied().filter(|x| *x > 0.15 || *x < -1.0).collect::<Vec<f64>>();
-        let (speeds, torques) = (inner(&map.speed_mps), inner(&map.torque_nm));
-        let asked = PlanSettings { speed_breaks_mps: Some(speeds.clone()), torque_breaks_nm: Some(torques), ..wish(20.0) };
+        // near standstill, where the coarse lattice of these tests is too coarse, neither is held to the other
+        let speeds = map.speed_mps.iter().copied().filter(|v| *v > 0.15).collect();
+        let asked = PlanSettings { speed_breaks_mps: Some(speeds), torque_breaks_nm: Some(map.torque_nm.clone()), ..wish(20.0) };
         let cells = expected(&TABLE1, &asked, &[]).unwrap();
         let table = map.surface.table().unwrap();
         let mut pairs = Vec::new();
@@ -141,7 +141,7 @@ fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_tells_of_them
         }
         let (model, told): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
         let ratio = rms(&model) / rms(&told);
-        assert!((0.7..1.4).contains(&ratio), "{}: {} by the model, {} told", map.gear, rms(&model), rms(&told));
+        assert!((0.77..1.3).contains(&ratio), "{}: {} by the model, {} told", map.gear, rms(&model), rms(&told));
     }
 }
 
