@@ -10,8 +10,10 @@ mod drive;
 #[path = "../examples/study/vehicle.rs"]
 mod vehicle;
 
-use pivot_cal::campaign::{self, Survey};
-use pivot_cal::fit::{self, fit};
+use pivot_cal::campaign;
+use pivot_cal::campaign::Survey;
+use pivot_cal::fit;
+use pivot_cal::fit::fit;
 use std::time::Instant;
 
 /// Limit for an hour of data on one thread [s].

@@ -5,8 +5,10 @@
 
 #![allow(clippy::print_stdout)] // a study prints
 
-use pivot_cal::campaign::{self, Survey};
-use pivot_cal::fit::{self, fit};
+use pivot_cal::campaign;
+use pivot_cal::campaign::Survey;
+use pivot_cal::fit;
+use pivot_cal::fit::fit;
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{CellStatus, Gear};
 use pivot_cal::record::{Campaign, record};

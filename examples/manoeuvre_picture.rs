@@ -3,9 +3,9 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
-use pivot_cal::control::route::follower::Stage;
-use pivot_cal::control::route::polyline::{PolylinePlan, PolylineSettings};
-use pivot_cal::verify::manoeuvre::DEMO_POINTS;
+use pivot_cal::guidance::route::follower::Stage;
+use pivot_cal::guidance::route::polyline::{PolylinePlan, PolylineSettings};
+use pivot_cal::manoeuvre::DEMO_POINTS;
 use pivot_cal::verify::{Manoeuvre, ManoeuvreMoment, Maps, Metric, Settings, replay_manoeuvre};
 use std::error::Error;
 use std::fmt::Write as _;

@@ -11,7 +11,8 @@ mod campaigns;
 mod yardstick;
 
 use campaigns::{drive, in_order, shuffled};
-use pivot_cal::fit::{self, ExpectedCell, PlanSettings, PlannedRun, expected, fit, plan};
+use pivot_cal::{fit, plan};
+use pivot_cal::fit::{ExpectedCell, PlanSettings, PlannedRun, expected, fit};
 use pivot_cal::map::Table1File;
 use pivot_cal::record::{Campaign, RunGroup, Torques};
 use pivot_cal::sim::VehicleFile;

@@ -3,7 +3,7 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
-use pivot_cal::verify::manoeuvre::picture::picture;
+use pivot_cal::manoeuvre::picture::picture;
 use pivot_cal::verify::{Kind, Manoeuvre, Maps, Metric, Settings, bundled_vehicle, known_maps, replay_manoeuvre};
 use std::error::Error;
 

@@ -30,3 +30,7 @@ pub mod sim;
 mod spelling;
 pub mod units;
 pub mod verify;
+pub mod check;
+pub mod guidance;
+pub mod manoeuvre;
+pub mod plan;

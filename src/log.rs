@@ -11,55 +11,36 @@
 //! # Ok::<(), pivot_cal::log::Error>(())
 //! ```
 
-mod block;
-mod bytes;
-mod candidates;
-mod channel_set;
-mod column;
-mod container;
-mod convert;
-mod detect;
 mod error;
-mod fields;
-mod gather;
-mod infer;
-mod input;
-mod inputs;
-mod join;
-mod loss;
-mod lz4;
+mod find_logs;
+mod split_bag;
 mod path;
-mod plan;
-mod polyline;
-mod presets;
+mod reference_path;
 mod rate;
 mod read;
-mod record;
 mod recording;
-mod resolve;
-mod scan;
 mod schema;
-mod series;
 mod signal_map;
-mod stamp;
-mod summary;
 mod survey;
 mod vehicle;
+pub(crate) mod extract;
+pub(crate) mod file;
+pub(crate) mod find;
 
 pub use error::{Error, Result};
-pub use fields::{FieldError, FieldReader};
-pub use inputs::find_logs;
-pub use join::read_split;
-pub use loss::{Damage, Loss, Why};
+pub use extract::extractor::PlanError;
+pub use extract::fields::{FieldError, FieldReader};
+pub use file::loss::{Damage, Loss, Why};
+pub use find::presets::Preset;
+pub use find_logs::find_logs;
 pub use path::{Compare, Literal, MessagePath, Step, Test};
-pub use plan::PlanError;
-pub use polyline::ReferencePath;
-pub use presets::Preset;
 pub use rate::{Rate, rate};
 pub use read::{read, read_bytes, read_lateral, read_lateral_bytes, read_signals};
 pub use recording::{Origin, Recording, Signal, Signals};
+pub use reference_path::ReferencePath;
 pub use schema::SchemaError;
 pub use signal_map::{Code, SignalMap, SignalName, SignalSpec, VehicleOverrides};
+pub use split_bag::read_split;
 pub use survey::{Depth, Found, Missing, Survey, Topic, survey, survey_bytes};
 pub use vehicle::VEHICLE_METADATA;
 

@@ -9,11 +9,9 @@ mod angle_family;
 pub mod angle_lookup;
 mod axis;
 mod cell;
-pub mod check;
 mod csv_matrix;
 mod error;
 mod fit_traces;
-pub mod foreign;
 mod gear;
 mod json_text;
 mod lateral_table_file;
@@ -31,21 +29,18 @@ pub use angle_family::{AngleFamily, LeftOutAngle, SAME_ANGLE_DEG, Side, csv_name
 pub use axis::Axis;
 pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
-pub(crate) use csv_matrix::decimal;
 pub use error::{Error, Result};
 pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
 pub use plan_file::{PlanFile, PlannedRun, Proposal};
 pub use save::{sha256_hex, write_whole};
-pub(crate) use table1_file::expect_format;
-pub use table1_file::{
-    AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
-    Table1File, Units, Witness,
-};
+pub use table1_file::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface, Table1File, Units, Witness};
 pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
 pub use torque_table::TorqueTable;
 pub use vehicle::Vehicle;
+pub(crate) use csv_matrix::decimal;
+pub(crate) use table1_file::expect_format;
 
 /// Version of the JSON artefacts that this library writes, and the only one that it reads.
 pub const FORMAT_VERSION: u32 = 1;

@@ -6,8 +6,8 @@
 //!
 //! Everything random comes from one seed through one stream per source ([`Stream`]), so that results depend on nothing else.
 
-mod body;
-mod channel;
+mod pose;
+mod sensor_timing;
 mod drive;
 mod error;
 mod fault;
@@ -28,8 +28,6 @@ mod vehicle_file;
 mod world;
 
 pub use crate::map::Gear;
-pub use body::{AngleTerms, Body, SpeedStep};
-pub use channel::{Channel, KEPT, Reading, Timing};
 pub use drive::{Drive, DriveSettings, TorqueStep};
 pub use error::{Error, Result};
 pub use fault::Fault;
@@ -37,9 +35,11 @@ pub use identified::{Direction, IdentifiedMotion, IdentifiedSettings};
 pub use motion::{Load, Motion, MotionSettings};
 pub use physical::PhysicalMotion;
 pub use plant::PhysicalSettings;
+pub use pose::{AngleTerms, Body, SpeedStep};
 pub use random::{Disturbance, Random, Stream};
 pub use replay::{RecordedRun, Replay, replay};
 pub use sensor_settings::{EncoderSettings, GyroSettings, PoseSettings, SensorSettings, SteeringAngleSettings, TorqueFeedbackSettings};
+pub use sensor_timing::{Channel, KEPT, Reading, Timing};
 pub use sensors::Sensors;
 pub use settings::{DEFAULT_STEP_S, Perturbation, Settings};
 pub use steering::{AngleStep, Steering, SteeringSettings};

@@ -5,41 +5,37 @@
 //! measured cell makes the round trip Table 1 → Table 2 → Table 1; and other laws drive beside the map. A gate of documented limits decides.
 
 mod closed_loop;
-mod draws;
+mod perturbations;
 mod error;
 mod gate;
 mod judge;
-mod known;
+mod reference_maps;
 mod laws;
 mod log;
-pub mod manoeuvre;
 mod maps;
 mod metric;
 mod plant;
-mod region;
+mod measured_region;
 mod replayed;
 mod round_trip;
 mod run;
 mod scenario;
 mod vehicle_log;
 mod verdict;
-mod watch;
+mod run_metrics;
 
 pub use closed_loop::{Bands, ClosedLoop, LawTraces, closed_loop};
-pub use draws::Spread;
+pub use crate::manoeuvre::{ErrorTrace, Kind, LateralRun, LoggedReference, Manoeuvre, ManoeuvreMoment, ManoeuvreTrace, ManoeuvreTraces, Mounting, Piece, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, manoeuvre_traces, replay_manoeuvre};
 pub use error::{Error, Result};
 pub use gate::{Check, Gate, Limit};
 pub use judge::{Settings, replay, verify, verify_watched};
-pub use known::known_maps;
 pub use log::log_of;
-pub use manoeuvre::{
-    ErrorTrace, Kind, LateralRun, LoggedReference, Manoeuvre, ManoeuvreMoment, ManoeuvreTrace, ManoeuvreTraces, Mounting, Piece,
-    bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, manoeuvre_traces, replay_manoeuvre,
-};
 pub use maps::{AngleMap, Maps};
+pub use measured_region::Region;
 pub use metric::{Metric, Statistic, Summary, Values};
+pub use perturbations::Spread;
 pub use plant::Plant;
-pub use region::Region;
+pub use reference_maps::known_maps;
 pub use replayed::{ReplayedRun, replayed};
 pub use round_trip::{RoundTrip, RoundTripLimit, Worst, round_trip};
 pub use run::Moment;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use pivot_cal::control::route::lqr::Lqr;
+use pivot_cal::guidance::route::lqr::Lqr;
 use pivot_cal::map::{LateralTableFile, sha256_hex};
 use std::path::{Path, PathBuf};
 

@@ -7,8 +7,10 @@
 #[path = "../examples/plan_gain/yardstick.rs"]
 mod yardstick;
 
-use pivot_cal::campaign::{self, Survey};
-use pivot_cal::fit::{self, fit};
+use pivot_cal::campaign;
+use pivot_cal::campaign::Survey;
+use pivot_cal::fit;
+use pivot_cal::fit::fit;
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{Gear, Table1File};
 use pivot_cal::record::{Campaign, record};

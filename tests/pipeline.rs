@@ -3,9 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
-use pivot_cal::campaign::{self, Survey, Verdict};
-use pivot_cal::fit::{self, Fit, fit};
-use pivot_cal::invert::{self, invert};
+use pivot_cal::campaign;
+use pivot_cal::campaign::{Survey, Verdict};
+use pivot_cal::fit;
+use pivot_cal::fit::{Fit, fit};
+use pivot_cal::invert;
+use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, SignalMap, Source, VehicleOverrides, read, read_bytes};
 use pivot_cal::map::{CellStatus, CsvRef, Gear, Table1File};
 use pivot_cal::record::{Campaign, record};

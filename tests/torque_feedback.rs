@@ -3,9 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
-use pivot_cal::campaign::{self, Survey, Verdict, group_by_angle};
-use pivot_cal::fit::{self, Fit, fit, fit_angles, fit_traced};
-use pivot_cal::invert::{self, invert};
+use pivot_cal::campaign;
+use pivot_cal::campaign::{Survey, Verdict, group_by_angle};
+use pivot_cal::fit;
+use pivot_cal::fit::{Fit, fit, fit_angles, fit_traced};
+use pivot_cal::invert;
+use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{AccelMap, CellStatus, CsvRef, Gear};
 use pivot_cal::record::{Campaign, record};

@@ -3,10 +3,13 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
-use pivot_cal::campaign::{self, Grouped, group_by_angle};
+use pivot_cal::campaign;
+use pivot_cal::campaign::{Grouped, group_by_angle};
 use pivot_cal::control::{AngleTable, AngleTables, GearTerms};
-use pivot_cal::fit::{self, Fit, fit_angles};
-use pivot_cal::invert::{self, Inversion, invert};
+use pivot_cal::fit;
+use pivot_cal::fit::{Fit, fit_angles};
+use pivot_cal::invert;
+use pivot_cal::invert::{Inversion, invert};
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable};
 use pivot_cal::record::{Campaign, record};

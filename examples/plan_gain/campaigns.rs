@@ -1,6 +1,7 @@
 //! Campaigns cut to a time, driven on the simulator and surveyed.
 
-use pivot_cal::campaign::{self, Survey};
+use pivot_cal::campaign;
+use pivot_cal::campaign::Survey;
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::Gear;
 use pivot_cal::record::{Campaign, RunGroup, Torques, record};

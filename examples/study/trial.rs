@@ -8,9 +8,12 @@ mod smoother;
 mod vehicle;
 
 use drive::Drive;
-use pivot_cal::campaign::{self, Survey};
-use pivot_cal::fit::{self, fit};
-use pivot_cal::invert::{self, invert};
+use pivot_cal::campaign;
+use pivot_cal::campaign::Survey;
+use pivot_cal::fit;
+use pivot_cal::fit::fit;
+use pivot_cal::invert;
+use pivot_cal::invert::invert;
 use pivot_cal::map::{CellStatus, CsvRef, TorqueTable};
 use std::fmt;
 pub(crate) use vehicle::Kind;

@@ -4,9 +4,9 @@
 //! samples: the wheel angle of a run is the median over its motion, and a run along which the wheel drifts has none. Runs within
 //! `angle_tolerance_deg` of one angle are one group, so that two angles are told apart from twice the tolerance on.
 
-use super::Settings;
-use super::gates::clean_angle;
-use super::hold::holds;
+use crate::campaign::Settings;
+use crate::campaign::gates::clean_angle;
+use crate::campaign::hold::holds;
 use crate::signal::{Series, Track, median};
 use crate::units::RAD_PER_DEG;
 use std::fmt;
@@ -174,8 +174,8 @@ fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<Run>
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::map::{LogRef, Vehicle};
+    use super::*;
 
     /// Runs of one second: (wheel angle at its start and end [°], torque), each followed by a second at rest.
     fn track(runs: &[(f64, f64, f64)]) -> Track {

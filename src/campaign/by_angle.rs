@@ -7,7 +7,7 @@
 //! changes it by 0.00001 at 90°, by 0.9 % at 30°, and without bound toward 0°. Hence the angle with the largest |sin δ| alone tells the
 //! encoder's scale; elsewhere the yaw rate is scaled to agree with the encoder, and below 15° it is left out. At 0° there is none.
 
-use super::{Settings, Survey};
+use crate::campaign::{Settings, Survey};
 use crate::log::Recording;
 use crate::map::Vehicle;
 use crate::signal::{Result, Track, median};

@@ -1,14 +1,14 @@
 //! The gates that need no model: each looks at one signal and marks intervals.
 
-use super::Settings;
+use crate::campaign::Settings;
 use crate::signal::{Series, median_of_few};
 use crate::units::RAD_PER_DEG;
 
 /// Closed intervals of time [s], ordered and apart.
-pub(super) type Intervals = Vec<(f64, f64)>;
+pub(crate) type Intervals = Vec<(f64, f64)>;
 
 /// Whether `t_s` lies in one of `intervals`.
-pub(super) fn within(intervals: &[(f64, f64)], t_s: f64) -> bool {
+pub(crate) fn within(intervals: &[(f64, f64)], t_s: f64) -> bool {
     let k = intervals.partition_point(|(from, _)| *from <= t_s);
     k > 0 && t_s <= intervals[k - 1].1
 }
@@ -29,7 +29,7 @@ fn intervals(series: &Series, margin_s: f64, marked: impl Fn(usize) -> bool) -> 
 }
 
 /// The wheel angle over time, its spikes removed (median of five).
-pub(super) fn clean_angle(angle_rad: &Series) -> Series {
+pub(crate) fn clean_angle(angle_rad: &Series) -> Series {
     let n = angle_rad.len();
     let mut around = [0.0; 5];
     let value = (0..n)
@@ -44,18 +44,18 @@ pub(super) fn clean_angle(angle_rad: &Series) -> Series {
 }
 
 /// Where the wheel is away from the test angle.
-pub(super) fn off_angle(angle_rad: &Series, test_angle_deg: f64, settings: &Settings) -> Intervals {
+pub(crate) fn off_angle(angle_rad: &Series, test_angle_deg: f64, settings: &Settings) -> Intervals {
     intervals(angle_rad, 0.02, |i| (angle_rad.value[i] / RAD_PER_DEG - test_angle_deg).abs() > settings.angle_tolerance_deg)
 }
 
 /// Where the steering moves.
-pub(super) fn steering(angle_rad: &Series, settings: &Settings) -> Intervals {
+pub(crate) fn steering(angle_rad: &Series, settings: &Settings) -> Intervals {
     let rates = angle_rad.slopes(0.1);
     intervals(angle_rad, 0.05, |i| rates[i].abs() / RAD_PER_DEG > settings.steering_rate_deg_s)
 }
 
 /// Where an emergency stop is on: from the last message that says it is off to the first that says so again.
-pub(super) fn emergency_stops(estop: &Series) -> Intervals {
+pub(crate) fn emergency_stops(estop: &Series) -> Intervals {
     let mut found: Intervals = Vec::new();
     let mut on = false;
     for i in 0..estop.len() {
@@ -74,7 +74,7 @@ pub(super) fn emergency_stops(estop: &Series) -> Intervals {
 }
 
 /// Where the torque command is unknown: gaps with different commands on both sides, and the time that the drive needs to settle after.
-pub(super) fn command_gaps(command: &Series, settings: &Settings) -> Intervals {
+pub(crate) fn command_gaps(command: &Series, settings: &Settings) -> Intervals {
     let longest = settings.command_gap_s.max(4.0 * command.median_period_s().min(1.0));
     let settle_s = 0.4;
     let mut found: Intervals = Vec::new();
@@ -92,7 +92,7 @@ pub(super) fn command_gaps(command: &Series, settings: &Settings) -> Intervals {
 }
 
 /// Samples that their neighbours do not share: Hampel's rule over ±3 samples, with a floor so that a quantum is no outlier.
-pub(super) fn outliers(series: &Series, mads: f64) -> Vec<bool> {
+pub(crate) fn outliers(series: &Series, mads: f64) -> Vec<bool> {
     let floor = crate::signal::noise_std(&series.value).max(crate::signal::quantum(&series.value)).max(1e-6);
     crate::signal::hampel(&series.value, mads, floor)
 }

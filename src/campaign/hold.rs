@@ -1,6 +1,6 @@
 //! Stretches of constant torque command: what people call runs.
 
-use super::Settings;
+use crate::campaign::Settings;
 use crate::signal::Series;
 
 /// A stretch of constant command, or of quick changes (each held for less than 0.3 s) taken together.
@@ -20,7 +20,7 @@ pub struct Hold {
 const QUICK_S: f64 = 0.3;
 
 /// Cuts the command into holds; `largest_nm` scales the tolerance.
-pub(super) fn holds(command: &Series, settings: &Settings) -> Vec<Hold> {
+pub(crate) fn holds(command: &Series, settings: &Settings) -> Vec<Hold> {
     let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let tolerance = (settings.hold_tolerance * largest).max(1e-9);
     let mut holds: Vec<Hold> = Vec::new();

@@ -1,6 +1,6 @@
 //! The ledger: how many samples and seconds each verdict has.
 
-use super::Verdict;
+use crate::campaign::Verdict;
 use crate::map::LedgerRow;
 use crate::signal::Series;
 

@@ -1,6 +1,6 @@
 //! The runs as people list them: one row per hold at the test angle, without what only a model can tell.
 
-use super::{Hold, Survey, Verdict, ledger};
+use crate::campaign::{Hold, Survey, Verdict, ledger};
 use crate::map::{Gear, RunRow};
 
 /// One row per hold that has moving samples at the test angle, or torque on a wheel at rest there, with the hold itself. `verdicts` are those

@@ -1,14 +1,14 @@
 //! Slip by two witnesses: the encoder sees the wheel, the yaw rate sees the vehicle.
 
-use super::Settings;
-use super::gates::Intervals;
+use crate::campaign::Settings;
+use crate::campaign::gates::Intervals;
 use crate::signal::{Alignment, Series};
 
 /// Where encoder and yaw speed part ways, and how they compare elsewhere.
 ///
 /// The difference is averaged over ±0.06 s after scale and delay are taken out. It counts as slip from where it leaves a small band to
 /// where it returns, whenever it exceeds the threshold in between.
-pub(super) fn slips(encoder: &Series, yaw: &Series, alignment: Alignment, settings: &Settings) -> Intervals {
+pub(crate) fn slips(encoder: &Series, yaw: &Series, alignment: Alignment, settings: &Settings) -> Intervals {
     let mut yaw_along = yaw.cursor();
     let difference: Vec<f64> = encoder
         .t_s

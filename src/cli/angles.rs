@@ -1,22 +1,23 @@
 //! Wheel angles on the command line: which ones are fitted, what is said of them, and the files of angles that are no more.
 
-use super::Ui;
-use crate::campaign::{self, Census, Grouped, group_by_angle};
+use crate::campaign;
+use crate::campaign::{Census, Grouped, group_by_angle};
+use crate::cli::Ui;
 use crate::log::Recording;
 use crate::map::{AngleFamily, SAME_ANGLE_DEG, Table1File, is_csv_name};
 use anyhow::bail;
 use std::path::Path;
 
 /// What several wheel angles are fitted from.
-pub(super) struct Choice {
-    pub(super) grouped: Grouped,
+pub(crate) struct Choice {
+    pub(crate) grouped: Grouped,
     /// The angle of the plain file names.
-    pub(super) test_angle_deg: f64,
+    pub(crate) test_angle_deg: f64,
 }
 
 /// The angles that are fitted: those asked for, else all at which enough torques were held. `None` where that is the test angle alone, or one
 /// angle is asked for, which is then the test angle of the fit.
-pub(super) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<Choice>> {
+pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<Choice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
     let settings = campaign::Settings::default();
     let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
@@ -82,7 +83,7 @@ pub(super) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], u
 }
 
 /// Leaves the maps at the angles asked for in `file`; families stay, since they hold over the angle.
-pub(super) fn keep(file: &mut Table1File, asked: &[f64]) -> anyhow::Result<()> {
+pub(crate) fn keep(file: &mut Table1File, asked: &[f64]) -> anyhow::Result<()> {
     let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
     for angle in asked {
         if !file.maps.iter().any(|m| is(m.wheel_angle_deg, *angle)) {
@@ -98,7 +99,7 @@ pub(super) fn keep(file: &mut Table1File, asked: &[f64]) -> anyhow::Result<()> {
 }
 
 /// The file as one of a single wheel angle, which is then its test angle; says so where it holds others.
-pub(super) fn at(mut file: Table1File, angle_deg: f64, ui: Ui) -> anyhow::Result<Table1File> {
+pub(crate) fn at(mut file: Table1File, angle_deg: f64, ui: Ui) -> anyhow::Result<Table1File> {
     let maps = file.maps.len();
     keep(&mut file, &[angle_deg])?;
     if file.maps.len() < maps {
@@ -112,7 +113,7 @@ pub(super) fn at(mut file: Table1File, angle_deg: f64, ui: Ui) -> anyhow::Result
 }
 
 /// A family for people.
-pub(super) fn family_text(family: &AngleFamily) -> String {
+pub(crate) fn family_text(family: &AngleFamily) -> String {
     let angles: Vec<String> = family.wheel_angle_deg.iter().map(|a| format!("{a}°")).collect();
     let left_out: Vec<String> = family.left_out.iter().map(|l| format!("{}° {:.2} N·m", l.wheel_angle_deg, l.rms_nm)).collect();
     format!(
@@ -129,7 +130,7 @@ pub(super) fn family_text(family: &AngleFamily) -> String {
 }
 
 /// Removes the CSV files of `table` in `folder` that are not among `kept`: a table of an earlier run would pass for one of this one.
-pub(super) fn remove_stale<'a>(folder: &Path, table: &str, kept: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
+pub(crate) fn remove_stale<'a>(folder: &Path, table: &str, kept: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
     let kept: Vec<&str> = kept.collect();
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
     for entry in entries {

@@ -4,7 +4,7 @@ use anyhow::{bail, ensure};
 
 /// Breaks of an axis as a user writes them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Breaks(pub(super) Vec<f64>);
+pub(crate) struct Breaks(pub(crate) Vec<f64>);
 
 impl std::str::FromStr for Breaks {
     type Err = anyhow::Error;

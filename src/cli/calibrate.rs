@@ -1,6 +1,6 @@
 //! `calibrate LOG…`: fit, invert, verify and report in one go, with one summary at the end.
 
-use super::{Outcome, Ui, fit, invert, report, verify, verify_text};
+use crate::cli::{Outcome, Ui, fit, invert, report, verify, verify_text};
 use crate::invert::ZeroRow;
 use serde_json::json;
 
@@ -13,15 +13,15 @@ Examples:
 
 Does what fit, invert, verify and report do, with their defaults, in the folder of --maps.
 Exit status: 0 the map passes, 3 it does not (or the coverage is too thin), 1 error.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     fit: fit::Arguments,
     /// Breaks of the desired acceleration [m/s²]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
-    accel_breaks: Option<super::breaks::Breaks>,
+    accel_breaks: Option<crate::cli::breaks::Breaks>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let (fit, damaged) = fit::make(&arguments.fit, ui)?;
     let inversion = invert::make(
         &invert::Arguments {

@@ -1,7 +1,7 @@
 //! `check MAP…`: judges maps, ours and foreign ones.
 
-use super::{Outcome, Ui};
-use crate::map::check::{Finding, Report, Settings, Severity, check};
+use crate::check::{Finding, Report, Settings, Severity, check};
+use crate::cli::{Outcome, Ui};
 use std::path::PathBuf;
 
 /// Findings of one rule that are listed without `-v`.
@@ -18,7 +18,7 @@ Examples:
 Reads table1 and table2 (CSV and JSON), Autoware's accel and brake maps, Apollo's calibration tables (also inside a control
 configuration) and long-form CSV (a header that names speed, acceleration and command). Errors and warnings are findings; notes are not.
 Exit status: 0 no finding, 3 findings, 1 a file cannot be opened.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Maps to judge
     #[arg(required = true, value_name = "MAP")]
     maps: Vec<PathBuf>,
@@ -33,7 +33,7 @@ struct Document {
     maps: Vec<Report>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if !(arguments.slope_bound.is_finite() && arguments.slope_bound >= 1.0) {
         anyhow::bail!("--slope-bound is {}; allowed: 1 or more", arguments.slope_bound);
     }

@@ -1,6 +1,6 @@
 //! `diff A B`: what changed between two maps.
 
-use super::{Outcome, Ui};
+use crate::cli::{Outcome, Ui};
 use crate::diff::{Comparison, MapDiff, Settings, Side, Verdict, compare, html};
 use crate::map::write_whole;
 use comfy_table::{CellAlignment, Table, presets};
@@ -19,7 +19,7 @@ Examples:
 Changes are b - a at the breaks of a, each against the standard errors of both; of many cells some are large by chance, which the
 Benjamini-Hochberg procedure accounts for. Extrapolated and unreachable cells are left out.
 Exit status: 0 the same, 3 changed or incompatible, 1 a file cannot be read.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// The first map: table1.json, table2.json, or a folder
     a: PathBuf,
     /// The second map
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     matters_mps2: f64,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let settings = Settings { false_discovery_rate: arguments.false_discovery_rate, matters_mps2: arguments.matters_mps2 };
     if !(settings.false_discovery_rate > 0.0 && settings.false_discovery_rate < 1.0) {
         anyhow::bail!("--false-discovery-rate is {}; allowed: above 0, below 1", settings.false_discovery_rate);

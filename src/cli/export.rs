@@ -1,6 +1,6 @@
 //! `export`: the map in the forms that controllers and calibration tools load.
 
-use super::{Outcome, Ui};
+use crate::cli::{Outcome, Ui};
 use crate::export::{Format, Precision, Source};
 use crate::map::{sha256_hex, write_whole};
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ Examples:
   json      pivot_map.json                  table2.json with its JSON Schema
 
 Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, json; several with commas
     #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = format)]
     format: Vec<Format>,
@@ -58,7 +58,7 @@ struct Written {
     note: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let source = Source::read_at(&arguments.maps, arguments.angle)?;
     if !source.other_angles_deg.is_empty() {
         let others: Vec<String> = source.other_angles_deg.iter().map(|a| format!("{a}°")).collect();

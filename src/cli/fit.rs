@@ -1,9 +1,9 @@
 //! `fit LOG…`: Table 1 from logs.
 
-use super::angles::Choice;
-use super::breaks::Breaks;
-use super::logs::{LogArguments, survey};
-use super::{Outcome, Ui};
+use crate::cli::{Outcome, Ui};
+use crate::cli::angles::Choice;
+use crate::cli::breaks::Breaks;
+use crate::cli::logs::{LogArguments, survey};
 use crate::fit::{Fit, Settings, fit_angles, fit_traced};
 use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, write_whole};
 use anyhow::Context;
@@ -23,27 +23,27 @@ Examples:
 Writes table1.csv and table1.json (and table1.reverse.csv when reverse gear was tested) into the folder of --maps, and fit_traces.json for
 the report. A log with runs at several wheel angles gives a map of each: table1.csv is that of the test angle, table1.angle30.csv that of 30°.
 Exit status: 0 done, 3 written but the coverage is too thin (or, with --strict, a log is damaged), 1 error.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
-    pub(super) input: LogArguments,
+    pub(crate) input: LogArguments,
     /// Folder to write into
     #[arg(long, value_name = "DIR", default_value = "maps")]
-    pub(super) maps: PathBuf,
+    pub(crate) maps: PathBuf,
     /// Dead time of the drive [ms] when it is known
     #[arg(long, value_name = "MS")]
-    pub(super) dead_time_ms: Option<f64>,
+    pub(crate) dead_time_ms: Option<f64>,
     /// Time constant of the drive's lag [ms] when it is known
     #[arg(long, value_name = "MS")]
-    pub(super) lag_ms: Option<f64>,
+    pub(crate) lag_ms: Option<f64>,
     /// Wheel angle whose runs are used [°], or several; by default all at which at least three torques were held
     #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
-    pub(super) angle: Vec<f64>,
+    pub(crate) angle: Vec<f64>,
     /// Speed breaks [m/s]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS")]
-    pub(super) speed_breaks: Option<Breaks>,
+    pub(crate) speed_breaks: Option<Breaks>,
     /// Torque breaks [N·m]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
-    pub(super) torque_breaks: Option<Breaks>,
+    pub(crate) torque_breaks: Option<Breaks>,
 }
 
 impl Arguments {
@@ -62,7 +62,7 @@ impl Arguments {
     }
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let (fit, damaged) = make(arguments, ui)?;
     ui.document(&fit.file)?;
     show(&fit.file, ui);
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 /// Fits and writes; also tells whether a damaged log counts (with `--strict`).
-pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)> {
+pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)> {
     let settings = arguments.settings()?;
     let one = match arguments.angle[..] {
         [angle] => Some(angle),
@@ -78,7 +78,7 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
     };
     let (recordings, census) = arguments.input.census(one, ui)?;
     let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
-    let chosen = super::angles::choose(&recordings, &census, &arguments.angle, ui)?;
+    let chosen = crate::cli::angles::choose(&recordings, &census, &arguments.angle, ui)?;
     let (fit, traces) = if let Some(Choice { grouped, test_angle_deg }) = chosen {
         fit_angles(grouped, !arguments.angle.is_empty(), test_angle_deg, &settings)?
     } else {
@@ -91,7 +91,7 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
 
 fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> anyhow::Result<()> {
     // a table of an earlier fit that this one does not have would pass for its own
-    super::angles::remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
+    crate::cli::angles::remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
     for (name, text) in &fit.csvs {
         write_whole(&folder.join(name), text.as_bytes())?;
     }
@@ -101,7 +101,7 @@ fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> anyhow::Result<()> {
 }
 
 /// The summary for people.
-pub(super) fn show(file: &Table1File, ui: Ui) {
+pub(crate) fn show(file: &Table1File, ui: Ui) {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(["verdict on samples", "samples", "seconds"]);
     for row in &file.report.ledger {
@@ -153,7 +153,7 @@ pub(super) fn show(file: &Table1File, ui: Ui) {
         ui.picture(crate::report::coverage_text(map));
     }
     for family in &file.families {
-        ui.say(super::angles::family_text(family));
+        ui.say(crate::cli::angles::family_text(family));
     }
     ui.say(format!("coverage   {:.0} % of the cells measured", 100.0 * file.report.coverage));
     ui.say(format!("residual   {:.4} m/s² root mean square", file.report.residual_rms_mps2));

@@ -1,7 +1,8 @@
 //! `inspect LOG…`: what is in the logs, and which signals are found.
 
-use super::{Outcome, Ui};
-use crate::log::{self, Depth, Preset, Source, Survey, VehicleOverrides};
+use crate::log;
+use crate::cli::{Outcome, Ui};
+use crate::log::{Depth, Preset, Source, Survey, VehicleOverrides};
 use anyhow::Context as _;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ const SMALL: u64 = 64 << 20;
 Examples:
   pivot-cal inspect drive.mcap
   pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Logs: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
@@ -54,11 +55,11 @@ struct Inspected {
     #[serde(flatten)]
     survey: Survey,
     #[serde(skip_serializing_if = "Option::is_none")]
-    runs: Option<super::inspect_runs::Runs>,
+    runs: Option<crate::cli::inspect_runs::Runs>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let source = super::logs::source(arguments.signals.as_deref(), arguments.preset)?;
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let source = crate::cli::logs::source(arguments.signals.as_deref(), arguments.preset)?;
     let overrides = VehicleOverrides {
         wheelbase_m: arguments.wheelbase_m,
         wheel_radius_m: arguments.wheel_radius_m,
@@ -78,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             }
             ui.say(text(&survey));
             let is_whole = arguments.runs && number + 1 == files.len();
-            let runs = is_whole.then(|| super::inspect_runs::runs(files, &source, &overrides, ui)).flatten();
+            let runs = is_whole.then(|| crate::cli::inspect_runs::runs(files, &source, &overrides, ui)).flatten();
             surveys.push(Inspected { survey, runs });
         }
     }

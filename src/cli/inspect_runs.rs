@@ -1,7 +1,8 @@
 //! The runs of a log for `inspect --runs`: what a fit would use, and what it would leave out and why, before there is a model.
 
-use super::Ui;
-use crate::campaign::{self, Census, HeldAngle, Survey, ledger, runs as run_rows};
+use crate::campaign;
+use crate::campaign::{Census, HeldAngle, Survey, ledger, runs as run_rows};
+use crate::cli::Ui;
 use crate::log::{Source, VehicleOverrides, read_split};
 use crate::map::{LedgerRow, RunRow};
 use crate::signal::Track;
@@ -10,7 +11,7 @@ use std::path::PathBuf;
 
 /// The runs and the ledger of one log.
 #[derive(serde::Serialize)]
-pub(super) struct Runs {
+pub(crate) struct Runs {
     ledger: Vec<LedgerRow>,
     runs: Vec<RunRow>,
     /// The wheel angles of the runs, where they are not all at the test angle.
@@ -19,7 +20,7 @@ pub(super) struct Runs {
 }
 
 /// Surveys one recording, given as its files, and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
-pub(super) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
+pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
     let mut census = Census::default();
     let mut survey = || -> anyhow::Result<Survey> {
         let bytes = files.iter().map(|path| Ok(fs_err::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;

@@ -1,7 +1,7 @@
 //! `invert`: Table 2 from Table 1.
 
-use super::breaks::Breaks;
-use super::{Outcome, Ui};
+use crate::cli::{Outcome, Ui};
+use crate::cli::breaks::Breaks;
 use crate::invert::{Inversion, Settings, ZeroRow, invert};
 use crate::map::{CsvRef, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex, write_whole};
 use anyhow::{Context, bail};
@@ -16,31 +16,31 @@ Examples:
   pivot-cal invert --place 12 --zero-row hold
 
 Reads table1.json and writes table2.csv and table2.json (and table2.reverse.csv, table2.angle30.csv, …) into the same folder.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
-    pub(super) maps: PathBuf,
+    pub(crate) maps: PathBuf,
     /// Speed breaks [m/s]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS")]
-    pub(super) speed_breaks: Option<Breaks>,
+    pub(crate) speed_breaks: Option<Breaks>,
     /// Breaks of the desired acceleration [m/s²]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
-    pub(super) accel_breaks: Option<Breaks>,
+    pub(crate) accel_breaks: Option<Breaks>,
     /// Place this many breaks on each axis where they serve best
     #[arg(long, value_name = "N")]
-    pub(super) place: Option<usize>,
+    pub(crate) place: Option<usize>,
     /// The row at speed 0: torque of a wheel just moving, or 0 for a ≤ 0
     #[arg(long, value_name = "ROW", value_parser = zero_row, default_value = "moving")]
-    pub(super) zero_row: ZeroRow,
+    pub(crate) zero_row: ZeroRow,
     /// Exact at the nodes instead of best over the whole
     #[arg(long)]
-    pub(super) node_exact: bool,
+    pub(crate) node_exact: bool,
     /// Wheel angles whose maps are inverted [°]; by default all of table1.json
     #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
-    pub(super) angle: Vec<f64>,
+    pub(crate) angle: Vec<f64>,
     /// Go on when a hash does not match
     #[arg(long)]
-    pub(super) force: bool,
+    pub(crate) force: bool,
 }
 
 fn zero_row(text: &str) -> Result<ZeroRow, String> {
@@ -50,7 +50,7 @@ fn zero_row(text: &str) -> Result<ZeroRow, String> {
         .ok_or_else(|| format!("{text:?} is not known; allowed: moving, hold"))
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let inversion = make(arguments, ui)?;
     ui.document(&inversion.file)?;
     show(&inversion.file, ui);
@@ -58,12 +58,12 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 /// Inverts and writes.
-pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
+pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
     let path = arguments.maps.join("table1.json");
     let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
     let mut file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
     if !arguments.angle.is_empty() {
-        super::angles::keep(&mut file, &arguments.angle).with_context(|| path.display().to_string())?;
+        crate::cli::angles::keep(&mut file, &arguments.angle).with_context(|| path.display().to_string())?;
     }
     check_csvs(&file, &arguments.maps, arguments.force, ui)?;
     let settings = Settings {
@@ -75,7 +75,7 @@ pub(super) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
     };
     let table1 = CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(text.as_bytes()) };
     let inversion = invert(&file, table1, &settings).with_context(|| path.display().to_string())?;
-    super::angles::remove_stale(&arguments.maps, "table2", inversion.csvs.iter().map(|(name, _)| name.as_str()))?;
+    crate::cli::angles::remove_stale(&arguments.maps, "table2", inversion.csvs.iter().map(|(name, _)| name.as_str()))?;
     for (name, text) in &inversion.csvs {
         write_whole(&arguments.maps.join(name), text.as_bytes())?;
     }
@@ -102,7 +102,7 @@ fn check_csvs(file: &Table1File, folder: &Path, force: bool, ui: Ui) -> anyhow::
 }
 
 /// The summary for people.
-pub(super) fn show(file: &Table2File, ui: Ui) {
+pub(crate) fn show(file: &Table2File, ui: Ui) {
     let several = file.maps.iter().any(|m| (m.wheel_angle_deg - file.maps[0].wheel_angle_deg).abs() >= SAME_ANGLE_DEG);
     for map in &file.maps {
         let trip = &map.round_trip;

@@ -1,9 +1,9 @@
 //! `lateral`: runs of the lateral calibration on a simulated vehicle, and the compensation table from logs.
 
-use super::logs::LogArguments;
-use super::{Outcome, Ui};
-use crate::control::route::follower::Stage;
-use crate::control::route::tracking::LawName;
+use crate::cli::{Outcome, Ui};
+use crate::cli::logs::LogArguments;
+use crate::guidance::route::follower::Stage;
+use crate::guidance::route::tracking::LawName;
 use crate::lateral::{Settings, Weighting, fit};
 use crate::log::{Recording, SignalName, find_logs, read_lateral};
 use crate::map::{LateralTableFile, write_whole};
@@ -21,7 +21,7 @@ Example: the compensation table of a simulated vehicle whose navigation and stee
   pivot-cal lateral record --vehicle data/vehicles/scrubber.toml -o lateral_logs
   pivot-cal lateral fit lateral_logs
   pivot-cal verify --scenario lateral-forward -v")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     #[command(subcommand)]
     action: Action,
 }
@@ -107,7 +107,7 @@ enum Reference {
     Both,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     match &arguments.action {
         Action::Fit(arguments) => fit_table(arguments, ui),
         Action::Record(arguments) => record(arguments, ui),

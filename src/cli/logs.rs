@@ -1,7 +1,8 @@
 //! Logs on the command line: where they are, where their signals are, and what is said of the vehicle.
 
-use super::Ui;
-use crate::campaign::{self, Census, Survey};
+use crate::campaign;
+use crate::campaign::{Census, Survey};
+use crate::cli::Ui;
 use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read_split};
 use crate::map::Vehicle;
 use crate::signal::Track;
@@ -11,16 +12,16 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of every command that reads logs.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct LogArguments {
+pub(crate) struct LogArguments {
     /// Logs (MCAP) of one vehicle, in any order: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
-    pub(super) logs: Vec<PathBuf>,
+    pub(crate) logs: Vec<PathBuf>,
     /// Signal map: which message path is which signal
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
-    pub(super) signals: Option<PathBuf>,
+    pub(crate) signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, autoware, joint-state
     #[arg(long, value_name = "NAME")]
-    pub(super) preset: Option<Preset>,
+    pub(crate) preset: Option<Preset>,
     /// Wheelbase [m], over any signal map
     #[arg(long, value_name = "M")]
     wheelbase_m: Option<f64>,
@@ -32,12 +33,12 @@ pub(super) struct LogArguments {
     test_angle_deg: Option<f64>,
     /// Stop with status 3 when a log is damaged
     #[arg(long)]
-    pub(super) strict: bool,
+    pub(crate) strict: bool,
 }
 
 impl LogArguments {
     /// Logs of a vehicle whose geometry is known, from its map.
-    pub(super) fn of_vehicle(logs: &[PathBuf], signals: Option<PathBuf>, preset: Option<Preset>, vehicle: &Vehicle) -> Self {
+    pub(crate) fn of_vehicle(logs: &[PathBuf], signals: Option<PathBuf>, preset: Option<Preset>, vehicle: &Vehicle) -> Self {
         Self {
             logs: logs.to_vec(),
             signals,
@@ -50,12 +51,12 @@ impl LogArguments {
     }
 
     /// Where the signals are, as the arguments say.
-    pub(super) fn source(&self) -> anyhow::Result<Source> {
+    pub(crate) fn source(&self) -> anyhow::Result<Source> {
         source(self.signals.as_deref(), self.preset)
     }
 
     /// What the arguments say of the vehicle.
-    pub(super) fn overrides(&self) -> VehicleOverrides {
+    pub(crate) fn overrides(&self) -> VehicleOverrides {
         VehicleOverrides {
             wheelbase_m: self.wheelbase_m,
             wheel_radius_m: self.wheel_radius_m,
@@ -65,7 +66,7 @@ impl LogArguments {
     }
 
     /// Reads every log; the same log given twice is read once.
-    pub(super) fn read(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Recording>> {
+    pub(crate) fn read(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Recording>> {
         let source = self.source()?;
         let mut overrides = self.overrides();
         overrides.test_angle_deg = angle_deg.or(overrides.test_angle_deg);
@@ -93,7 +94,7 @@ impl LogArguments {
     }
 
     /// Reads every log, and tells at which wheel angles its runs were driven.
-    pub(super) fn census(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<(Vec<Recording>, Census)> {
+    pub(crate) fn census(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<(Vec<Recording>, Census)> {
         let recordings = self.read(angle_deg, ui)?;
         let tracks = recordings
             .iter()
@@ -104,13 +105,13 @@ impl LogArguments {
     }
 
     /// Reads and surveys every log. A log without anything to use is left aside with a warning, unless it is the only one.
-    pub(super) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Survey>> {
+    pub(crate) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Survey>> {
         survey(&self.read(angle_deg, ui)?, ui)
     }
 }
 
 /// Surveys recordings at their vehicles' test angle. A log without anything to use is left aside with a warning, unless it is the only one.
-pub(super) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Survey>> {
+pub(crate) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Survey>> {
     let alone = recordings.len() == 1;
     let mut surveys = Vec::new();
     let mut reasons = Vec::new();
@@ -133,7 +134,7 @@ pub(super) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Sur
 }
 
 /// Where the signals are, as the options `--signals` and `--preset` say.
-pub(super) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::Result<Source> {
+pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::Result<Source> {
     Ok(match (signals, preset) {
         (Some(path), _) => {
             let text = fs_err::read_to_string(path)?;

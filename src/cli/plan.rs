@@ -1,8 +1,9 @@
 //! `plan`: the campaign still to drive after Table 1.
 
-use super::breaks::Breaks;
-use super::{Outcome, Ui};
-use crate::fit::{Plan, PlanSettings, plan};
+use crate::plan;
+use crate::cli::{Outcome, Ui};
+use crate::cli::breaks::Breaks;
+use crate::fit::{Plan, PlanSettings};
 use crate::map::{PlanFile, SAME_ANGLE_DEG, Table1File, sha256_hex, write_whole};
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
@@ -21,7 +22,7 @@ Examples:
 
 Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
 table, by the estimator's own information matrix.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
@@ -42,7 +43,7 @@ pub(super) struct Arguments {
     output: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if !(arguments.minutes > 0.0 && arguments.minutes <= 60.0) {
         bail!("--minutes is {}; allowed: above 0, at most 60", arguments.minutes);
     }
@@ -51,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
     let angle_deg = arguments.angle.unwrap_or(file.vehicle.test_angle_deg);
     let steered = (angle_deg - file.vehicle.test_angle_deg).abs() >= SAME_ANGLE_DEG;
-    let file = super::angles::at(file, angle_deg, ui).with_context(|| path.display().to_string())?;
+    let file = crate::cli::angles::at(file, angle_deg, ui).with_context(|| path.display().to_string())?;
     let settings = PlanSettings {
         budget_s: 60.0 * arguments.minutes,
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),

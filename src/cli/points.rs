@@ -7,7 +7,7 @@ use std::path::Path;
 const MOST: usize = 1000;
 
 /// Reads the points. A first line without numbers is a heading; empty lines are passed over.
-pub(super) fn read(path: &Path) -> anyhow::Result<Vec<[f64; 2]>> {
+pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<[f64; 2]>> {
     let text = fs_err::read_to_string(path)?;
     points(&text).with_context(|| path.display().to_string())
 }

@@ -1,6 +1,6 @@
 //! `record`: a campaign on a simulated vehicle → an MCAP log.
 
-use super::{Outcome, Ui};
+use crate::cli::{Outcome, Ui};
 use crate::map::write_whole;
 use crate::record::{Campaign, record};
 use crate::sim::VehicleFile;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Example: the demo log
   pivot-cal record --vehicle data/vehicles/scrubber.toml --campaign data/campaigns/torque_steps.toml -o demo.mcap")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Vehicle to simulate (TOML)
     #[arg(long, value_name = "FILE")]
     vehicle: PathBuf,
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     seed: Option<u64>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let at = |path: &PathBuf| path.display().to_string();
     let text = fs_err::read_to_string(&arguments.vehicle)?;
     let vehicle = VehicleFile::from_toml(&text).with_context(|| at(&arguments.vehicle))?;

@@ -1,6 +1,6 @@
 //! `report`: the page that says whether to deploy a map.
 
-use super::{Outcome, Ui};
+use crate::cli::{Outcome, Ui};
 use crate::map::write_whole;
 use crate::report::{Inputs, Judgement, coverage_text, report};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ Examples:
 
 Reads table1.json and, where they are there, table2.json, verify.json, fit_traces.json, verify_traces.json,
 manoeuvre_traces.json (of verify --scenario manoeuvres) and plan.json (of plan). The page is one file that needs no network; it says what is missing. The exit status is that of the writing, not of the map: 0 written, 1 error.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Folder with the files of the map
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     svg: Option<PathBuf>,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let output = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("report.html"));
     let made = make(&arguments.maps, &output, arguments.svg.as_deref())?;
     ui.document(&serde_json::json!({
@@ -57,14 +57,14 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 /// A report that was written.
-pub(super) struct Made {
+pub(crate) struct Made {
     inputs: Inputs,
     bytes: usize,
     figures: Vec<String>,
 }
 
 /// Writes the page of the map in `maps`, and its figures.
-pub(super) fn make(maps: &Path, output: &Path, svg: Option<&Path>) -> anyhow::Result<Made> {
+pub(crate) fn make(maps: &Path, output: &Path, svg: Option<&Path>) -> anyhow::Result<Made> {
     let inputs = Inputs::read(maps)?;
     let report = report(&inputs)?;
     write_whole(output, report.html.as_bytes())?;

@@ -1,16 +1,13 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
-use super::logs::LogArguments;
-use super::verify_text::{new_table, show};
-use super::{Outcome, Ui, points};
+use crate::cli::{Outcome, Ui, points};
+use crate::cli::logs::LogArguments;
+use crate::cli::verify_text::{new_table, show};
 use crate::log::Preset;
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
-use crate::verify::{
-    Class, Error, Gate, Manoeuvre, Maps, ReplayedRun, Scenario, Settings, Status, Verdict, closed_loop, log_of, log_of_manoeuvre,
-    manoeuvre_traces, replayed, verify_watched,
-};
+use crate::verify::{Class, Error, Gate, Manoeuvre, Maps, ReplayedRun, Scenario, Settings, Status, Verdict, closed_loop, log_of, log_of_manoeuvre, manoeuvre_traces, replayed, verify_watched};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 
@@ -26,7 +23,7 @@ Examples:
   pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
 
 Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
-pub(super) struct Arguments {
+pub(crate) struct Arguments {
     /// Folder with table1.json, table2.json and table2.csv
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
@@ -69,7 +66,7 @@ pub(super) struct Arguments {
     seed: u64,
 }
 
-pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if arguments.list {
         list(ui)?;
         return Ok(Outcome::Done);
@@ -132,7 +129,7 @@ pub(super) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 /// Judges the map in `folder` with the defaults and writes `verify.json` there.
-pub(super) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
+pub(crate) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
     let maps = Maps::read(folder, false)?;
     let settings = Settings::new()?;
     let verdict = watched(&maps, &settings, ui)?;

@@ -1,18 +1,18 @@
 //! A verdict for people: the table of the scenarios, replayed runs, manoeuvres, and the map beside the other laws.
 
-use super::Ui;
+use crate::cli::Ui;
 use crate::verify::{Check, Class, Comparison, Metric, ReplayedRun, ScenarioVerdict, Statistic, Status, Verdict};
 use comfy_table::{ContentArrangement, Table, presets};
 
 /// An empty table under a header.
-pub(super) fn new_table(header: &[&str]) -> Table {
+pub(crate) fn new_table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Disabled).set_header(header.to_vec());
     table
 }
 
 /// Prints a verdict for people.
-pub(super) fn show(verdict: &Verdict, ui: Ui) {
+pub(crate) fn show(verdict: &Verdict, ui: Ui) {
     let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
     for trip in &verdict.round_trip {
         let value = trip.worst.map_or("none".to_owned(), |w| format!("{:.3} m/s²", w.error_mps2.abs()));

@@ -1,6 +1,6 @@
 //! What a drive law is: the part of the longitudinal module that turns speed and place into torque, once the wheel is at its angle.
 
-use super::messages::{DriveStep, PivotRequest, Pose};
+use crate::control::messages::{DriveStep, PivotRequest, Pose};
 use crate::map::Gear;
 
 /// What a drive law reads each period.

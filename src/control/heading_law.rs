@@ -3,11 +3,11 @@
 //! ψ is what is left of the turn, positive before the end. `v_c` = Kp·ψ + Ki·Σ ψ·Δt − Kd·ω, limited to 0…`v_max`, with ω the turning rate; then
 //! the speed loop of the map's law with the same acceleration limits, and τ = k·a within the same torque limit.
 
-use super::drive_law::{DriveInputs, DriveLaw};
-use super::messages::{DriveStep, PivotRequest, Pose};
-use super::numeric::wrapped;
-use super::speed_loop::{SpeedLoop, SpeedLoopSettings};
-use super::torque_map::{ConstantGain, TorqueMap};
+use crate::control::drive_law::{DriveInputs, DriveLaw};
+use crate::control::messages::{DriveStep, PivotRequest, Pose};
+use crate::control::numeric::wrapped;
+use crate::control::speed_loop::{SpeedLoop, SpeedLoopSettings};
+use crate::control::torque_map::{ConstantGain, TorqueMap};
 use crate::map::Gear;
 use serde::Serialize;
 

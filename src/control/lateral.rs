@@ -1,6 +1,6 @@
 //! Lateral: turns the front wheel to its angle, holds it, returns it, and watches the steering.
 
-use super::messages::{AngleStatus, LateralTask, SteeringFault};
+use crate::control::messages::{AngleStatus, LateralTask, SteeringFault};
 use crate::units::RAD_PER_DEG;
 use serde::Serialize;
 

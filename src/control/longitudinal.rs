@@ -1,8 +1,8 @@
 //! Longitudinal: waits for the wheel, sets the gear, lets the drive law drive, stops, hands back; and gives up when something is wrong.
 
-use super::drive_law::{DriveInputs, DriveLaw};
-use super::messages::{AngleStatus, DriveStep, Failure, Inputs, LateralTask, Phase, PivotRequest};
-use super::phase::Event;
+use crate::control::drive_law::{DriveInputs, DriveLaw};
+use crate::control::messages::{AngleStatus, DriveStep, Failure, Inputs, LateralTask, Phase, PivotRequest};
+use crate::control::phase::Event;
 use crate::map::Gear;
 use serde::Serialize;
 

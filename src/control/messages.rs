@@ -6,7 +6,7 @@
 //!      └───────────────────────── Phase ────────────────────────────────┘   └───────────── AngleStatus ──────────────────┘
 //! ```
 
-use super::path::Path;
+use crate::control::waypoints::Path;
 use crate::map::Gear;
 use serde::Serialize;
 

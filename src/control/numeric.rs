@@ -9,7 +9,7 @@ use core::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 const FRAC_PI_2_LOW: f64 = 6.123_233_995_736_766e-17;
 
 /// (sin x, cos x), to 1e-13 for |x| below 1e6 rad; NaN for NaN and infinities.
-pub(super) fn sin_cos(x_rad: f64) -> (f64, f64) {
+pub(crate) fn sin_cos(x_rad: f64) -> (f64, f64) {
     let quarter = (x_rad * FRAC_2_PI + if x_rad < 0.0 { -0.5 } else { 0.5 }) as i64;
     let k = quarter as f64;
     let r = (x_rad - k * FRAC_PI_2) - k * FRAC_PI_2_LOW;
@@ -32,7 +32,7 @@ pub(super) fn sin_cos(x_rad: f64) -> (f64, f64) {
 }
 
 /// √x; 0 for x ≤ 0 and for NaN.
-pub(super) fn sqrt(x: f64) -> f64 {
+pub(crate) fn sqrt(x: f64) -> f64 {
     if !x.is_finite() || x < f64::MIN_POSITIVE {
         return if x == f64::INFINITY { x } else { 0.0 };
     }
@@ -44,7 +44,7 @@ pub(super) fn sqrt(x: f64) -> f64 {
 }
 
 /// `angle_rad` moved into −π…π by whole turns.
-pub(super) fn wrapped(angle_rad: f64) -> f64 {
+pub(crate) fn wrapped(angle_rad: f64) -> f64 {
     use core::f64::consts::{PI, TAU};
     let turns = (angle_rad / TAU + if angle_rad < 0.0 { -0.5 } else { 0.5 }) as i64;
     (angle_rad - turns as f64 * TAU).clamp(-PI, PI)
@@ -52,7 +52,7 @@ pub(super) fn wrapped(angle_rad: f64) -> f64 {
 
 /// The angle of the point (x, y) [rad], −π…π; 0 for the origin and for NaN. To 1e-15: a rational start (error below 0.005 rad) and two
 /// corrections by tan(a − b) = (tan a − tan b)/(1 + tan a tan b), each with its Taylor series to the third power.
-pub(super) fn atan2(y: f64, x: f64) -> f64 {
+pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     use core::f64::consts::{FRAC_PI_2, PI};
     if !(x.is_finite() && y.is_finite()) || (x == 0.0 && y == 0.0) {
         return 0.0;
@@ -72,7 +72,7 @@ pub(super) fn atan2(y: f64, x: f64) -> f64 {
 }
 
 /// arctan x [rad].
-pub(super) fn atan(x: f64) -> f64 {
+pub(crate) fn atan(x: f64) -> f64 {
     if x.is_infinite() { core::f64::consts::FRAC_PI_2.copysign(x) } else { atan2(x, 1.0) }
 }
 

@@ -1,11 +1,11 @@
 //! The controller of a pivot: planning, lateral and longitudinal with their messages, one step per control period.
 
-use super::drive_law::DriveLaw;
-use super::lateral::{Lateral, LateralSettings};
-use super::longitudinal::{Longitudinal, LongitudinalSettings};
-use super::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
-use super::planning::PlanningSettings;
-use super::{Error, Result};
+use crate::control::{Error, Result};
+use crate::control::drive_law::DriveLaw;
+use crate::control::lateral::{Lateral, LateralSettings};
+use crate::control::longitudinal::{Longitudinal, LongitudinalSettings};
+use crate::control::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
+use crate::control::planning::PlanningSettings;
 use serde::Serialize;
 
 /// Settings of the three modules; the drive law has its own.
@@ -105,7 +105,7 @@ impl<L: DriveLaw> PivotController<L> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::*;
+    use crate::control::*;
     use crate::map::Gear;
     use crate::units::RAD_PER_DEG;
     use proptest::prelude::*;

@@ -8,11 +8,11 @@ use serde::Serialize;
 
 /// The wheel at the time when a command that is given now acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Arrival {
+pub(crate) struct Arrival {
     /// Speed [m/s], 0 or more.
-    pub(super) speed_mps: f64,
+    pub(crate) speed_mps: f64,
     /// What is left of the path [m]; negative past the end.
-    pub(super) left_m: f64,
+    pub(crate) left_m: f64,
 }
 
 /// What is left counts as at least this [m].
@@ -20,7 +20,7 @@ const LEAST_LEFT_M: f64 = 5e-3;
 
 impl Arrival {
     /// From the speed [m/s], the mean acceleration under way [m/s²], what is left [m], and the reaction time [s].
-    pub(super) fn after(reaction_s: f64, speed_mps: f64, accel_mps2: f64, left_m: f64) -> Self {
+    pub(crate) fn after(reaction_s: f64, speed_mps: f64, accel_mps2: f64, left_m: f64) -> Self {
         let now_mps = speed_mps.max(0.0);
         let later_mps = (now_mps + accel_mps2 * reaction_s).max(0.0);
         Self { speed_mps: later_mps, left_m: left_m - 0.5 * (now_mps + later_mps) * reaction_s }
@@ -28,7 +28,7 @@ impl Arrival {
 
     /// Deceleration that stops the wheel at the end [m/s²], positive; as if 5 mm were left where less is, so that noise
     /// does not ask for more than the brakes have.
-    pub(super) fn needed_mps2(self) -> f64 {
+    pub(crate) fn needed_mps2(self) -> f64 {
         self.speed_mps * self.speed_mps / (2.0 * self.left_m.max(LEAST_LEFT_M))
     }
 }
@@ -38,7 +38,7 @@ const MOST_PERIODS: usize = 64;
 
 /// The accelerations that were commanded and have not acted yet.
 #[derive(Debug, Clone)]
-pub(super) struct UnderWay {
+pub(crate) struct UnderWay {
     accel_mps2: [f64; MOST_PERIODS],
     next: usize,
     periods: usize,
@@ -46,14 +46,14 @@ pub(super) struct UnderWay {
 
 impl UnderWay {
     /// None under way; `reaction_s` is rounded to whole periods, and cut at `MOST_PERIODS`.
-    pub(super) fn new(reaction_s: f64, period_s: f64) -> Self {
+    pub(crate) fn new(reaction_s: f64, period_s: f64) -> Self {
         // a float that is not a number or negative becomes 0
         let periods = ((reaction_s / period_s + 0.5) as usize).min(MOST_PERIODS);
         Self { accel_mps2: [0.0; MOST_PERIODS], next: 0, periods }
     }
 
     /// A command is given [m/s²].
-    pub(super) fn push(&mut self, accel_mps2: f64) {
+    pub(crate) fn push(&mut self, accel_mps2: f64) {
         if let Some(place) = self.accel_mps2.get_mut(self.next) {
             *place = accel_mps2;
         }
@@ -61,7 +61,7 @@ impl UnderWay {
     }
 
     /// Mean of the commands of the last reaction time [m/s²].
-    pub(super) fn mean_mps2(&self) -> f64 {
+    pub(crate) fn mean_mps2(&self) -> f64 {
         let sum: f64 = self.accel_mps2.iter().take(self.periods).sum();
         if self.periods > 0 { sum / self.periods as f64 } else { 0.0 }
     }
@@ -69,7 +69,7 @@ impl UnderWay {
 
 /// What is left of the path [m]: the localisation, smoothed by the speed.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Left {
+pub(crate) struct Left {
     left_m: f64,
 }
 
@@ -79,12 +79,12 @@ impl Left {
     const SHARE: f64 = 0.2;
 
     /// At the start of a path of `length_m`.
-    pub(super) fn new(length_m: f64) -> Self {
+    pub(crate) fn new(length_m: f64) -> Self {
         Self { left_m: length_m }
     }
 
     /// One period at `speed_mps`, at the end of which the localisation sees `seen_m` left [m].
-    pub(super) fn step(&mut self, speed_mps: f64, seen_m: f64, period_s: f64) -> f64 {
+    pub(crate) fn step(&mut self, speed_mps: f64, seen_m: f64, period_s: f64) -> f64 {
         let rolled_m = self.left_m - speed_mps * period_s;
         let left_m = rolled_m + Self::SHARE * (seen_m - rolled_m);
         self.left_m = if left_m.is_finite() { left_m } else { seen_m };
@@ -111,7 +111,7 @@ impl Default for StoppingGuard {
 
 impl StoppingGuard {
     /// The highest acceleration [m/s²] that still stops at the end; infinity while the guard need not act.
-    pub(super) fn ceiling_mps2(self, arrival: Arrival) -> f64 {
+    pub(crate) fn ceiling_mps2(self, arrival: Arrival) -> f64 {
         let needed_mps2 = arrival.needed_mps2();
         if needed_mps2 > self.from_mps2 { -needed_mps2 } else { f64::INFINITY }
     }

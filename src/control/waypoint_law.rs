@@ -1,13 +1,13 @@
 //! The law of the map: waypoints that carry speeds → preview → desired acceleration → look-up → torque.
 
-use super::Preview;
-use super::drive_law::{DriveInputs, DriveLaw};
-use super::messages::{DriveStep, PivotRequest, Pose};
-use super::numeric::sin_cos;
-use super::path::{Nearest, Place};
-use super::speed_loop::{SpeedLoop, SpeedLoopSettings};
-use super::stopping::{Arrival, Left, StoppingGuard, UnderWay};
-use super::torque_map::TorqueMap;
+use crate::control::Preview;
+use crate::control::drive_law::{DriveInputs, DriveLaw};
+use crate::control::messages::{DriveStep, PivotRequest, Pose};
+use crate::control::numeric::sin_cos;
+use crate::control::speed_loop::{SpeedLoop, SpeedLoopSettings};
+use crate::control::stopping::{Arrival, Left, StoppingGuard, UnderWay};
+use crate::control::torque_map::TorqueMap;
+use crate::control::waypoints::{Nearest, Place};
 use crate::map::Gear;
 use serde::Serialize;
 

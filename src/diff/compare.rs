@@ -1,7 +1,7 @@
 //! The comparison itself.
 
-use super::sheet::{Sheet, Side, Table};
-use super::significance::{threshold, two_sided_p};
+use crate::diff::sheet::{Sheet, Side, Table};
+use crate::diff::significance::{threshold, two_sided_p};
 use crate::map::Gear;
 use serde::Serialize;
 

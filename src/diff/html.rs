@@ -1,7 +1,7 @@
 //! The comparison as one HTML page: heat maps of change over standard error with values on hover, and the largest changes. No script, no
 //! request; light and dark.
 
-use super::{Comparison, MapDiff, Significant};
+use crate::diff::{Comparison, MapDiff, Significant};
 use std::fmt::Write as _;
 
 /// Changes listed in a table.

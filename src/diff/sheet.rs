@@ -1,6 +1,6 @@
 //! One side of a comparison: the tables of a file with their standard errors, in one layout whichever table it is.
 
-use super::{Error, Result};
+use crate::diff::{Error, Result};
 use crate::map::{CellStatus, Gear, LogRef, TABLE2_FORMAT, Table1File, Table2File, Vehicle, lookup};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -41,21 +41,21 @@ pub struct Side {
     pub vehicle: Vehicle,
     /// The logs behind it.
     pub logs: Vec<LogRef>,
-    pub(super) sheets: Vec<Sheet>,
+    pub(crate) sheets: Vec<Sheet>,
 }
 
 /// One table with its standard errors. Row-major.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sheet {
-    pub(super) gear: Gear,
-    pub(super) wheel_angle_deg: f64,
-    pub(super) rows: Vec<f64>,
-    pub(super) columns: Vec<f64>,
-    pub(super) values: Vec<f64>,
+pub(crate) struct Sheet {
+    pub(crate) gear: Gear,
+    pub(crate) wheel_angle_deg: f64,
+    pub(crate) rows: Vec<f64>,
+    pub(crate) columns: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// Standard error; 0 where it is not known.
-    pub(super) std_err: Vec<f64>,
+    pub(crate) std_err: Vec<f64>,
     /// 1 where the cell was measured or interpolated, 0 where it is extrapolated, unreachable or without a standard error.
-    pub(super) known: Vec<f64>,
+    pub(crate) known: Vec<f64>,
 }
 
 impl Side {
@@ -133,7 +133,7 @@ impl Sheet {
 
     /// Value and standard error at a place by bilinear interpolation; `None` outside the axes, and where a cell around is not known. The
     /// interpolated standard error is an upper bound: that of neighbours whose errors are fully correlated.
-    pub(super) fn at(&self, row: f64, column: f64) -> Option<(f64, f64)> {
+    pub(crate) fn at(&self, row: f64, column: f64) -> Option<(f64, f64)> {
         let read = |field: &[f64]| lookup::bilinear(&self.rows, &self.columns, field, row, column);
         // weights of unknown neighbours count; a node of the grid has one neighbour only
         let known = read(&self.known)? > 1.0 - 1e-9;

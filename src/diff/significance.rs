@@ -3,14 +3,14 @@
 use statrs::function::erf::erfc;
 
 /// Two-sided p of a standard normal z.
-pub(super) fn two_sided_p(z: f64) -> f64 {
+pub(crate) fn two_sided_p(z: f64) -> f64 {
     erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 
 /// The largest p that is significant at the false discovery rate `rate`: the largest p₍ₖ₎ ≤ rate·k/n, the p ascending. `None` when none is.
 ///
 /// Source: Benjamini and Hochberg (1995), see the room's documentation.
-pub(super) fn threshold(p_values: &[f64], rate: f64) -> Option<f64> {
+pub(crate) fn threshold(p_values: &[f64], rate: f64) -> Option<f64> {
     let mut sorted = p_values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let n = sorted.len() as f64;

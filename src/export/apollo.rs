@@ -9,15 +9,15 @@
 //! Source of the rules: Apollo's longitudinal controller, which looks the command up over (speed, acceleration), takes it as throttle when
 //! it is not negative and as brake otherwise, and clamps outside the table.
 
-use super::autoware::rounded;
-use super::number::plain;
-use super::{Error, File, Result, Source, provenance};
+use crate::export::{Error, File, Result, Source, provenance};
+use crate::export::autoware::rounded;
+use crate::export::number::plain;
 use crate::map::TorqueTable;
 use std::fmt::Write as _;
 
 const FORMAT: &str = "apollo";
 
-pub(super) fn files(source: &Source) -> Result<Vec<File>> {
+pub(crate) fn files(source: &Source) -> Result<Vec<File>> {
     let full_nm = source.full_torque_nm();
     let mut files = Vec::new();
     for (gear, table) in &source.torque {

@@ -7,13 +7,13 @@
 //! Source of the rules: `raw_vehicle_cmd_converter` of Autoware Universe. All rows have one length, of at least two cells; in every column
 //! acceleration rises strictly with the accel pedal and falls strictly with the brake pedal. A speed outside is clamped by the loader.
 
-use super::number::plain;
-use super::{Error, File, Result, Source};
+use crate::export::{Error, File, Result, Source};
+use crate::export::number::plain;
 use crate::map::{AccelTable, Gear};
 
 const FORMAT: &str = "autoware";
 
-pub(super) fn files(source: &Source) -> Result<Vec<File>> {
+pub(crate) fn files(source: &Source) -> Result<Vec<File>> {
     let full_nm = source.full_torque_nm();
     let mut files = Vec::new();
     for (gear, table) in &source.accel {
@@ -65,6 +65,6 @@ fn push_row(text: &mut String, values: &[f64]) {
 }
 
 /// To a multiple of `step`, as the decimal that a person would write.
-pub(super) fn rounded(value: f64, step: f64) -> f64 {
+pub(crate) fn rounded(value: f64, step: f64) -> f64 {
     (value / step).round() / (1.0 / step).round()
 }

@@ -1,6 +1,9 @@
 //! One header and one source in C99: const tables, look-up with the library's policy, checksum, provenance.
 
-use super::{File, Precision, Source, crc::crc32, dcm::constants, number::plain, provenance};
+use crate::export::{File, Precision, Source, provenance};
+use crate::export::crc::crc32;
+use crate::export::dcm::constants;
+use crate::export::number::plain;
 use crate::map::{Gear, TorqueTable};
 use std::fmt::Write as _;
 
@@ -10,7 +13,7 @@ const SOURCE: &str = include_str!("template/pivot_map.c.in");
 /// Numbers on a line.
 const PER_LINE: usize = 8;
 
-pub(super) fn files(source: &Source, precision: Precision) -> Vec<File> {
+pub(crate) fn files(source: &Source, precision: Precision) -> Vec<File> {
     let provenance: Vec<_> = provenance::lines(source).iter().map(|line| format!(" * {line}")).collect();
     let has = |gear| if source.torque.iter().any(|(g, _)| *g == gear) { "1" } else { "0" };
     let real = if precision == Precision::Double { "double" } else { "float" };
@@ -28,14 +31,14 @@ pub(super) fn files(source: &Source, precision: Precision) -> Vec<File> {
             .replace("@HAS_REVERSE@", has(Gear::Reverse))
             .replace("@CONSTANTS@", &constants.join("\n"))
     };
-    let tables: String = source.torque.iter().map(|(gear, table)| self::table(*gear, table, precision)).collect();
+    let tables: String = source.torque.iter().map(|(gear, table)| crate::export::c::table(*gear, table, precision)).collect();
     let choice: String = source.torque.iter().map(|(gear, _)| choice(*gear)).collect();
     let body = fill(SOURCE).replace("@TABLES@", &tables).replace("@CHOICE@", &choice);
     vec![File::new("pivot_map.h", fill(HEADER)), File::new("pivot_map.c", body)]
 }
 
 /// SHA-256 of the forward gear's CSV, or of the only gear's. Hexadecimal: [`Source::read`] has compared it.
-pub(super) fn sha256(source: &Source) -> String {
+pub(crate) fn sha256(source: &Source) -> String {
     source.torque.first().and_then(|(gear, _)| source.map(*gear)).map(|map| map.csv.sha256.clone()).unwrap_or_default()
 }
 

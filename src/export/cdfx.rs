@@ -3,16 +3,16 @@
 //!
 //! Source: ASAM MCD-2 CDF V2.0, document type `MSRSW` (`cdf_v2.0.0.sl.dtd`).
 
-use super::dcm::{constants, name, what};
-use super::number::plain;
-use super::{File, Source, provenance};
+use crate::export::{File, Source, provenance};
+use crate::export::dcm::{constants, name, what};
+use crate::export::number::plain;
 use std::fmt::Write as _;
 
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE MSRSW PUBLIC "-//ASAM//DTD CALIBRATION DATA FORMAT:V2.0.0:LAI:IAI:XML:CDF200.XSD//EN" "cdf_v2.0.0.sl.dtd">
 "#;
 
-pub(super) fn file(source: &Source) -> File {
+pub(crate) fn file(source: &Source) -> File {
     let mut xml = Xml { text: HEAD.to_owned(), depth: 0 };
     // a comment may not hold two hyphens in a row
     let _ = writeln!(xml.text, "<!--\n{}\n-->", provenance::lines(source).join("\n").replace("--", "- -"));

@@ -1,15 +1,15 @@
 //! DCM 2.0 (data conservation format of calibration tools): one `KENNFELD` per gear with axes and units, and the drive's constants as
 //! `FESTWERT`. X is the desired acceleration, Y the speed.
 
-use super::number::plain;
-use super::{File, Source, provenance};
+use crate::export::{File, Source, provenance};
+use crate::export::number::plain;
 use crate::map::Gear;
 use std::fmt::Write as _;
 
 /// Numbers on a line, as calibration tools write them.
 const PER_LINE: usize = 6;
 
-pub(super) fn file(source: &Source) -> File {
+pub(crate) fn file(source: &Source) -> File {
     let mut text = String::from("* encoding=\"UTF-8\"\n");
     for line in provenance::lines(source) {
         let _ = writeln!(text, "* {line}");
@@ -54,7 +54,7 @@ fn numbers(text: &mut String, keyword: &str, values: &[f64]) {
 }
 
 /// Name of a gear's map in calibration data.
-pub(super) fn name(gear: Gear) -> &'static str {
+pub(crate) fn name(gear: Gear) -> &'static str {
     match gear {
         Gear::Forward => "PIVOT_MAP_TORQUE_FORWARD",
         Gear::Reverse => "PIVOT_MAP_TORQUE_REVERSE",
@@ -62,20 +62,20 @@ pub(super) fn name(gear: Gear) -> &'static str {
 }
 
 /// What a gear's map is.
-pub(super) fn what(gear: Gear) -> String {
+pub(crate) fn what(gear: Gear) -> String {
     format!("Torque over front-wheel speed and desired acceleration, {gear} gear")
 }
 
 /// A number that belongs to the map.
-pub(super) struct Constant {
-    pub(super) name: String,
-    pub(super) what: String,
-    pub(super) unit: &'static str,
-    pub(super) value: f64,
+pub(crate) struct Constant {
+    pub(crate) name: String,
+    pub(crate) what: String,
+    pub(crate) unit: &'static str,
+    pub(crate) value: f64,
 }
 
 /// The drive's delays, geometry and dead bands.
-pub(super) fn constants(source: &Source) -> Vec<Constant> {
+pub(crate) fn constants(source: &Source) -> Vec<Constant> {
     let file = &source.table2;
     let constant = |name: &str, what: &str, unit, value| Constant { name: name.to_owned(), what: what.to_owned(), unit, value };
     let mut constants = vec![

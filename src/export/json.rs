@@ -1,10 +1,10 @@
 //! `table2.json` as it is, with the JSON Schema that describes it.
 
-use super::{File, Source};
+use crate::export::{File, Source};
 
 /// The published schema.
 const SCHEMA: &str = include_str!("../../docs/schema/table2.schema.json");
 
-pub(super) fn files(source: &Source) -> Vec<File> {
+pub(crate) fn files(source: &Source) -> Vec<File> {
     vec![File::new("pivot_map.json", source.table2_json.clone()), File::new("pivot_map.schema.json", SCHEMA.to_owned())]
 }

@@ -12,7 +12,7 @@ pub enum Precision {
 
 impl Precision {
     /// The shortest literal, in C and Rust alike, that reads back to the same number of this type. Zero has no sign.
-    pub(super) fn literal(self, value: f64) -> String {
+    pub(crate) fn literal(self, value: f64) -> String {
         let value = if value == 0.0 { 0.0 } else { value };
         match self {
             Self::Double => format!("{value:?}"),
@@ -21,7 +21,7 @@ impl Precision {
     }
 
     /// The bytes of the number of this type, least significant first.
-    pub(super) fn bytes(self, value: f64) -> Vec<u8> {
+    pub(crate) fn bytes(self, value: f64) -> Vec<u8> {
         let value = if value == 0.0 { 0.0 } else { value };
         match self {
             Self::Double => value.to_le_bytes().to_vec(),
@@ -31,7 +31,7 @@ impl Precision {
 }
 
 /// Plain decimal with a point and no exponent that reads back to the same number.
-pub(super) fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     let text = crate::map::decimal(value);
     if text.contains('.') { text } else { text + ".0" }
 }

@@ -1,9 +1,9 @@
 //! Where an exported map comes from, as lines for a comment.
 
-use super::Source;
+use crate::export::Source;
 
 /// The lines. Without time and machine, so that the same map gives the same bytes; without characters that could end a comment.
-pub(super) fn lines(source: &Source) -> Vec<String> {
+pub(crate) fn lines(source: &Source) -> Vec<String> {
     let file = &source.table2;
     let vehicle = file.vehicle;
     let mut lines = vec![

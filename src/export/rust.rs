@@ -1,6 +1,10 @@
 //! A Rust module that needs `core` only: the same tables, look-up and checksum as the C source.
 
-use super::{File, Precision, Source, c::sha256, crc::crc32, dcm::constants, number::plain, provenance};
+use crate::export::{File, Precision, Source, provenance};
+use crate::export::c::sha256;
+use crate::export::crc::crc32;
+use crate::export::dcm::constants;
+use crate::export::number::plain;
 use crate::map::{Gear, TorqueTable};
 
 const MODULE: &str = include_str!("template/pivot_map.rs.in");
@@ -8,7 +12,7 @@ const MODULE: &str = include_str!("template/pivot_map.rs.in");
 /// Numbers on a line.
 const PER_LINE: usize = 8;
 
-pub(super) fn file(source: &Source, precision: Precision) -> File {
+pub(crate) fn file(source: &Source, precision: Precision) -> File {
     let provenance: Vec<_> = provenance::lines(source).iter().map(|line| format!("//! {line}\n//!")).collect();
     let constants: Vec<_> = constants(source)
         .iter()
@@ -17,7 +21,7 @@ pub(super) fn file(source: &Source, precision: Precision) -> File {
             format!("/// {} [{}].\npub const {name}_{}: Real = {};", c.what, c.unit, c.unit.to_ascii_uppercase(), plain(c.value))
         })
         .collect();
-    let tables: String = source.torque.iter().map(|(gear, table)| self::table(*gear, table, precision)).collect();
+    let tables: String = source.torque.iter().map(|(gear, table)| crate::export::rust::table(*gear, table, precision)).collect();
     let choice = Gear::ALL.map(|gear| {
         let found = source.torque.iter().any(|(g, _)| *g == gear);
         let found = if found { format!("Some(&{})", upper(gear)) } else { "None".to_owned() };

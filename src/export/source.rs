@@ -1,6 +1,6 @@
 //! The map to export, whose files were found to belong together.
 
-use super::{Error, Result};
+use crate::export::{Error, Result};
 use crate::map::{AccelTable, CsvRef, Gear, Matrix, SAME_ANGLE_DEG, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Settings of the estimator.
 
-use super::KnownCalibration;
+use crate::fit::KnownCalibration;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.

@@ -1,12 +1,12 @@
 //! Where the breaks of Table 2 go.
 
-use super::inverse::Inverse;
+use crate::invert::inverse::Inverse;
 
 /// Spacing of the default acceleration breaks [m/s²].
 const ACCEL_STEP_MPS2: f64 = 0.1;
 
 /// Every 0.1 m/s² over what torques within `range_nm` reach at any of `speeds`, rounded outward.
-pub(super) fn accel_breaks(inverse: &Inverse, speeds: &[f64], range_nm: [f64; 2]) -> Vec<f64> {
+pub(crate) fn accel_breaks(inverse: &Inverse, speeds: &[f64], range_nm: [f64; 2]) -> Vec<f64> {
     let reach = |u: f64| speeds.iter().map(move |v| inverse.accel_mps2(*v, u));
     let low = reach(range_nm[0]).fold(f64::INFINITY, f64::min).min(0.0);
     let high = reach(range_nm[1]).fold(f64::NEG_INFINITY, f64::max).max(0.0);
@@ -17,7 +17,7 @@ pub(super) fn accel_breaks(inverse: &Inverse, speeds: &[f64], range_nm: [f64; 2]
 
 /// `count` breaks over `from` to `to`, dense where a function bends: equal shares of ∫ (|f″| + floor)^⅖ dx, which for a piecewise linear
 /// interpolant gives each interval the same part of the squared error (de Boor, *A Practical Guide to Splines*, ch. XII).
-pub(super) fn placed(from: f64, to: f64, count: usize, curves: &[&dyn Fn(f64) -> f64]) -> Vec<f64> {
+pub(crate) fn placed(from: f64, to: f64, count: usize, curves: &[&dyn Fn(f64) -> f64]) -> Vec<f64> {
     const STEPS: usize = 400;
     let h = (to - from) / STEPS as f64;
     let bend = |k: usize| {

@@ -1,17 +1,17 @@
 //! The exact inverse of a piecewise linear, rising curve, at any speed.
 
-use super::{Error, Result};
+use crate::invert::{Error, Result};
 use crate::map::{AccelTable, Gear};
 
 /// The fine surface, ready to be inverted: at a speed, acceleration is piecewise linear in torque.
 #[derive(Debug, Clone)]
-pub(super) struct Inverse {
+pub(crate) struct Inverse {
     table: AccelTable,
 }
 
 impl Inverse {
     /// Checks that every column rises.
-    pub(super) fn new(table: AccelTable, gear: Gear) -> Result<Self> {
+    pub(crate) fn new(table: AccelTable, gear: Gear) -> Result<Self> {
         let torques = table.torque_nm().breaks();
         for (j, speed_mps) in table.speed_mps().breaks().iter().enumerate() {
             for i in 1..torques.len() {
@@ -38,23 +38,23 @@ impl Inverse {
     }
 
     /// A(v, τ), extended linearly beyond the torque nodes [m/s²].
-    pub(super) fn accel_mps2(&self, speed_mps: f64, torque_nm: f64) -> f64 {
+    pub(crate) fn accel_mps2(&self, speed_mps: f64, torque_nm: f64) -> f64 {
         interpolate(self.table.torque_nm().breaks(), &self.curve(speed_mps), torque_nm)
     }
 
     /// The torques [N·m] that give each of `accel_mps2` at a speed, extended linearly beyond the torque nodes.
-    pub(super) fn torques_nm(&self, speed_mps: f64, accel_mps2: &[f64]) -> Vec<f64> {
+    pub(crate) fn torques_nm(&self, speed_mps: f64, accel_mps2: &[f64]) -> Vec<f64> {
         let curve = self.curve(speed_mps);
         accel_mps2.iter().map(|a| interpolate(&curve, self.table.torque_nm().breaks(), *a)).collect()
     }
 
     /// The torque that gives one acceleration at a speed [N·m].
-    pub(super) fn torque_nm(&self, speed_mps: f64, accel_mps2: f64) -> f64 {
+    pub(crate) fn torque_nm(&self, speed_mps: f64, accel_mps2: f64) -> f64 {
         interpolate(&self.curve(speed_mps), self.table.torque_nm().breaks(), accel_mps2)
     }
 
     /// ∂A/∂τ at a speed and torque [m/s² per N·m].
-    pub(super) fn slope(&self, speed_mps: f64, torque_nm: f64) -> f64 {
+    pub(crate) fn slope(&self, speed_mps: f64, torque_nm: f64) -> f64 {
         let torques = self.table.torque_nm().breaks();
         let curve = self.curve(speed_mps);
         let k = torques.partition_point(|u| *u <= torque_nm).clamp(1, torques.len() - 1);
@@ -62,7 +62,7 @@ impl Inverse {
     }
 
     /// Largest speed of the surface [m/s].
-    pub(super) fn fastest_mps(&self) -> f64 {
+    pub(crate) fn fastest_mps(&self) -> f64 {
         self.table.speed_mps().last()
     }
 }
@@ -76,8 +76,8 @@ fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::map::Axis;
+    use super::*;
 
     fn surface() -> AccelTable {
         let speed = Axis::new("speed_mps", vec![0.0, 0.5, 1.0]).unwrap();

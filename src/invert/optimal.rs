@@ -3,7 +3,7 @@
 //! Minimises Σ (T(v, a) − τ(v, a))² over a dense cloud of reachable (v, a), plus 1e-3 × the same toward the exact nodes, subject to
 //! T rising in a and |T| ≤ τ_max.
 
-use super::inverse::Inverse;
+use crate::invert::inverse::Inverse;
 use crate::map::lookup::bracket;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -19,7 +19,7 @@ const LEAST_RISE: f64 = 1e-3;
 /// The nodes, row-major by speed; `None` when the programme does not finish.
 ///
 /// `range_nm` bounds the torque of the cloud (what was tested), `limit_nm` what the table may hold.
-pub(super) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm: [f64; 2], limit_nm: f64) -> Option<Vec<f64>> {
+pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm: [f64; 2], limit_nm: f64) -> Option<Vec<f64>> {
     let columns = accels.len();
     let n = speeds.len() * columns;
     let exact: Vec<f64> = speeds.iter().flat_map(|v| inverse.torques_nm(*v, accels)).collect();

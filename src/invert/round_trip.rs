@@ -1,13 +1,13 @@
 //! The round trip A(v, T(v, a)) − a: what the grid of Table 2 costs.
 
-use super::inverse::Inverse;
+use crate::invert::inverse::Inverse;
 use crate::map::{CellStatus, Place, RoundTrip, TorqueTable};
 
 /// Dense points per interval of each axis.
 const PER_INTERVAL: usize = 5;
 
 /// Over the nodes and between them, wherever `measured` says that the torque was tested at the speed.
-pub(super) fn round_trip(
+pub(crate) fn round_trip(
     inverse: &Inverse,
     table: &TorqueTable,
     status: &[Vec<CellStatus>],

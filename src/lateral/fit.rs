@@ -1,13 +1,11 @@
 //! From runs to the compensation table: differences to the base, standard errors, what is dropped, the monotone curve.
 
-use super::bins::{Bin, LateralRun};
-use super::isotonic::isotonic;
-use super::newey_west::{Mean, newey_west};
-use super::{Error, Result};
+use crate::lateral::{Error, Result};
+use crate::lateral::bins::{Bin, LateralRun};
+use crate::lateral::isotonic::isotonic;
+use crate::lateral::newey_west::{Mean, newey_west};
 use crate::log::Recording;
-use crate::map::{
-    CsvRef, FORMAT_VERSION, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, LateralTableFile, LogRef, sha256_hex,
-};
+use crate::map::{CsvRef, FORMAT_VERSION, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, LateralTableFile, LogRef, sha256_hex};
 use serde::Serialize;
 
 /// Over what a mean is taken.
@@ -219,9 +217,9 @@ fn curve(entries: &[LateralEntry]) -> Result<(LateralCurve, f64)> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::log::{Loss, Signal, SignalName, Signals};
     use crate::map::Vehicle;
+    use super::*;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64;
     use std::collections::BTreeMap;

@@ -17,7 +17,7 @@ const ALONG: f64 = 0.5;
 
 /// Matches poses at ascending times.
 #[derive(Debug, Clone)]
-pub(super) struct Nearest<'a> {
+pub(crate) struct Nearest<'a> {
     paths: &'a [ReferencePath],
     /// The first path that is not yet in force.
     next: usize,
@@ -35,12 +35,12 @@ struct Foot {
 
 impl<'a> Nearest<'a> {
     /// `paths`: sorted by time.
-    pub(super) fn new(paths: &'a [ReferencePath]) -> Self {
+    pub(crate) fn new(paths: &'a [ReferencePath]) -> Self {
         Self { paths, next: 0, segment: None }
     }
 
     /// The nearest point of the path in force; `None` before the first, on a path of fewer than two points, or too far from it.
-    pub(super) fn at(&mut self, time_ns: i64, place_m: [f64; 2], yaw_rad: f64) -> Option<[f64; 2]> {
+    pub(crate) fn at(&mut self, time_ns: i64, place_m: [f64; 2], yaw_rad: f64) -> Option<[f64; 2]> {
         while self.paths.get(self.next).is_some_and(|path| path.time_ns <= time_ns) {
             self.next += 1;
             self.segment = None;

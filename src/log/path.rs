@@ -69,12 +69,12 @@ impl MessagePath {
     }
 
     /// The path that takes `steps` from the messages of any topic.
-    pub(super) fn inside(steps: Vec<Step>) -> Self {
+    pub(crate) fn inside(steps: Vec<Step>) -> Self {
         Self { topic: String::new(), steps, text: String::new() }
     }
 
     /// The path that takes `steps` from the messages of `topic`.
-    pub(super) fn new(topic: String, steps: Vec<Step>) -> Self {
+    pub(crate) fn new(topic: String, steps: Vec<Step>) -> Self {
         let mut text = if topic.contains(['.', '[', '{', '"', '\'']) { quoted(&topic) } else { topic.clone() };
         for step in &steps {
             let _ = write!(text, "{step}");
@@ -84,7 +84,7 @@ impl MessagePath {
 }
 
 /// A text in quotes, as paths have them.
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 

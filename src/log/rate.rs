@@ -1,6 +1,6 @@
 //! The true rate of a signal: a slow value that is repeated in a fast message is found out.
 
-use super::recording::Signal;
+use crate::log::recording::Signal;
 use crate::units::NS_PER_S;
 use serde::Serialize;
 

@@ -1,16 +1,18 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
-use super::candidates::Candidates;
-use super::column::Column;
-use super::container::{BlockKind, Container};
-use super::gather::{self, Gathered};
-use super::input::Input;
-use super::loss::{Damage, Loss, Why};
-use super::polyline::{Lists, polylines};
-use super::recording::{Origin, Recording, Signals};
-use super::resolve::{self, Choices};
-use super::signal_map::{SignalName, VehicleOverrides};
-use super::{Error, Result, Source};
+use crate::log::{Error, Result, Source};
+use crate::log::extract::message_pass;
+use crate::log::extract::column::Column;
+use crate::log::extract::message_pass::Gathered;
+use crate::log::file::container::{BlockKind, Container};
+use crate::log::file::input::Input;
+use crate::log::file::loss::{Damage, Loss, Why};
+use crate::log::find::resolve;
+use crate::log::find::candidates::Candidates;
+use crate::log::find::resolve::Choices;
+use crate::log::recording::{Origin, Recording, Signals};
+use crate::log::reference_path::{Lists, polylines};
+use crate::log::signal_map::{SignalName, VehicleOverrides};
 use crate::map::LogRef;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -64,7 +66,7 @@ pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &Vehic
 }
 
 /// One file of a recording; what only the values tell, of all files together, is not yet corrected.
-pub(super) struct Part {
+pub(crate) struct Part {
     pub recording: Recording,
     /// Whether any signal was found by name.
     pub guessed: bool,
@@ -75,7 +77,7 @@ pub(super) struct Part {
 }
 
 /// Reads one file, with its hash if `hashed`.
-pub(super) fn part(
+pub(crate) fn part(
     path: &Path,
     hashed: bool,
     source: &Source,
@@ -155,7 +157,7 @@ fn read_input(
 }
 
 /// What a pass over the messages gave.
-pub(super) struct Pass {
+pub(crate) struct Pass {
     pub choices: Choices,
     pub gathered: Gathered,
     pub said: VehicleOverrides,
@@ -168,7 +170,7 @@ fn pass(
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Pass> {
-    let mut samples = gather::explore(container);
+    let mut samples = message_pass::explore(container);
     let told = match source {
         Source::Map(map) => map.vehicle,
         Source::Preset(_) | Source::Detect => VehicleOverrides::default(),
@@ -188,7 +190,7 @@ fn pass(
             Err(error) if container.is_listed() => return Err(error),
             Err(error) => (Choices::default(), BTreeMap::new(), Some(error)),
         };
-        let mut gathered = gather::all(container, &plans, choices.found.len(), progress);
+        let mut gathered = message_pass::all(container, &plans, choices.found.len(), progress);
         if gathered.tallies.is_empty() {
             let damage = loss(container, &gathered).summary();
             return Err(Error::NoMessages { damage });
@@ -216,7 +218,7 @@ fn required(choices: &Choices, container: &Container, candidates: &Candidates<'_
 }
 
 /// The account of what was read and lost.
-pub(super) fn loss(container: &Container, gathered: &Gathered) -> Loss {
+pub(crate) fn loss(container: &Container, gathered: &Gathered) -> Loss {
     let topic = |id: &u16| container.inventory.channels.get(id).map_or_else(|| format!("channel {id}"), |channel| channel.topic.clone());
     let mut places: Vec<Damage> = container.damage.iter().chain(&gathered.damage).cloned().collect();
     if places.is_empty() {

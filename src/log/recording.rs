@@ -1,8 +1,8 @@
 //! One log read whole: signals in SI, where they come from, and what was lost.
 
-use super::loss::Loss;
-use super::polyline::ReferencePath;
-use super::signal_map::SignalName;
+use crate::log::file::loss::Loss;
+use crate::log::reference_path::ReferencePath;
+use crate::log::signal_map::SignalName;
 use crate::map::{LogRef, Vehicle};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -85,7 +85,7 @@ impl Signal {
     }
 
     /// Sorts by time; equal times keep their order.
-    pub(super) fn sort(&mut self) {
+    pub(crate) fn sort(&mut self) {
         if !self.time_ns.is_sorted() {
             let mut pairs: Vec<(i64, f64)> = self.time_ns.iter().copied().zip(self.value.iter().copied()).collect();
             pairs.sort_by_key(|(time_ns, _)| *time_ns);
@@ -114,7 +114,7 @@ impl Signals {
         }
     }
 
-    pub(super) fn set(&mut self, name: SignalName, signal: Signal) {
+    pub(crate) fn set(&mut self, name: SignalName, signal: Signal) {
         match name {
             SignalName::Speed => self.speed = signal,
             SignalName::Torque => self.torque = signal,

@@ -6,17 +6,17 @@ mod leaves;
 mod msg;
 mod shape;
 
-pub(super) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
-pub(super) use leaves::{Leaf, LeafKind};
-pub(super) use shape::{Kind, Names, Shape, Size, Structure};
+pub(crate) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
+pub(crate) use leaves::{Leaf, LeafKind};
+pub(crate) use shape::{Kind, Names, Shape, Size, Structure};
 
-use super::container::Schema;
-use super::path::Step;
+use crate::log::file::container::Schema;
+use crate::log::path::Step;
 use std::sync::Arc;
 
 /// How the payload of a channel is laid out.
 #[derive(Debug, Clone)]
-pub(super) enum Layout {
+pub(crate) enum Layout {
     /// Common data representation, as ROS 2 writes it.
     Cdr(Arc<Structure>),
     /// ROS 1: the same without alignment.
@@ -46,7 +46,7 @@ impl Layout {
     ///
     /// # Errors
     /// An encoding that is not known, or a schema that is missing or broken.
-    pub(super) fn parse(message_encoding: &str, schema: Option<&Schema>) -> Result<Self, SchemaError> {
+    pub(crate) fn parse(message_encoding: &str, schema: Option<&Schema>) -> Result<Self, SchemaError> {
         let broken = |schema: &Schema, reason: String| SchemaError::Broken { name: schema.name.clone(), reason };
         let text = |schema: &Schema| match std::str::from_utf8(&schema.data) {
             Ok(text) if !text.trim().is_empty() => Ok(text.to_owned()),
@@ -75,7 +75,7 @@ impl Layout {
     }
 
     /// Every place of a message that holds a single value, for suggestions and detection. JSON has none: its messages tell.
-    pub(super) fn leaves(&self) -> Vec<Leaf> {
+    pub(crate) fn leaves(&self) -> Vec<Leaf> {
         match self {
             Self::Cdr(structure) | Self::Ros1(structure) => leaves::leaves(structure),
             Self::Protobuf(message) => leaves::protobuf_leaves(message),
@@ -84,7 +84,7 @@ impl Layout {
     }
 
     /// The numbers that the schema names for the value at the end of `steps`; none where it names none.
-    pub(super) fn names(&self, steps: &[Step]) -> Names {
+    pub(crate) fn names(&self, steps: &[Step]) -> Names {
         let mut fields = steps.iter().filter_map(|step| if let Step::Field(name) = step { Some(name.as_str()) } else { None });
         match self {
             Self::Cdr(structure) | Self::Ros1(structure) => structure.names(&mut fields),

@@ -1,16 +1,16 @@
 //! What is in a log: topics, time span, and where the signals are. Answers from the summary when that is enough.
 
-use super::candidates::Candidates;
-use super::container::Container;
-use super::gather;
-use super::input::Input;
-use super::loss::Loss;
-use super::rate::{Rate, rate};
-use super::read::loss;
-use super::record::{CHUNK_HEADER, ChunkHeader};
-use super::resolve;
-use super::signal_map::SignalName;
-use super::{Error, Result, Source};
+use crate::log::{Error, Result, Source};
+use crate::log::extract::message_pass;
+use crate::log::file::container::Container;
+use crate::log::file::input::Input;
+use crate::log::file::loss::Loss;
+use crate::log::file::record::{CHUNK_HEADER, ChunkHeader};
+use crate::log::find::resolve;
+use crate::log::find::candidates::Candidates;
+use crate::log::rate::{Rate, rate};
+use crate::log::read::loss;
+use crate::log::signal_map::SignalName;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -129,11 +129,11 @@ pub fn survey_bytes(bytes: Vec<u8>, name: &str, source: &Source, depth: Depth) -
 
 fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<Survey> {
     let mut container = Container::open(input)?;
-    let mut samples = gather::explore(&mut container);
+    let mut samples = message_pass::explore(&mut container);
     let mut gathered = None;
     if depth == Depth::Everything && !container.is_listed() {
         // channels that only an unlisted chunk describes: walk once to learn them
-        let mut walked = gather::all(&container, &BTreeMap::new(), 0, &|_| {});
+        let mut walked = message_pass::all(&container, &BTreeMap::new(), 0, &|_| {});
         container.learn(std::mem::take(&mut walked.learned));
         for (id, payload) in std::mem::take(&mut walked.samples) {
             samples.entry(id).or_insert(payload);
@@ -154,7 +154,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
             notes.push(error.to_string());
             BTreeMap::new()
         });
-        gathered = Some(gather::all(&container, &plans, choices.found.len(), progress));
+        gathered = Some(message_pass::all(&container, &plans, choices.found.len(), progress));
     }
     let mut found = Vec::new();
     let mut not_finite = BTreeMap::new();
@@ -168,7 +168,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
             path: choice.spec.path.to_string(),
             unit: choice.spec.unit.name().to_owned(),
             reason: choice.reason.clone(),
-            values: signal.as_ref().map(super::Signal::len),
+            values: signal.as_ref().map(crate::log::Signal::len),
             rate: signal.as_ref().and_then(rate),
         });
     }
@@ -216,7 +216,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         library: container.library.clone(),
         profile: container.profile.clone(),
         indexed: container.indexed,
-        chunks: container.blocks.iter().filter(|block| block.kind != super::container::BlockKind::Loose).count(),
+        chunks: container.blocks.iter().filter(|block| block.kind != crate::log::file::container::BlockKind::Loose).count(),
         compression: compressions(&container),
         start_ns,
         end_ns,
@@ -236,7 +236,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
 fn compressions(container: &Container) -> Vec<String> {
     let mut found = BTreeSet::new();
     let mut head = Vec::new();
-    for block in container.blocks.iter().filter(|block| block.kind != super::container::BlockKind::Loose).take(64) {
+    for block in container.blocks.iter().filter(|block| block.kind != crate::log::file::container::BlockKind::Loose).take(64) {
         let length = CHUNK_HEADER.min(block.length as usize);
         if container.input.read_into(block.offset, length, &mut head).is_ok() {
             found.extend(ChunkHeader::parse(&head).map(|header| header.compression.name().to_owned()));

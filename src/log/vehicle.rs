@@ -1,7 +1,7 @@
 //! The vehicle of a log: from the command line, the signal map, or the log's own metadata, in this order.
 
-use super::signal_map::VehicleOverrides;
-use super::{Error, Result};
+use crate::log::{Error, Result};
+use crate::log::signal_map::VehicleOverrides;
 use crate::map::Vehicle;
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ impl VehicleOverrides {
     }
 
     /// What the metadata of a log says.
-    pub(super) fn from_metadata(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Result<Self> {
+    pub(crate) fn from_metadata(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Result<Self> {
         let Some(fields) = metadata.get(VEHICLE_METADATA) else {
             return Ok(Self::default());
         };

@@ -3,8 +3,8 @@
 //! Between two measured angles both tables are asked for the same torque, each answer is carried to the angle in between by inertia and
 //! friction ([`AngleFamily`]), and the two are weighted by how near they are. At a measured angle the answer is its table's.
 
-use super::angle_lookup::{Between, between};
-use super::{AccelMap, AccelTable, AngleFamily, Axis, Gear, Result, SAME_ANGLE_DEG, Side};
+use crate::map::{AccelMap, AccelTable, AngleFamily, Axis, Gear, Result, SAME_ANGLE_DEG, Side};
+use crate::map::angle_lookup::{Between, between};
 use crate::units::RAD_PER_DEG;
 
 /// An acceleration at a wheel angle.
@@ -41,8 +41,8 @@ impl AccelMaps {
     /// As [`Axis::new`] and [`AccelTable::new`].
     pub fn new<'a>(maps: impl IntoIterator<Item = &'a AccelMap>, families: &[AngleFamily]) -> Result<Self> {
         let one = |map: &AccelMap| {
-            let speed = Axis::new(super::accel_table::SPEED_AXIS, map.speed_mps.clone())?;
-            let torque = Axis::new(super::accel_table::TORQUE_AXIS, map.torque_nm.clone())?;
+            let speed = Axis::new(crate::map::accel_table::SPEED_AXIS, map.speed_mps.clone())?;
+            let torque = Axis::new(crate::map::accel_table::TORQUE_AXIS, map.torque_nm.clone())?;
             Ok(OneAngle {
                 gear: map.gear,
                 angle_deg: map.wheel_angle_deg,

@@ -1,6 +1,6 @@
 //! Table 1: acceleration over front-wheel speed and torque.
 
-use super::{Axis, Error, Matrix, Result, lookup};
+use crate::map::{Axis, Error, Matrix, Result, lookup};
 
 /// Name of the speed axis in errors and CSV corners.
 pub(crate) const SPEED_AXIS: &str = "speed_mps";
@@ -83,7 +83,7 @@ impl AccelTable {
 }
 
 /// Shape and finiteness of a table's values.
-pub(super) fn check_values(table: &'static str, rows: usize, columns: usize, values: &[f64]) -> Result<()> {
+pub(crate) fn check_values(table: &'static str, rows: usize, columns: usize, values: &[f64]) -> Result<()> {
     if values.len() != rows * columns {
         return Err(Error::WrongShape { table, rows, columns, found: values.len() });
     }

@@ -1,8 +1,8 @@
 //! What the maps of one gear at several wheel angles have in common, and what changes with the angle: the `families` of `table1.json` and
 //! `table2.json`, and the names of the maps' files.
 
-use super::angle_lookup::AngleTerms;
-use super::{Error, Gear, Result};
+use crate::map::{Error, Gear, Result};
+use crate::map::angle_lookup::AngleTerms;
 use serde::{Deserialize, Serialize};
 
 /// Two wheel angles nearer than this are the same one [°].
@@ -82,7 +82,7 @@ impl AngleFamily {
     /// Fewer than two speed breaks, breaks that do not rise, terms of another length, numbers that are not finite, or an inertia that is not
     /// positive.
     pub fn check(&self) -> Result<()> {
-        super::Axis::new("families.speed_mps", self.speed_mps.clone())?;
+        crate::map::Axis::new("families.speed_mps", self.speed_mps.clone())?;
         for (row, term) in self.friction_nm.iter().enumerate() {
             if !(term.len() == self.speed_mps.len() || (row > 0 && term.is_empty())) {
                 return Err(Error::WrongShape { table: "families.friction_nm", rows: 1, columns: self.speed_mps.len(), found: term.len() });
@@ -104,7 +104,7 @@ pub fn csv_name(table: &str, gear: Gear, wheel_angle_deg: f64, test_angle_deg: f
     let angle = if (wheel_angle_deg - test_angle_deg).abs() < SAME_ANGLE_DEG {
         String::new()
     } else {
-        format!(".angle{}", super::decimal(wheel_angle_deg))
+        format!(".angle{}", crate::map::decimal(wheel_angle_deg))
     };
     format!("{table}{angle}{}.csv", gear.file_infix())
 }

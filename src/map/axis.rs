@@ -1,6 +1,6 @@
 //! The breaks of one axis of a table: finite, strictly increasing, at least two.
 
-use super::{Error, Result};
+use crate::map::{Error, Result};
 
 /// Grid positions along one axis, strictly increasing.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! The plain matrix that `table1.csv` and `table2.csv` are: corner cell `rows\columns` with units in the names, first row the column
 //! breaks, first column the row breaks, shortest decimals that read back to the same number, `\n` line ends, no comments.
 
-use super::{Error, Result};
+use crate::map::{Error, Result};
 
 /// A matrix with named axes, as read from or written to CSV. Not yet checked as a table.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,18 +1,18 @@
 //! `fit_traces.json`: what a fit saw along the runs, thinned out for people to look at. Nothing is computed from it.
 
-use super::table1_file::expect_format;
-use super::{CsvRef, Gear, Result};
+use crate::map::{CsvRef, Gear, Result};
+use crate::map::table1_file::expect_format;
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `fit_traces.json` says.
-pub(super) const FORMAT: &str = "pivot-cal/fit_traces";
+pub(crate) const FORMAT: &str = "pivot-cal/fit_traces";
 
 /// `fit_traces.json`: traces of the runs, residuals, and how likely other delays are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitTraces {
     /// Always `pivot-cal/fit_traces`.
     pub format: String,
-    /// Version of this layout, [`super::FORMAT_VERSION`].
+    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
@@ -116,6 +116,6 @@ impl FitTraces {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        super::json_text::to_text(self)
+        crate::map::json_text::to_text(self)
     }
 }

@@ -1,11 +1,11 @@
 //! JSON as people read it: objects indented, arrays of plain values on one line.
 
-use super::Result;
+use crate::map::Result;
 use serde::Serialize;
 use serde_json::Value;
 
 /// The text of `value`, with a final line end. Keys keep the order of the struct's fields.
-pub(super) fn to_text(value: &impl Serialize) -> Result<String> {
+pub(crate) fn to_text(value: &impl Serialize) -> Result<String> {
     let value = serde_json::to_value(value)?;
     let mut text = String::new();
     write(&value, 0, &mut text)?;

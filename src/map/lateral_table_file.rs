@@ -1,19 +1,19 @@
 //! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not tell.
 
-use super::csv_matrix::decimal;
-use super::table1_file::expect_format;
-use super::{CsvRef, Error, LogRef, Result, Vehicle};
+use crate::map::{CsvRef, Error, LogRef, Result, Vehicle};
+use crate::map::csv_matrix::decimal;
+use crate::map::table1_file::expect_format;
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `lateral_table.json` says.
-pub(super) const FORMAT: &str = "pivot-cal/lateral-table";
+pub(crate) const FORMAT: &str = "pivot-cal/lateral-table";
 
 /// `lateral_table.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LateralTableFile {
     /// Always `pivot-cal/lateral-table`.
     pub format: String,
-    /// Version of this layout, [`super::FORMAT_VERSION`].
+    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
@@ -93,7 +93,7 @@ impl LateralTableFile {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        super::json_text::to_text(self)
+        crate::map::json_text::to_text(self)
     }
 
     /// The CSV text: one line per entry.

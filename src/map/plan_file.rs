@@ -1,7 +1,7 @@
 //! `plan.json`: the runs that `pivot-cal plan` proposes after a Table 1, for the report. Nothing is computed from it.
 
-use super::table1_file::expect_format;
-use super::{FORMAT_VERSION, Gear, Result, json_text};
+use crate::map::{FORMAT_VERSION, Gear, Result, json_text};
+use crate::map::table1_file::expect_format;
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `plan.json` says.
@@ -12,7 +12,7 @@ const FORMAT: &str = "pivot-cal/plan";
 pub struct PlanFile {
     /// Always `pivot-cal/plan`.
     pub format: String,
-    /// Version of this layout, [`super::FORMAT_VERSION`].
+    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,

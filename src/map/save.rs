@@ -1,6 +1,6 @@
 //! Files written whole or not at all.
 
-use super::{Error, Result};
+use crate::map::{Error, Result};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -1,10 +1,10 @@
 //! `table1.json`: Table 1 with everything that its CSV does not tell.
 
-use super::{AccelTable, AngleFamily, Axis, CellStatus, Error, FORMAT_VERSION, Gear, Result, Vehicle};
+use crate::map::{AccelTable, AngleFamily, Axis, CellStatus, Error, FORMAT_VERSION, Gear, Result, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `table1.json` says.
-pub(super) const FORMAT: &str = "pivot-cal/table1";
+pub(crate) const FORMAT: &str = "pivot-cal/table1";
 
 /// `table1.json`: one [`AccelMap`] per gear and wheel angle, and where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -282,7 +282,7 @@ impl Table1File {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        super::json_text::to_text(self)
+        crate::map::json_text::to_text(self)
     }
 
     /// The map of a gear at a wheel angle within `tolerance_deg` of `wheel_angle_deg`.
@@ -312,8 +312,8 @@ impl Surface {
 }
 
 fn table_of(speed: &[f64], torque: &[f64], accel: &[Vec<f64>]) -> Result<AccelTable> {
-    let speed = Axis::new(super::accel_table::SPEED_AXIS, speed.to_vec())?;
-    let torque = Axis::new(super::accel_table::TORQUE_AXIS, torque.to_vec())?;
+    let speed = Axis::new(crate::map::accel_table::SPEED_AXIS, speed.to_vec())?;
+    let torque = Axis::new(crate::map::accel_table::TORQUE_AXIS, torque.to_vec())?;
     AccelTable::new(speed, torque, accel.concat())
 }
 

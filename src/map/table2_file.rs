@@ -1,19 +1,20 @@
 //! `table2.json`: Table 2 with everything that its CSV does not tell.
 
-use super::table1_file::expect_format;
-use super::torque_table::ACCEL_AXIS;
-use super::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle, accel_table::SPEED_AXIS};
+use crate::map::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle};
+use crate::map::accel_table::SPEED_AXIS;
+use crate::map::table1_file::expect_format;
+use crate::map::torque_table::ACCEL_AXIS;
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `table2.json` says.
-pub(super) const FORMAT: &str = "pivot-cal/table2";
+pub(crate) const FORMAT: &str = "pivot-cal/table2";
 
 /// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table2File {
     /// Always `pivot-cal/table2`.
     pub format: String,
-    /// Version of this layout, [`super::FORMAT_VERSION`].
+    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
@@ -125,7 +126,7 @@ impl Table2File {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        super::json_text::to_text(self)
+        crate::map::json_text::to_text(self)
     }
 
     /// The map of a gear at a wheel angle within `tolerance_deg` of `wheel_angle_deg`.

@@ -1,6 +1,6 @@
 //! What the map must know of the vehicle.
 
-use super::{Error, Result};
+use crate::map::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// Geometry of a vehicle with one steered, driven front wheel, and the angle that its map belongs to.

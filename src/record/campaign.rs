@@ -1,9 +1,10 @@
 //! The campaign plan: a TOML list of groups of runs, unrolled into single runs.
 
-use super::error::{Error, Result};
-use super::event::Event;
+use crate::sim;
 use crate::map::Gear;
-use crate::sim::{self, Random, Stream, Timing};
+use crate::record::error::{Error, Result};
+use crate::record::event::Event;
+use crate::sim::{Random, Stream, Timing};
 use serde::{Deserialize, Serialize};
 
 /// A campaign: what to drive, and how its messages are timed.

@@ -4,13 +4,13 @@
 
 /// Bytes of one message.
 #[derive(Debug, Clone)]
-pub(super) struct Cdr(Vec<u8>);
+pub(crate) struct Cdr(Vec<u8>);
 
 /// Representation identifier of plain little-endian CDR, and two bytes of options.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
 impl Cdr {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(HEADER.to_vec())
     }
 
@@ -21,50 +21,50 @@ impl Cdr {
         }
     }
 
-    pub(super) fn bool(&mut self, value: bool) {
+    pub(crate) fn bool(&mut self, value: bool) {
         self.0.push(u8::from(value));
     }
 
-    pub(super) fn i8(&mut self, value: i8) {
+    pub(crate) fn i8(&mut self, value: i8) {
         self.0.extend(value.to_le_bytes());
     }
 
-    pub(super) fn i32(&mut self, value: i32) {
+    pub(crate) fn i32(&mut self, value: i32) {
         self.align(4);
         self.0.extend(value.to_le_bytes());
     }
 
-    pub(super) fn u32(&mut self, value: u32) {
+    pub(crate) fn u32(&mut self, value: u32) {
         self.align(4);
         self.0.extend(value.to_le_bytes());
     }
 
-    pub(super) fn f64(&mut self, value: f64) {
+    pub(crate) fn f64(&mut self, value: f64) {
         self.align(8);
         self.0.extend(value.to_le_bytes());
     }
 
     /// Length with the final zero, bytes, zero.
-    pub(super) fn string(&mut self, text: &str) {
+    pub(crate) fn string(&mut self, text: &str) {
         self.u32(text.len() as u32 + 1);
         self.0.extend(text.as_bytes());
         self.0.push(0);
     }
 
     /// An array of fixed length.
-    pub(super) fn f64_array(&mut self, values: &[f64]) {
+    pub(crate) fn f64_array(&mut self, values: &[f64]) {
         for &value in values {
             self.f64(value);
         }
     }
 
     /// An array with its length before it.
-    pub(super) fn f64_sequence(&mut self, values: &[f64]) {
+    pub(crate) fn f64_sequence(&mut self, values: &[f64]) {
         self.u32(values.len() as u32);
         self.f64_array(values);
     }
 
-    pub(super) fn into_bytes(self) -> Vec<u8> {
+    pub(crate) fn into_bytes(self) -> Vec<u8> {
         self.0
     }
 }

@@ -57,7 +57,7 @@ pub enum EventKind {
 
 impl Event {
     /// Whether it is under way at `t_s` after the torque was applied.
-    pub(super) fn is_on(&self, t_s: f64) -> bool {
+    pub(crate) fn is_on(&self, t_s: f64) -> bool {
         t_s >= self.at_s && t_s < self.at_s + self.duration_s
     }
 }

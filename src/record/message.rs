@@ -1,7 +1,7 @@
 //! ROS 2 messages and their bytes.
 
-use super::cdr::Cdr;
-use super::schema::TypeName;
+use crate::record::cdr::Cdr;
+use crate::record::schema::TypeName;
 
 /// Time of a message [ns since 1970].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

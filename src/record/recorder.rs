@@ -1,9 +1,9 @@
 //! A campaign driven on a simulated vehicle, and its log.
 
-use super::campaign::Campaign;
-use super::error::{Error, Result};
-use super::runner::{CYCLE_S, RunOutcome, Runner};
-use super::topics::Topics;
+use crate::record::campaign::Campaign;
+use crate::record::error::{Error, Result};
+use crate::record::runner::{CYCLE_S, RunOutcome, Runner};
+use crate::record::topics::Topics;
 use crate::sim::{VehicleFile, World};
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +69,7 @@ pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::runner::End;
+    use crate::record::runner::End;
     use super::*;
 
     const VEHICLE: &str = "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.12\n";

@@ -1,8 +1,8 @@
 //! Who drives the campaign: steers to the angle, spins up, holds the level, lets coast, pauses; by what the sensors say.
 
-use super::campaign::RunPlan;
-use super::event::EventKind;
 use crate::map::{Gear, Vehicle};
+use crate::record::campaign::RunPlan;
+use crate::record::event::EventKind;
 use crate::sim::{Command, Fault, Measurement, Random, Stream, World};
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub struct RunOutcome {
 }
 
 /// Time between two decisions [s]: a usual control cycle.
-pub(super) const CYCLE_S: f64 = 0.02;
+pub(crate) const CYCLE_S: f64 = 0.02;
 /// The wheel counts as at its angle within this [°] ...
 const AT_ANGLE_DEG: f64 = 1.5;
 /// ... and as at rest below this speed [m/s], three quanta of a usual encoder with its noise ...
@@ -71,7 +71,7 @@ enum Phase {
 }
 
 /// The driver of a campaign.
-pub(super) struct Runner {
+pub(crate) struct Runner {
     plan: Vec<RunPlan>,
     test_angle_deg: f64,
     index: usize,
@@ -87,7 +87,7 @@ pub(super) struct Runner {
 }
 
 impl Runner {
-    pub(super) fn new(plan: Vec<RunPlan>, vehicle: &Vehicle, seed: u64) -> Self {
+    pub(crate) fn new(plan: Vec<RunPlan>, vehicle: &Vehicle, seed: u64) -> Self {
         Self {
             plan,
             test_angle_deg: vehicle.test_angle_deg,
@@ -105,12 +105,12 @@ impl Runner {
     }
 
     /// The runs driven so far.
-    pub(super) fn into_outcomes(self) -> Vec<RunOutcome> {
+    pub(crate) fn into_outcomes(self) -> Vec<RunOutcome> {
         self.outcomes
     }
 
     /// Decides for the next cycle; `None` when the campaign is over.
-    pub(super) fn decide(&mut self, world: &mut World) -> Option<Command> {
+    pub(crate) fn decide(&mut self, world: &mut World) -> Option<Command> {
         let now_s = world.state().t_s;
         let seen = world.measure();
         let run = self.plan.get(self.index)?.clone();

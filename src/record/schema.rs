@@ -4,7 +4,7 @@
 //! Source: the ROS 2 packages `std_msgs`, `sensor_msgs`, `geometry_msgs`, `nav_msgs`, `builtin_interfaces`.
 
 /// A type's full name, as a schema record gives it.
-pub(super) type TypeName = &'static str;
+pub(crate) type TypeName = &'static str;
 
 /// Name without `msg/`, fields, and the types that the fields contain.
 struct Definition {
@@ -107,7 +107,7 @@ fn definition(short: &str) -> Option<&'static Definition> {
 }
 
 /// The schema text of the type `name` (`std_msgs/msg/Float64`); empty for a type that is not in the list above.
-pub(super) fn text(name: TypeName) -> String {
+pub(crate) fn text(name: TypeName) -> String {
     let Some(root) = definition(&name.replace("/msg/", "/")) else { return String::new() };
     let mut text = root.fields.to_owned();
     for part in root.contains.iter().filter_map(|short| definition(short)) {

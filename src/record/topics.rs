@@ -2,21 +2,21 @@
 //!
 //! Values pass through single precision, as they do on the buses of real drives.
 
-use super::campaign::TopicSettings;
-use super::error::Result;
-use super::log_writer::LogWriter;
-use super::message::{JointState, Message, Odometry, Stamp, TwistStamped};
 use crate::map::Vehicle;
+use crate::record::campaign::TopicSettings;
+use crate::record::error::Result;
+use crate::record::log_writer::LogWriter;
+use crate::record::message::{JointState, Message, Odometry, Stamp, TwistStamped};
 use crate::sim::{Channel, Command, Gear, Reading, Stream, World};
 
 /// Name of the metadata record that holds the vehicle.
-pub(super) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
+pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
 
 const JOINTS: [&str; 2] = ["front_drive_joint", "front_steer_joint"];
 const FRAME: &str = "base_link";
 
 /// The topics of one log.
-pub(super) struct Topics {
+pub(crate) struct Topics {
     log: LogWriter,
     start_ns: u64,
     wheel_radius_m: f64,
@@ -27,7 +27,7 @@ pub(super) struct Topics {
 }
 
 impl Topics {
-    pub(super) fn new(settings: &TopicSettings, vehicle: &Vehicle, start_ns: u64, seed: u64) -> Result<Self> {
+    pub(crate) fn new(settings: &TopicSettings, vehicle: &Vehicle, start_ns: u64, seed: u64) -> Result<Self> {
         let mut log = LogWriter::new();
         let mut entries = vec![
             ("test_angle_deg", vehicle.test_angle_deg.to_string()),
@@ -48,7 +48,7 @@ impl Topics {
     }
 
     /// Messages about the command in force, before the world steps on.
-    pub(super) fn write_command(&mut self, world: &World, command: &Command) -> Result<()> {
+    pub(crate) fn write_command(&mut self, world: &World, command: &Command) -> Result<()> {
         let now_s = world.state().t_s;
         self.torque_command.poll(now_s, |_, _| world.accepted_torque_nm(command));
         if let Some(reading) = self.torque_command.taken().copied() {
@@ -70,7 +70,7 @@ impl Topics {
     }
 
     /// Messages of the sensors that read in the last step.
-    pub(super) fn write_sensors(&mut self, world: &World) -> Result<()> {
+    pub(crate) fn write_sensors(&mut self, world: &World) -> Result<()> {
         let sensors = world.sensors();
         if let Some(reading) = sensors.encoder().taken() {
             let stamp = self.stamp(reading);
@@ -127,7 +127,7 @@ impl Topics {
     }
 
     /// The writer with all messages.
-    pub(super) fn into_log(self) -> LogWriter {
+    pub(crate) fn into_log(self) -> LogWriter {
         self.log
     }
 

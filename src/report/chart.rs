@@ -1,7 +1,7 @@
 //! Charts of lines over a common axis, one panel above the other.
 
-use super::scale::Scale;
-use super::svg::{Svg, num};
+use crate::report::scale::Scale;
+use crate::report::svg::{Svg, num};
 
 /// Room around the panels [px].
 const LEFT: f64 = 56.0;
@@ -11,51 +11,51 @@ const GAP: f64 = 30.0;
 const BELOW: f64 = 40.0;
 
 /// Points (x, y).
-pub(super) type Points = Vec<(f64, f64)>;
+pub(crate) type Points = Vec<(f64, f64)>;
 
 /// One line: classes `a`, `b`, `k` are the page's colours, `d` is dashed.
-pub(super) struct Line {
-    pub(super) name: &'static str,
-    pub(super) class: &'static str,
-    pub(super) points: Points,
+pub(crate) struct Line {
+    pub(crate) name: &'static str,
+    pub(crate) class: &'static str,
+    pub(crate) points: Points,
 }
 
 /// An area between two lines: classes `af`, `bf` are colours, `o` is faint, `p` is stronger.
-pub(super) struct Area {
-    pub(super) class: &'static str,
-    pub(super) lower: Points,
-    pub(super) upper: Points,
+pub(crate) struct Area {
+    pub(crate) class: &'static str,
+    pub(crate) lower: Points,
+    pub(crate) upper: Points,
 }
 
 /// One panel.
 #[derive(Default)]
-pub(super) struct Panel {
-    pub(super) title: String,
-    pub(super) areas: Vec<Area>,
-    pub(super) lines: Vec<Line>,
+pub(crate) struct Panel {
+    pub(crate) title: String,
+    pub(crate) areas: Vec<Area>,
+    pub(crate) lines: Vec<Line>,
     /// Single points with their class and radius.
-    pub(super) dots: Vec<(f64, f64, &'static str, f64)>,
+    pub(crate) dots: Vec<(f64, f64, &'static str, f64)>,
     /// Straight lines across at this value, with what they mean.
-    pub(super) levels: Vec<(f64, String)>,
+    pub(crate) levels: Vec<(f64, String)>,
     /// Whether zero is on the axis.
-    pub(super) with_zero: bool,
+    pub(crate) with_zero: bool,
     /// Top of the axis; what is above is cut off.
-    pub(super) most: Option<f64>,
+    pub(crate) most: Option<f64>,
 }
 
 /// Panels over a common axis.
-pub(super) struct Chart {
-    pub(super) id: String,
-    pub(super) label: String,
-    pub(super) x_title: &'static str,
-    pub(super) width: f64,
-    pub(super) panel: f64,
-    pub(super) panels: Vec<Panel>,
+pub(crate) struct Chart {
+    pub(crate) id: String,
+    pub(crate) label: String,
+    pub(crate) x_title: &'static str,
+    pub(crate) width: f64,
+    pub(crate) panel: f64,
+    pub(crate) panels: Vec<Panel>,
 }
 
 impl Chart {
     /// The picture.
-    pub(super) fn draw(&self) -> Svg {
+    pub(crate) fn draw(&self) -> Svg {
         let count = self.panels.len() as f64;
         let height = TITLE + count * self.panel + (count - 1.0) * GAP + BELOW;
         let mut svg = Svg::new(&self.id, &self.label, self.width, height);

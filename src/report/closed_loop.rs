@@ -1,13 +1,13 @@
 //! Closed loop: the pivot over time by the map and by the conventional law, the laws compared, and every scenario.
 
-use super::Inputs;
-use super::chart::{Area, Chart, Line, Panel, Points};
-use super::section::Section;
-use super::svg::{escaped, num};
+use crate::report::Inputs;
+use crate::report::chart::{Area, Chart, Line, Panel, Points};
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
 use crate::verify::{Bands, Check, ClosedLoop, LawTraces, Metric, ScenarioVerdict, Statistic, Status, Summary, Verdict};
 
 /// The closed loop as a section.
-pub(super) fn closed_loop(inputs: &Inputs) -> Section {
+pub(crate) fn closed_loop(inputs: &Inputs) -> Section {
     let mut section = Section::new("closed-loop", "Closed loop");
     match &inputs.closed_loop {
         Some(traces) => pivot(&mut section, traces),

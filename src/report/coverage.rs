@@ -1,12 +1,12 @@
 //! Coverage: how sure each cell is, and where its value comes from.
 
-use super::Inputs;
-use super::heat::{Heat, Quantity};
-use super::scale::Colours;
-use super::section::Section;
-use super::svg::num;
-use super::tables::{ACCEL_ERROR, SAMPLES, SIZE, SPEED, TORQUE};
 use crate::map::{AccelMap, CellStatus};
+use crate::report::Inputs;
+use crate::report::heat::{Heat, Quantity};
+use crate::report::scale::Colours;
+use crate::report::section::Section;
+use crate::report::svg::num;
+use crate::report::tables::{ACCEL_ERROR, SAMPLES, SIZE, SPEED, TORQUE};
 use std::fmt::Write as _;
 
 const CONFIDENCE: Quantity = Quantity { name: "confidence", unit: "", digits: 2 };
@@ -14,7 +14,7 @@ const CONFIDENCE: Quantity = Quantity { name: "confidence", unit: "", digits: 2 
 const MOST_COLUMNS: usize = 64;
 
 /// Coverage as a section.
-pub(super) fn coverage(inputs: &Inputs) -> Section {
+pub(crate) fn coverage(inputs: &Inputs) -> Section {
     let mut section = Section::new("coverage", "Coverage and confidence");
     section.paragraph(
         "Confidence falls from 1 with the standard error and is one half at 0.1 m/s²; where nothing was measured nearby it is at most one \
@@ -93,10 +93,10 @@ pub fn coverage_text(map: &AccelMap) -> String {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::map::{Gear, Vehicle};
     use crate::sim::{PhysicalSettings, Settings as World};
     use crate::verify::known_maps;
+    use super::*;
 
     #[test]
     fn the_terminal_shows_one_character_per_cell_and_the_highest_torque_first() {

@@ -1,13 +1,13 @@
 //! Delay likelihood: how sure dead time and lag are, and whether another pair would do.
 
-use super::Inputs;
-use super::chart::{Chart, Line, Panel};
-use super::heat::{Heat, Quantity};
-use super::scale::Colours;
-use super::section::Section;
-use super::svg::{escaped, num};
-use super::tables::SIZE;
 use crate::map::DelayEstimate;
+use crate::report::Inputs;
+use crate::report::chart::{Chart, Line, Panel};
+use crate::report::heat::{Heat, Quantity};
+use crate::report::scale::Colours;
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
+use crate::report::tables::SIZE;
 
 const DEAD_TIME: Quantity = Quantity { name: "dead time", unit: "ms", digits: 1 };
 const LAG: Quantity = Quantity { name: "lag", unit: "ms", digits: 1 };
@@ -18,7 +18,7 @@ const JOINT_95: f64 = 5.991;
 const MOST_SIGMA: f64 = 12.0;
 
 /// The delays as a section.
-pub(super) fn delay(inputs: &Inputs) -> Section {
+pub(crate) fn delay(inputs: &Inputs) -> Section {
     let mut section = Section::new("delay", "Delay likelihood");
     let actuator = &inputs.table1.actuator;
     let told = |d: &DelayEstimate| vec![num(1e3 * d.value_s, 1), d.std_err_s.map_or("–".into(), |e| num(1e3 * e, 1)), escaped(&d.status)];

@@ -1,14 +1,14 @@
 //! Breakaway and friction: the torque that sets the wheel in motion, and the torque that keeps it there.
 
-use super::Inputs;
-use super::chart::{Chart, Line, Panel};
-use super::section::Section;
-use super::svg::num;
-use super::tables::holding_torque;
 use crate::map::Gear;
+use crate::report::Inputs;
+use crate::report::chart::{Chart, Line, Panel};
+use crate::report::section::Section;
+use crate::report::svg::num;
+use crate::report::tables::holding_torque;
 
 /// Breakaway and friction as a section.
-pub(super) fn friction(inputs: &Inputs) -> Section {
+pub(crate) fn friction(inputs: &Inputs) -> Section {
     let mut section = Section::new("friction", "Breakaway and friction");
     section.paragraph(
         "The torque at which the speed neither rises nor falls: friction, over speed. At standstill it meets the breakaway torque, which lies \

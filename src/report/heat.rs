@@ -1,8 +1,8 @@
 //! Heat maps: one coloured cell per node of a table, drawn to scale; what is known of a cell is hatched or dotted over it.
 
-use super::scale::{Colours, Scale};
-use super::svg::{Svg, num, px};
 use crate::map::CellStatus;
+use crate::report::scale::{Colours, Scale};
+use crate::report::svg::{Svg, num, px};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -16,38 +16,38 @@ const BELOW: f64 = 62.0;
 
 /// A quantity along an axis or in the cells.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Quantity {
+pub(crate) struct Quantity {
     /// Its name for people.
-    pub(super) name: &'static str,
+    pub(crate) name: &'static str,
     /// Its unit.
-    pub(super) unit: &'static str,
+    pub(crate) unit: &'static str,
     /// Decimals shown.
-    pub(super) digits: usize,
+    pub(crate) digits: usize,
 }
 
 /// A value per cell, by index along x and along y.
-pub(super) type Field<'a> = Box<dyn Fn(usize, usize) -> Option<f64> + 'a>;
+pub(crate) type Field<'a> = Box<dyn Fn(usize, usize) -> Option<f64> + 'a>;
 
 /// What is drawn.
-pub(super) struct Heat<'a> {
-    pub(super) id: String,
-    pub(super) title: String,
-    pub(super) x: (Quantity, &'a [f64]),
-    pub(super) y: (Quantity, &'a [f64]),
-    pub(super) value: (Quantity, Field<'a>),
+pub(crate) struct Heat<'a> {
+    pub(crate) id: String,
+    pub(crate) title: String,
+    pub(crate) x: (Quantity, &'a [f64]),
+    pub(crate) y: (Quantity, &'a [f64]),
+    pub(crate) value: (Quantity, Field<'a>),
     /// Also told when a cell is pointed at.
-    pub(super) beside: Vec<(Quantity, Field<'a>)>,
-    pub(super) status: Option<Box<dyn Fn(usize, usize) -> CellStatus + 'a>>,
-    pub(super) colours: Colours,
+    pub(crate) beside: Vec<(Quantity, Field<'a>)>,
+    pub(crate) status: Option<Box<dyn Fn(usize, usize) -> CellStatus + 'a>>,
+    pub(crate) colours: Colours,
     /// Values of the colours' ends; `None` takes them from the cells.
-    pub(super) range: Option<(f64, f64)>,
+    pub(crate) range: Option<(f64, f64)>,
     /// A line over the cells, x and y in the axes' units, with its name.
-    pub(super) curve: Option<(&'static str, Vec<(f64, f64)>)>,
+    pub(crate) curve: Option<(&'static str, Vec<(f64, f64)>)>,
     /// Whether the marks are explained below.
-    pub(super) legend: bool,
+    pub(crate) legend: bool,
     /// A single point in the axes' units.
-    pub(super) dot: Option<(f64, f64)>,
-    pub(super) size: (f64, f64),
+    pub(crate) dot: Option<(f64, f64)>,
+    pub(crate) size: (f64, f64),
 }
 
 /// Letters of the statuses in the page's data.
@@ -102,7 +102,7 @@ impl Heat<'_> {
     }
 
     /// The picture.
-    pub(super) fn draw(&self) -> Svg {
+    pub(crate) fn draw(&self) -> Svg {
         let (width, height) = self.size;
         let mut svg = Svg::new(&self.id, &self.title, width, height);
         let (xs, ys) = self.axes();
@@ -238,7 +238,7 @@ impl Heat<'_> {
     }
 
     /// What the page tells of a cell that is pointed at, and draws as a surface.
-    pub(super) fn data(&self) -> Value {
+    pub(crate) fn data(&self) -> Value {
         let (xs, ys) = self.axes();
         let axis = |q: &Quantity, breaks: &[f64], kept: &[usize]| json!({ "n": q.name, "u": q.unit, "b": kept.iter().map(|k| breaks[*k]).collect::<Vec<f64>>() });
         let field = |(q, of): &(Quantity, Field)| {

@@ -1,10 +1,10 @@
 //! Pieces of the page: tables and paragraphs.
 
-use super::svg::escaped;
+use crate::report::svg::escaped;
 use std::fmt::Write as _;
 
 /// A table; `header` cells that end in `|` head columns of text, the others columns of numbers. `class` goes to the table. Cells are HTML.
-pub(super) fn table(class: &str, header: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(class: &str, header: &[&str], rows: &[Vec<String>]) -> String {
     let text_column: Vec<bool> = header.iter().map(|h| h.ends_with('|')).collect();
     let mut html = format!("<div class=\"scroll\"><table class=\"{class}\"><thead><tr>");
     let left = |k: usize| if text_column.get(k).copied().unwrap_or(true) { " class=\"l\"" } else { "" };
@@ -24,11 +24,11 @@ pub(super) fn table(class: &str, header: &[&str], rows: &[Vec<String>]) -> Strin
 }
 
 /// A paragraph of plain text.
-pub(super) fn paragraph(text: &str) -> String {
+pub(crate) fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escaped(text))
 }
 
 /// A remark that something is absent.
-pub(super) fn absent(text: &str) -> String {
+pub(crate) fn absent(text: &str) -> String {
     format!("<p class=\"absent\">{}</p>\n", escaped(text))
 }

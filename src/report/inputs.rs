@@ -1,7 +1,7 @@
 //! What a folder of maps holds, and whether its files belong together.
 
-use super::{Error, Result};
 use crate::map::{FitTraces, PlanFile, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
+use crate::report::{Error, Result};
 use crate::verify::{ClosedLoop, ManoeuvreTraces, Scenario, Verdict};
 use std::path::Path;
 

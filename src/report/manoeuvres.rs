@@ -1,14 +1,14 @@
 //! Manoeuvres: each as a picture with its figures; of the lateral compensation the error before and after.
 
-use super::Inputs;
-use super::chart::{Chart, Line, Panel};
-use super::overhead::overhead;
-use super::section::Section;
-use super::svg::{escaped, num};
+use crate::report::Inputs;
+use crate::report::chart::{Chart, Line, Panel};
+use crate::report::overhead::overhead;
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
 use crate::verify::{Check, Class, ErrorTrace, ManoeuvreTrace, ManoeuvreTraces, Metric, Status};
 
 /// The manoeuvres as a section.
-pub(super) fn manoeuvres(inputs: &Inputs) -> Section {
+pub(crate) fn manoeuvres(inputs: &Inputs) -> Section {
     let mut section = Section::new("manoeuvres", "Manoeuvres");
     let Some(traces) = &inputs.manoeuvres else {
         section.absent("No manoeuvre was driven with this Table 2: run pivot-cal verify --scenario manoeuvres, and then report again.");

@@ -1,9 +1,9 @@
 //! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
 
-use super::Inputs;
-use super::section::Section;
-use super::svg::{escaped, num};
 use crate::map::{AccelMap, CellStatus};
+use crate::report::Inputs;
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
 
 /// Rows shown of each list.
 const SHOWN: usize = 8;
@@ -23,7 +23,7 @@ struct Level {
 }
 
 /// What to drive next as a section.
-pub(super) fn next(inputs: &Inputs) -> Section {
+pub(crate) fn next(inputs: &Inputs) -> Section {
     let mut section = Section::new("next", "What to drive next");
     planned(&mut section, inputs);
     section.heading("Where doubt is");

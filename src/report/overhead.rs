@@ -1,8 +1,8 @@
 //! A manoeuvre seen from above: obstacles, outlines of the vehicle along the way, the path by direction of travel, the driven path over it.
 
-use super::scale::Scale;
-use super::svg::{Svg, num};
 use crate::map::Gear;
+use crate::report::scale::Scale;
+use crate::report::svg::{Svg, num};
 use crate::verify::{ManoeuvreTrace, Piece};
 
 /// Room around the drawing [px].
@@ -18,7 +18,7 @@ const AROUND_M: f64 = 0.4;
 type Point = [f64; 2];
 
 /// The picture, at most `width` pixels wide. `title` stands above it.
-pub(super) fn overhead(trace: &ManoeuvreTrace, id: &str, title: &str, width: f64) -> Svg {
+pub(crate) fn overhead(trace: &ManoeuvreTrace, id: &str, title: &str, width: f64) -> Svg {
     let view = view(trace);
     let [left, right, low, high] = view;
     let scale = ((width - LEFT - RIGHT) / (right - left)).min(TALLEST / (high - low));

@@ -1,9 +1,9 @@
 //! The page put together, and the figures as files.
 
-use super::section::Section;
-use super::svg::{PATTERNS, STYLE, escaped};
-use super::{Inputs, Result, scale::Colours};
-use super::{closed_loop, coverage, delay, friction, manoeuvres, next, provenance, residuals, round_trip, runs, summary, tables};
+use crate::report::{Inputs, Result, closed_loop, coverage, delay, friction, manoeuvres, next, provenance, residuals, round_trip, runs, summary, tables};
+use crate::report::scale::Colours;
+use crate::report::section::Section;
+use crate::report::svg::{PATTERNS, STYLE, escaped};
 use serde_json::json;
 use std::fmt::Write as _;
 

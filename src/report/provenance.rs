@@ -1,11 +1,11 @@
 //! Provenance: logs, files, settings and versions behind the page.
 
-use super::Inputs;
-use super::section::Section;
-use super::svg::{escaped, num};
+use crate::report::Inputs;
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
 
 /// Provenance as a section.
-pub(super) fn provenance(inputs: &Inputs) -> super::Result<Section> {
+pub(crate) fn provenance(inputs: &Inputs) -> crate::report::Result<Section> {
     let mut section = Section::new("provenance", "Provenance");
     let file = &inputs.table1;
     let code = |text: &str| format!("<code>{}</code>", escaped(text));

@@ -1,11 +1,11 @@
 //! Residuals: where and when the table does not explain the recorded acceleration.
 
-use super::Inputs;
-use super::chart::{Chart, Panel};
-use super::heat::{Heat, Quantity};
-use super::scale::Colours;
-use super::section::Section;
-use super::tables::{SIZE, SPEED, TORQUE};
+use crate::report::Inputs;
+use crate::report::chart::{Chart, Panel};
+use crate::report::heat::{Heat, Quantity};
+use crate::report::scale::Colours;
+use crate::report::section::Section;
+use crate::report::tables::{SIZE, SPEED, TORQUE};
 
 const MEAN: Quantity = Quantity { name: "mean residual", unit: "m/s²", digits: 3 };
 const RMS: Quantity = Quantity { name: "root mean square", unit: "m/s²", digits: 3 };
@@ -14,7 +14,7 @@ const WINDOWS: Quantity = Quantity { name: "windows", unit: "", digits: 0 };
 const MOST_LOGS: usize = 8;
 
 /// The residuals as a section.
-pub(super) fn residuals(inputs: &Inputs) -> Section {
+pub(crate) fn residuals(inputs: &Inputs) -> Section {
     let mut section = Section::new("residuals", "Residuals");
     let Some(traces) = &inputs.fit_traces else {
         section.absent("The residuals are not here: fit_traces.json is missing or belongs to another fit.");

@@ -1,12 +1,12 @@
 //! Round trip: what acceleration comes out when Table 2's torque is put into Table 1.
 
-use super::Inputs;
-use super::heat::{Heat, Quantity};
-use super::scale::Colours;
-use super::section::Section;
-use super::svg::{escaped, num};
-use super::tables::{DESIRED, SIZE, SPEED};
 use crate::map::{CellStatus, TorqueMap};
+use crate::report::Inputs;
+use crate::report::heat::{Heat, Quantity};
+use crate::report::scale::Colours;
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
+use crate::report::tables::{DESIRED, SIZE, SPEED};
 use std::fmt::Write as _;
 
 const ERROR: Quantity = Quantity { name: "error", unit: "m/s²", digits: 4 };
@@ -24,7 +24,7 @@ fn of_mesh(map: &TorqueMap, i: usize, j: usize) -> CellStatus {
 }
 
 /// The round trip as a section.
-pub(super) fn round_trip(inputs: &Inputs) -> super::Result<Section> {
+pub(crate) fn round_trip(inputs: &Inputs) -> crate::report::Result<Section> {
     let mut section = Section::new("round-trip", "Round trip");
     let Some(table2) = &inputs.table2 else {
         section.absent("There is no Table 2 yet: run pivot-cal invert.");

@@ -1,9 +1,9 @@
 //! Every run as a row; its traces appear when it is clicked.
 
-use super::Inputs;
-use super::section::Section;
-use super::svg::{escaped, num};
 use crate::map::{RunRow, RunTrace};
+use crate::report::Inputs;
+use crate::report::section::Section;
+use crate::report::svg::{escaped, num};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 const MOST_ROWS: usize = 1000;
 
 /// The runs as a section.
-pub(super) fn runs(inputs: &Inputs) -> Section {
+pub(crate) fn runs(inputs: &Inputs) -> Section {
     let mut section = Section::new("runs", "Runs");
     let rows = &inputs.table1.report.runs;
     let traces = inputs.fit_traces.as_ref();
@@ -98,7 +98,7 @@ fn row(k: usize, run: &RunRow, (several, angles): (bool, bool), traced: bool) ->
 }
 
 /// The traces as the page's script reads them.
-pub(super) fn data(inputs: &Inputs) -> Value {
+pub(crate) fn data(inputs: &Inputs) -> Value {
     let Some(traces) = &inputs.fit_traces else { return Value::Null };
     let rows = &inputs.table1.report.runs;
     let one = |r: &RunTrace| {

@@ -2,22 +2,22 @@
 
 /// A linear axis from values to pixels.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub(crate) struct Scale {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
     from_px: f64,
     to_px: f64,
 }
 
 impl Scale {
     /// `low` is drawn at `from_px`, `high` at `to_px`. An empty range is widened.
-    pub(super) fn new(low: f64, high: f64, from_px: f64, to_px: f64) -> Self {
+    pub(crate) fn new(low: f64, high: f64, from_px: f64, to_px: f64) -> Self {
         let high = if high > low { high } else { low + 1.0 };
         Self { low, high, from_px, to_px }
     }
 
     /// An axis over `values` that ends on round numbers and holds zero when `with_zero`.
-    pub(super) fn over(values: impl Iterator<Item = f64>, with_zero: bool, from_px: f64, to_px: f64) -> Self {
+    pub(crate) fn over(values: impl Iterator<Item = f64>, with_zero: bool, from_px: f64, to_px: f64) -> Self {
         let start = if with_zero { (0.0, 0.0) } else { (f64::INFINITY, f64::NEG_INFINITY) };
         let (low, high) = values.filter(|v| v.is_finite()).fold(start, |(a, b), v| (a.min(v), b.max(v)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
@@ -26,12 +26,12 @@ impl Scale {
     }
 
     /// The place of a value.
-    pub(super) fn at(&self, value: f64) -> f64 {
+    pub(crate) fn at(&self, value: f64) -> f64 {
         self.from_px + (value - self.low) / (self.high - self.low) * (self.to_px - self.from_px)
     }
 
     /// Round values along the axis, about `pieces` + 1 of them, and the decimals they need.
-    pub(super) fn ticks(&self, pieces: f64) -> (Vec<f64>, usize) {
+    pub(crate) fn ticks(&self, pieces: f64) -> (Vec<f64>, usize) {
         let step = round_step(self.high - self.low, pieces);
         let first = (self.low / step - 1e-6).ceil() as i64;
         let last = (self.high / step + 1e-6).floor() as i64;
@@ -48,7 +48,7 @@ fn round_step(span: f64, pieces: f64) -> f64 {
 
 /// Colours over 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Colours {
+pub(crate) enum Colours {
     /// Dark to light, the same order for every kind of sight. Source: viridis of Smith & van der Walt 2015, eleven stops.
     Viridis,
     /// Blue over white to red. Source: `RdBu` of Brewer 2002, reversed, nine stops.
@@ -70,7 +70,7 @@ impl Colours {
     }
 
     /// The colour at a place from 0 to 1; beyond that the end's.
-    pub(super) fn at(self, place: f64) -> String {
+    pub(crate) fn at(self, place: f64) -> String {
         let stops = self.stops();
         let place = if place.is_finite() { place.clamp(0.0, 1.0) } else { 0.5 } * (stops.len() - 1) as f64;
         let k = (place.floor() as usize).min(stops.len() - 2);
@@ -83,7 +83,7 @@ impl Colours {
     }
 
     /// The stops, for a page that draws with them too.
-    pub(super) fn all(self) -> Vec<String> {
+    pub(crate) fn all(self) -> Vec<String> {
         self.stops().iter().map(|c| format!("#{c:06x}")).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! The head of the page: the verdict, the three figures behind it, and what a reader should know.
 
-use super::svg::{escaped, num};
-use super::{Inputs, Judgement};
+use crate::report::{Inputs, Judgement};
+use crate::report::svg::{escaped, num};
 use crate::verify::{Class, Metric, Statistic, Status, Verdict};
 use std::fmt::Write as _;
 
@@ -14,7 +14,7 @@ struct Figure {
 }
 
 /// The banner, the figures, the warnings, the facts.
-pub(super) fn summary(inputs: &Inputs) -> String {
+pub(crate) fn summary(inputs: &Inputs) -> String {
     let (class, mark, verdict, meaning) = match inputs.judgement() {
         Judgement::Pass => ("pass", "✓", "Pass", "Table 2 keeps every limit in closed loop. It may be deployed on this vehicle."),
         Judgement::Fail => ("fail", "✕", "Fail", "Table 2 breaks a limit. It must not be deployed; what failed is listed below."),

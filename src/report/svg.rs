@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 /// Styles of every figure; colours are variables that the page sets for light and dark.
-pub(super) const STYLE: &str = include_str!("figure.css");
+pub(crate) const STYLE: &str = include_str!("figure.css");
 /// The colours of a picture that stands alone: paper is white.
 const PAPER: &str = ".f{--ink:#1b1f24;--muted:#5a6572;--rule:#dfe3e8;--a:#0068a8;--b:#c2410c;--empty:#eceff2;background:#fff}";
 /// Hatches by which a cell's status is told apart without colour, light and dark lines side by side so that they show on any colour.
-pub(super) const PATTERNS: &str = "<defs>\
+pub(crate) const PATTERNS: &str = "<defs>\
 <pattern id=\"he\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
 <path d=\"M1 0V7\" stroke=\"#fff\" stroke-opacity=\".8\" stroke-width=\"1.4\"/><path d=\"M2.3 0V7\" stroke=\"#000\" stroke-opacity=\".5\" stroke-width=\"1.2\"/></pattern>\
 <pattern id=\"hu\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\">\
@@ -15,7 +15,7 @@ pub(super) const PATTERNS: &str = "<defs>\
 
 /// A picture being drawn. Coordinates are in its own pixels, y downward.
 #[derive(Debug, Clone)]
-pub(super) struct Svg {
+pub(crate) struct Svg {
     id: String,
     label: String,
     width: f64,
@@ -25,41 +25,41 @@ pub(super) struct Svg {
 
 impl Svg {
     /// An empty picture; `label` is what a screen reader says.
-    pub(super) fn new(id: &str, label: &str, width: f64, height: f64) -> Self {
+    pub(crate) fn new(id: &str, label: &str, width: f64, height: f64) -> Self {
         Self { id: id.to_owned(), label: label.to_owned(), width, height, body: String::new() }
     }
 
     /// Its name in the page and as a file.
-    pub(super) fn id(&self) -> &str {
+    pub(crate) fn id(&self) -> &str {
         &self.id
     }
 
     /// Text at its base line; `class` holds `e` (ends there), `c` (centred), `m` (muted), `t` (title).
-    pub(super) fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
+    pub(crate) fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
         let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
         let _ = write!(self.body, "<text x=\"{}\" y=\"{}\"{class}>{}</text>", px(x), px(y), escaped(text));
     }
 
     /// Text turned to read upward, centred at its place.
-    pub(super) fn upward(&mut self, x: f64, y: f64, text: &str) {
+    pub(crate) fn upward(&mut self, x: f64, y: f64, text: &str) {
         let (x, y) = (px(x), px(y));
         let _ = write!(self.body, "<text class=\"c m\" transform=\"translate({x} {y})rotate(-90)\">{}</text>", escaped(text));
     }
 
     /// A straight line.
-    pub(super) fn line(&mut self, from: (f64, f64), to: (f64, f64), class: &str) {
+    pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), class: &str) {
         let _ = write!(self.body, "<path class=\"{class}\" d=\"M{} {}L{} {}\"/>", px(from.0), px(from.1), px(to.0), px(to.1));
     }
 
     /// A line through points.
-    pub(super) fn polyline(&mut self, points: &[(f64, f64)], class: &str) {
+    pub(crate) fn polyline(&mut self, points: &[(f64, f64)], class: &str) {
         if points.len() > 1 {
             let _ = write!(self.body, "<path class=\"{class}\" d=\"{}\"/>", path(points));
         }
     }
 
     /// An area between two lines over the same places.
-    pub(super) fn band(&mut self, lower: &[(f64, f64)], upper: &[(f64, f64)], class: &str) {
+    pub(crate) fn band(&mut self, lower: &[(f64, f64)], upper: &[(f64, f64)], class: &str) {
         let outline: Vec<(f64, f64)> = lower.iter().chain(upper.iter().rev()).copied().collect();
         if outline.len() > 3 {
             let _ = write!(self.body, "<path class=\"{class}\" d=\"{}Z\"/>", path(&outline));
@@ -67,33 +67,33 @@ impl Svg {
     }
 
     /// A path as it is written, with further attributes.
-    pub(super) fn path(&mut self, d: &str, attributes: &str) {
+    pub(crate) fn path(&mut self, d: &str, attributes: &str) {
         let _ = write!(self.body, "<path d=\"{d}\" {attributes}/>");
     }
 
     /// A disc.
-    pub(super) fn dot(&mut self, x: f64, y: f64, radius: f64, class: &str) {
+    pub(crate) fn dot(&mut self, x: f64, y: f64, radius: f64, class: &str) {
         let _ = write!(self.body, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>", px(x), px(y), px(radius));
     }
 
     /// A rectangle with further attributes as they are.
-    pub(super) fn rect(&mut self, x: f64, y: f64, width: f64, height: f64, attributes: &str) {
+    pub(crate) fn rect(&mut self, x: f64, y: f64, width: f64, height: f64, attributes: &str) {
         let (x, y, width, height) = (px(x), px(y), px(width), px(height));
         let _ = write!(self.body, "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" {attributes}/>");
     }
 
     /// Opens a group; closed by [`Svg::close`].
-    pub(super) fn open(&mut self, attributes: &str) {
+    pub(crate) fn open(&mut self, attributes: &str) {
         let _ = write!(self.body, "<g {attributes}>");
     }
 
     /// Closes a group.
-    pub(super) fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         self.body.push_str("</g>");
     }
 
     /// For the page, which holds style and patterns once.
-    pub(super) fn inline(&self) -> String {
+    pub(crate) fn inline(&self) -> String {
         let Self { id, label, width, height, body } = self;
         format!(
             "<svg class=\"f\" id=\"{id}\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width} {height}\" style=\"max-width:{width}px;--w:{width}px\">{body}</svg>\n",
@@ -102,7 +102,7 @@ impl Svg {
     }
 
     /// As a file of its own.
-    pub(super) fn file(&self) -> String {
+    pub(crate) fn file(&self) -> String {
         let Self { label, width, height, body, .. } = self;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"f\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\
@@ -123,20 +123,20 @@ fn path(points: &[(f64, f64)]) -> String {
 }
 
 /// A coordinate to a tenth of a pixel.
-pub(super) fn px(value: f64) -> String {
+pub(crate) fn px(value: f64) -> String {
     let rounded = (value * 10.0).round() / 10.0;
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
 /// A number with `digits` decimals and a true minus sign.
-pub(super) fn num(value: f64, digits: usize) -> String {
+pub(crate) fn num(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
     if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
 /// Text safe in XML and HTML, attributes included.
-pub(super) fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

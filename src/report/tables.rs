@@ -1,23 +1,23 @@
 //! Table 1 and Table 2: heat maps, and surfaces over the same cells.
 
-use super::Inputs;
-use super::heat::{Heat, Quantity};
-use super::scale::Colours;
-use super::section::Section;
 use crate::map::{AccelMap, Surface, TorqueMap};
+use crate::report::Inputs;
+use crate::report::heat::{Heat, Quantity};
+use crate::report::scale::Colours;
+use crate::report::section::Section;
 
-pub(super) const SPEED: Quantity = Quantity { name: "front-wheel speed", unit: "m/s", digits: 2 };
-pub(super) const TORQUE: Quantity = Quantity { name: "torque", unit: "N·m", digits: 1 };
-pub(super) const ACCEL: Quantity = Quantity { name: "acceleration", unit: "m/s²", digits: 2 };
-pub(super) const DESIRED: Quantity = Quantity { name: "desired acceleration", unit: "m/s²", digits: 2 };
-pub(super) const ACCEL_ERROR: Quantity = Quantity { name: "standard error", unit: "m/s²", digits: 3 };
+pub(crate) const SPEED: Quantity = Quantity { name: "front-wheel speed", unit: "m/s", digits: 2 };
+pub(crate) const TORQUE: Quantity = Quantity { name: "torque", unit: "N·m", digits: 1 };
+pub(crate) const ACCEL: Quantity = Quantity { name: "acceleration", unit: "m/s²", digits: 2 };
+pub(crate) const DESIRED: Quantity = Quantity { name: "desired acceleration", unit: "m/s²", digits: 2 };
+pub(crate) const ACCEL_ERROR: Quantity = Quantity { name: "standard error", unit: "m/s²", digits: 3 };
 const TORQUE_ERROR: Quantity = Quantity { name: "standard error", unit: "N·m", digits: 2 };
-pub(super) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digits: 0 };
+pub(crate) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digits: 0 };
 /// Size of a heat map [px].
-pub(super) const SIZE: (f64, f64) = (560.0, 400.0);
+pub(crate) const SIZE: (f64, f64) = (560.0, 400.0);
 
 /// Torque at which the speed neither rises nor falls, over speed: where the surface crosses zero.
-pub(super) fn holding_torque(surface: &Surface) -> Vec<(f64, f64)> {
+pub(crate) fn holding_torque(surface: &Surface) -> Vec<(f64, f64)> {
     let torques = &surface.torque_nm;
     let crossing = |j: usize| {
         let k = (1..torques.len()).rev().find(|k| surface.accel_mps2[k - 1][j] <= 0.0 && surface.accel_mps2[*k][j] > 0.0)?;
@@ -28,7 +28,7 @@ pub(super) fn holding_torque(surface: &Surface) -> Vec<(f64, f64)> {
 }
 
 /// Table 1 as a section.
-pub(super) fn table1(inputs: &Inputs) -> Section {
+pub(crate) fn table1(inputs: &Inputs) -> Section {
     let mut section = Section::new("table1", "Table 1: acceleration over speed and torque");
     section.paragraph(
         "What the vehicle does: acceleration of the front wheel at each speed and effective torque, in the gear's frame. On the line the \
@@ -66,7 +66,7 @@ fn of_accel(map: &AccelMap) -> Heat<'_> {
 }
 
 /// Table 2 as a section.
-pub(super) fn table2(inputs: &Inputs) -> Section {
+pub(crate) fn table2(inputs: &Inputs) -> Section {
     let mut section = Section::new("table2", "Table 2: torque over speed and desired acceleration");
     let Some(table2) = &inputs.table2 else {
         section.absent("There is no Table 2 yet: run pivot-cal invert.");

@@ -1,6 +1,6 @@
 //! How two witnesses of one speed compare: scale and delay of one against the other.
 
-use super::{Series, median};
+use crate::signal::{Series, median};
 
 /// How a signal compares with a reference: signal(t) ≈ scale · reference(t − `delay_s`).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Values that are repeated at a fast rate, left out.
 
-use super::Series;
+use crate::signal::Series;
 
 /// The samples of `series` that are new, given that each value is logged `repeats` times: the first of each run of equal values, and
 /// within longer runs every `repeats`-th.

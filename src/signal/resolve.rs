@@ -1,9 +1,9 @@
 //! Signs: a torque told relative to the gear, a speed told as a magnitude.
 
-use super::{Error, Result, Series};
+use crate::signal::{Error, Result, Series};
 
 /// Negates the values that are told in the gear's direction while reverse is engaged. `gear` holds −1, 0 or 1.
-pub(super) fn relative_to_gear(signal: &'static str, series: &mut Series, gear: Option<&Series>) -> Result<()> {
+pub(crate) fn relative_to_gear(signal: &'static str, series: &mut Series, gear: Option<&Series>) -> Result<()> {
     let gear = gear.filter(|g| !g.is_empty()).ok_or(Error::NoGear { signal })?;
     for (t, v) in series.t_s.iter().zip(&mut series.value) {
         if gear.held(*t).is_some_and(|g| g < 0.0) {
@@ -15,7 +15,7 @@ pub(super) fn relative_to_gear(signal: &'static str, series: &mut Series, gear: 
 
 /// Gives a magnitude its sign. The yaw rate tells best where it is clearly not zero (at a test angle on the left, a forward wheel turns the
 /// vehicle left); the gear tells otherwise.
-pub(super) fn signed(signal: &'static str, series: &mut Series, gear: Option<&Series>, yaw_speed_mps: Option<&Series>) -> Result<()> {
+pub(crate) fn signed(signal: &'static str, series: &mut Series, gear: Option<&Series>, yaw_speed_mps: Option<&Series>) -> Result<()> {
     if gear.is_none() && yaw_speed_mps.is_none() {
         return Err(Error::NoSign { signal });
     }

@@ -65,7 +65,7 @@ impl Series {
     /// Median time between samples [s]; infinite with fewer than two.
     pub fn median_period_s(&self) -> f64 {
         let steps: Vec<f64> = self.t_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
-        if steps.is_empty() { f64::INFINITY } else { super::median(&steps) }
+        if steps.is_empty() { f64::INFINITY } else { crate::signal::median(&steps) }
     }
 
     /// The samples within ±`half_width_s` of each sample.

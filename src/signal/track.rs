@@ -1,8 +1,8 @@
 //! The signals of one log on one clock, in the vehicle's frame.
 
-use super::{Error, Result, Series, new_values_only, resolve};
 use crate::log::{Recording, Signal, rate};
 use crate::map::{LogRef, Vehicle};
+use crate::signal::{Error, Result, Series, new_values_only, resolve};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
 
 /// Fewest values of a signal that is needed at all.

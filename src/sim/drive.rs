@@ -3,7 +3,7 @@
 //! With dead time `T_d` and time constant `T_c`, `u̇ = (τ(t − T_d) − u)/T_c`. The command is constant over a step, so the solution is exact:
 //! `u⁺ = τ + (u − τ)·exp(−t/T_c)`, piecewise before and after the instant inside the step at which the delayed command changes.
 
-use super::error::{Result, within};
+use crate::sim::error::{Result, within};
 use serde::{Deserialize, Serialize};
 
 /// Settings of the drive.

@@ -25,6 +25,6 @@ pub enum Error {
 }
 
 /// Checks that `value` lies within `range`, both ends included; NaN does not.
-pub(super) fn within(field: &'static str, value: f64, range: std::ops::RangeInclusive<f64>, allowed: &'static str) -> Result<()> {
+pub(crate) fn within(field: &'static str, value: f64, range: std::ops::RangeInclusive<f64>, allowed: &'static str) -> Result<()> {
     if range.contains(&value) { Ok(()) } else { Err(Error::OutOfRange { field, value, allowed }) }
 }

@@ -6,12 +6,12 @@
 //! wheel backwards. The surface knows one wheel angle only and answers for every angle. Beyond its torques it goes on linearly; beyond its
 //! speeds it keeps the last column. A step solves the cell's linear equation exactly; a cell's edge inside a step costs O(h²).
 
-use super::body::SpeedStep;
-use super::error::{Error, Result, within};
-use super::motion::Load;
-use super::random::{Disturbance, Random, Stream};
-use super::surface::{Cell, Surface};
 use crate::map::{AccelTable, Gear, Table1File, Vehicle};
+use crate::sim::error::{Error, Result, within};
+use crate::sim::motion::Load;
+use crate::sim::pose::SpeedStep;
+use crate::sim::random::{Disturbance, Random, Stream};
+use crate::sim::surface::{Cell, Surface};
 
 /// The surface of one direction of travel, in its gear's frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -268,12 +268,12 @@ impl IdentifiedMotion {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::map::Axis;
     use crate::sim::drive::TorqueStep;
+    use super::*;
 
     /// a = (τ − 8 − 5 v)/13, linear, so that bilinear interpolation is exact.
-    pub(super) fn linear() -> Direction {
+    pub(crate) fn linear() -> Direction {
         let speed = Axis::uniform("speed", 0.0, 0.1, 2.0).unwrap();
         let torque = Axis::uniform("torque", -40.0, 4.0, 40.0).unwrap();
         let values = torque.breaks().iter().flat_map(|u| speed.breaks().iter().map(move |v| (u - 8.0 - 5.0 * v) / 13.0)).collect();

@@ -1,13 +1,13 @@
 //! Motion: effective torque → front-wheel speed, either by the physics of a vehicle or by a fitted Table 1.
 
-use super::body::SpeedStep;
-use super::drive::TorqueStep;
-use super::error::Result;
-use super::identified::{IdentifiedMotion, IdentifiedSettings};
-use super::physical::PhysicalMotion;
-use super::plant::PhysicalSettings;
-use super::{AngleTerms, Gear};
 use crate::map::Vehicle;
+use crate::sim::{AngleTerms, Gear};
+use crate::sim::drive::TorqueStep;
+use crate::sim::error::Result;
+use crate::sim::identified::{IdentifiedMotion, IdentifiedSettings};
+use crate::sim::physical::PhysicalMotion;
+use crate::sim::plant::PhysicalSettings;
+use crate::sim::pose::SpeedStep;
 
 /// Which plant, and its settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ impl Motion {
 
     /// Whether the wheel angle makes no difference to it.
     #[inline]
-    pub(super) fn knows_one_angle(&self) -> bool {
+    pub(crate) fn knows_one_angle(&self) -> bool {
         matches!(self, Self::Identified(_))
     }
 
@@ -131,7 +131,7 @@ impl Motion {
 ///
 /// Source: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.1 and II.6.
 #[inline]
-pub(super) fn runge_kutta(step_s: f64, start_mps: f64, mut accel: impl FnMut(usize, f64) -> f64) -> (SpeedStep, f64) {
+pub(crate) fn runge_kutta(step_s: f64, start_mps: f64, mut accel: impl FnMut(usize, f64) -> f64) -> (SpeedStep, f64) {
     let half = 0.5 * step_s;
     let k1 = accel(0, start_mps);
     let k2 = accel(1, start_mps + half * k1);

@@ -3,12 +3,12 @@
 //! At rest the wheel stays exactly at rest while the torque does not beat static friction; a wheel that comes to rest inside a step ends the
 //! step at rest. Moving, a step is of fourth order.
 
-use super::body::{AngleTerms, SpeedStep};
-use super::error::Result;
-use super::motion::{Load, runge_kutta};
-use super::plant::{AtAngle, Curve, PhysicalSettings, Plant, Way};
-use super::random::{Disturbance, Random, Stream};
 use crate::map::Vehicle;
+use crate::sim::error::Result;
+use crate::sim::motion::{Load, runge_kutta};
+use crate::sim::plant::{AtAngle, Curve, PhysicalSettings, Plant, Way};
+use crate::sim::pose::{AngleTerms, SpeedStep};
+use crate::sim::random::{Disturbance, Random, Stream};
 
 /// The physical plant's state.
 #[derive(Debug, Clone)]
@@ -176,8 +176,8 @@ impl PhysicalMotion {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::sim::drive::TorqueStep;
+    use super::*;
 
     const STEP_S: f64 = 1e-3;
 

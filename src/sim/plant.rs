@@ -12,8 +12,8 @@
 //! curve is Stribeck's in the rational form of Hess & Soom (1990), *Friction at a Lubricated Line Contact Operating at Oscillating Sliding
 //! Velocities*. The change of M while the wheel is being steered is neglected: campaigns and pivots steer at rest.
 
-use super::error::{Result, within};
 use crate::map::Vehicle;
+use crate::sim::error::{Result, within};
 use serde::{Deserialize, Serialize};
 
 /// Settings of the physical plant. Torques are at the wheel.
@@ -112,35 +112,35 @@ impl PhysicalSettings {
 
 /// The plant's constants: everything but its state.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plant {
-    pub(super) settings: PhysicalSettings,
+pub(crate) struct Plant {
+    pub(crate) settings: PhysicalSettings,
     radius_m: f64,
     yaw_mass_kg: f64,
-    pub(super) wheel_mass_kg: f64,
-    pub(super) per_stribeck2: f64,
-    pub(super) power_nm_mps: f64,
+    pub(crate) wheel_mass_kg: f64,
+    pub(crate) per_stribeck2: f64,
+    pub(crate) power_nm_mps: f64,
 }
 
 /// What depends on the wheel angle.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct AtAngle {
+pub(crate) struct AtAngle {
     /// 1/(M r) [m/s² per N·m].
-    pub(super) accel_per_nm: f64,
+    pub(crate) accel_per_nm: f64,
     /// `T_c + T_scrub sin²δ` [N·m].
     coulomb_nm: f64,
 }
 
 /// Direction of motion and its friction.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Way {
+pub(crate) struct Way {
     /// +1 forward, −1 in reverse.
-    pub(super) sign: f64,
+    pub(crate) sign: f64,
     /// Factor on all friction.
-    pub(super) friction: f64,
+    pub(crate) friction: f64,
 }
 
 impl Plant {
-    pub(super) fn new(settings: &PhysicalSettings, vehicle: &Vehicle) -> Result<Self> {
+    pub(crate) fn new(settings: &PhysicalSettings, vehicle: &Vehicle) -> Result<Self> {
         settings.check()?;
         let vehicle = vehicle.checked()?;
         let radius_m = vehicle.wheel_radius_m;
@@ -155,11 +155,11 @@ impl Plant {
     }
 
     /// M(δ) [kg].
-    pub(super) fn effective_mass_kg(&self, sin: f64, cos: f64) -> f64 {
+    pub(crate) fn effective_mass_kg(&self, sin: f64, cos: f64) -> f64 {
         self.settings.mass_kg * cos * cos + self.yaw_mass_kg * sin * sin + self.wheel_mass_kg
     }
 
-    pub(super) fn at_angle(&self, sin: f64, cos: f64) -> AtAngle {
+    pub(crate) fn at_angle(&self, sin: f64, cos: f64) -> AtAngle {
         AtAngle {
             accel_per_nm: 1.0 / (self.effective_mass_kg(sin, cos) * self.radius_m),
             coulomb_nm: self.settings.coulomb_nm + self.settings.scrub_nm * sin * sin,
@@ -167,14 +167,14 @@ impl Plant {
     }
 
     #[inline]
-    pub(super) fn way(&self, sign: f64, run_factor: f64) -> Way {
+    pub(crate) fn way(&self, sign: f64, run_factor: f64) -> Way {
         let friction = if sign < 0.0 { self.settings.reverse_friction_factor } else { 1.0 };
         Way { sign, friction: friction * run_factor }
     }
 
     /// Torque that arrives at the wheel [N·m] at speed `s` ≥ 0 along `way`.
     #[inline]
-    pub(super) fn arriving_nm(&self, way: Way, s: f64, torque_nm: f64) -> f64 {
+    pub(crate) fn arriving_nm(&self, way: Way, s: f64, torque_nm: f64) -> f64 {
         if torque_nm * way.sign >= 0.0 {
             let within_power = torque_nm.abs() * s <= self.power_nm_mps;
             self.settings.drive_efficiency * if within_power { torque_nm } else { (self.power_nm_mps / s).copysign(torque_nm) }
@@ -185,14 +185,14 @@ impl Plant {
 
     /// `T_f` [N·m] at speed `s` ≥ 0.
     #[inline]
-    pub(super) fn friction_nm(&self, at: AtAngle, way: Way, s: f64) -> f64 {
+    pub(crate) fn friction_nm(&self, at: AtAngle, way: Way, s: f64) -> f64 {
         let p = &self.settings;
         let fading = (p.static_nm - p.coulomb_nm) / (1.0 + s * s * self.per_stribeck2);
         way.friction * (at.coulomb_nm + fading + (p.viscous_nm_s_m + p.quadratic_nm_s2_m2 * s) * s)
     }
 
     /// The friction curve of one way at one angle.
-    pub(super) fn curve(&self, at: AtAngle, way: Way) -> Curve {
+    pub(crate) fn curve(&self, at: AtAngle, way: Way) -> Curve {
         let p = &self.settings;
         let scale = at.accel_per_nm * way.friction;
         Curve {
@@ -205,7 +205,7 @@ impl Plant {
 
     /// v̇ [m/s²] while moving along `way`, vehicle frame.
     #[inline]
-    pub(super) fn accel(&self, at: AtAngle, way: Way, speed_mps: f64, torque_nm: f64, external_nm: f64, brake_nm: f64) -> f64 {
+    pub(crate) fn accel(&self, at: AtAngle, way: Way, speed_mps: f64, torque_nm: f64, external_nm: f64, brake_nm: f64) -> f64 {
         // a stage of the integrator may look a little past a stop
         let s = (speed_mps * way.sign).max(0.0);
         let friction = self.friction_nm(at, way, s) + brake_nm;
@@ -215,7 +215,7 @@ impl Plant {
 
 /// `T_f/(M r)` [m/s²] over speed: the friction curve in units of acceleration.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Curve {
+pub(crate) struct Curve {
     constant: f64,
     fading: f64,
     viscous: f64,
@@ -225,7 +225,7 @@ pub(super) struct Curve {
 impl Curve {
     /// Value at `s` ≥ 0 and derivative by `s`.
     #[inline]
-    pub(super) fn at(&self, s: f64, per_stribeck2: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, s: f64, per_stribeck2: f64) -> (f64, f64) {
         let fraction = 1.0 / (1.0 + s * s * per_stribeck2);
         let fading = self.fading * fraction;
         let linear = self.viscous + self.quadratic * s;

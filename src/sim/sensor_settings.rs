@@ -1,8 +1,8 @@
 //! Settings of the sensors: noise, quantisation, bias and timing of each.
 
-use super::channel::Timing;
-use super::error::{Result, within};
 use crate::map::PlantNoise;
+use crate::sim::error::{Result, within};
+use crate::sim::sensor_timing::Timing;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the front wheel's encoder.
@@ -149,7 +149,7 @@ impl SensorSettings {
         self
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let noise = 0.0..=100.0;
         within("sensors.encoder.noise_mps", self.encoder.noise_mps, noise.clone(), "0 to 100")?;
         within("sensors.encoder.scale", self.encoder.scale, 0.1..=10.0, "0.1 to 10")?;

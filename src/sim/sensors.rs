@@ -2,28 +2,28 @@
 //!
 //! The encoder counts: it differences the counts of one period, so it is quantised by 2π r/(counts·period) and reads half a period late.
 
-use super::channel::Channel;
-use super::error::Result;
-use super::random::{Random, Stream};
-use super::sensor_settings::SensorSettings;
 use crate::map::Vehicle;
+use crate::sim::error::Result;
+use crate::sim::random::{Random, Stream};
+use crate::sim::sensor_settings::SensorSettings;
+use crate::sim::sensor_timing::Channel;
 use crate::units::RAD_PER_DEG;
 use std::f64::consts::TAU;
 
 /// What the sensors look at: the state at the end of a step, and how it is changing.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Scene {
-    pub(super) t_s: f64,
-    pub(super) rim_speed_mps: f64,
-    pub(super) accel_mps2: f64,
-    pub(super) rolled_m: f64,
-    pub(super) wheel_angle_rad: f64,
-    pub(super) wheel_angle_offset_rad: f64,
-    pub(super) torque_nm: f64,
-    pub(super) torque_slope_nm_s: f64,
-    pub(super) yaw_rate_rad_s: f64,
-    pub(super) yaw_accel_rad_s2: f64,
-    pub(super) pose: [f64; 3],
+pub(crate) struct Scene {
+    pub(crate) t_s: f64,
+    pub(crate) rim_speed_mps: f64,
+    pub(crate) accel_mps2: f64,
+    pub(crate) rolled_m: f64,
+    pub(crate) wheel_angle_rad: f64,
+    pub(crate) wheel_angle_offset_rad: f64,
+    pub(crate) torque_nm: f64,
+    pub(crate) torque_slope_nm_s: f64,
+    pub(crate) yaw_rate_rad_s: f64,
+    pub(crate) yaw_accel_rad_s2: f64,
+    pub(crate) pose: [f64; 3],
 }
 
 /// The sensors' state.
@@ -89,13 +89,13 @@ impl Sensors {
 
     /// The next time at which [`Sensors::poll`] has anything to do [s].
     #[inline]
-    pub(super) fn next_event_s(&self) -> f64 {
+    pub(crate) fn next_event_s(&self) -> f64 {
         self.next_event_s
     }
 
     /// Nothing was read in the last step.
     #[inline]
-    pub(super) fn forget_taken(&mut self) {
+    pub(crate) fn forget_taken(&mut self) {
         if self.took {
             self.forget_all_taken();
         }
@@ -111,7 +111,7 @@ impl Sensors {
     }
 
     /// Brings all sensors to the time of `scene`.
-    pub(super) fn poll(&mut self, scene: &Scene) {
+    pub(crate) fn poll(&mut self, scene: &Scene) {
         let now_s = scene.t_s;
         let s = &self.settings;
         // a reading falls between two steps: the state is carried back to its time
@@ -164,8 +164,8 @@ impl Sensors {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::sim::{EncoderSettings, Timing};
+    use super::*;
 
     fn readings(settings: &SensorSettings, speed_mps: f64) -> Vec<f64> {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };

@@ -1,13 +1,13 @@
 //! Settings of a world, and how they are varied.
 
-use super::drive::DriveSettings;
-use super::error::{Result, within};
-use super::identified::IdentifiedSettings;
-use super::motion::MotionSettings;
-use super::plant::PhysicalSettings;
-use super::sensor_settings::SensorSettings;
-use super::steering::SteeringSettings;
 use crate::map::{Table1File, Vehicle};
+use crate::sim::drive::DriveSettings;
+use crate::sim::error::{Result, within};
+use crate::sim::identified::IdentifiedSettings;
+use crate::sim::motion::MotionSettings;
+use crate::sim::plant::PhysicalSettings;
+use crate::sim::sensor_settings::SensorSettings;
+use crate::sim::steering::SteeringSettings;
 
 /// Everything that makes a world, apart from the seed.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +100,7 @@ impl Settings {
         Ok(varied)
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         within("step_s", self.step_s, 1e-4..=0.02, "0.0001 to 0.02")?;
         self.vehicle.checked()?;
         Ok(())
@@ -151,9 +151,9 @@ impl Perturbation {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::map::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, Gear, PlantNoise, Surface, Table1File};
     use crate::sim::{Command, SensorSettings, World};
+    use super::*;
     use std::f64::consts::FRAC_PI_2;
 
     /// A fit that found a = (τ − 8)/13 forward and nothing in reverse.

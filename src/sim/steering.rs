@@ -2,7 +2,7 @@
 //!
 //! `δ̇ = clamp((δ_target − δ)/T, ±rate)`, solved exactly over a step: a ramp while the limit holds, then an exponential.
 
-use super::error::{Result, within};
+use crate::sim::error::{Result, within};
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 

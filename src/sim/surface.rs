@@ -4,7 +4,7 @@ use crate::map::AccelTable;
 
 /// A table laid out for fast repeated look-up.
 #[derive(Debug, Clone)]
-pub(super) struct Surface {
+pub(crate) struct Surface {
     speed_mps: Vec<f64>,
     torque_nm: Vec<f64>,
     per_speed: Vec<f64>,
@@ -14,13 +14,13 @@ pub(super) struct Surface {
 
 /// Where the last look-up was: the next one is near.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Cell {
-    pub(super) speed: usize,
-    pub(super) torque: usize,
+pub(crate) struct Cell {
+    pub(crate) speed: usize,
+    pub(crate) torque: usize,
 }
 
 impl Surface {
-    pub(super) fn new(table: &AccelTable) -> Self {
+    pub(crate) fn new(table: &AccelTable) -> Self {
         let widths = |breaks: &[f64]| breaks.windows(2).map(|w| 1.0 / (w[1] - w[0])).collect();
         let (speed, torque) = (table.speed_mps().breaks(), table.torque_nm().breaks());
         Self {
@@ -34,13 +34,13 @@ impl Surface {
 
     /// Bilinear; clamped in speed, linear beyond the ends in torque.
     #[inline]
-    pub(super) fn accel(&self, cell: &mut Cell, s: f64, u: f64) -> f64 {
+    pub(crate) fn accel(&self, cell: &mut Cell, s: f64, u: f64) -> f64 {
         self.plane(cell, s, u).accel
     }
 
     /// The same with its derivatives by speed and by torque; beyond the speeds the former is zero.
     #[inline]
-    pub(super) fn plane(&self, cell: &mut Cell, s: f64, u: f64) -> Plane {
+    pub(crate) fn plane(&self, cell: &mut Cell, s: f64, u: f64) -> Plane {
         let last = self.speed_mps.len() - 1;
         let inside = s <= self.speed_mps[last];
         let s = s.clamp(self.speed_mps[0], self.speed_mps[last]);
@@ -61,10 +61,10 @@ impl Surface {
 }
 
 /// Acceleration and its derivatives.
-pub(super) struct Plane {
-    pub(super) accel: f64,
-    pub(super) by_speed: f64,
-    pub(super) by_torque: f64,
+pub(crate) struct Plane {
+    pub(crate) accel: f64,
+    pub(crate) by_speed: f64,
+    pub(crate) by_torque: f64,
 }
 
 /// Index of the interval that holds `x`, or of the nearest one, walking from `from`.

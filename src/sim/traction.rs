@@ -1,7 +1,7 @@
 //! Traction: what of the drive's torque reaches the floor. Beyond the grip the wheel spins up against its own inertia and only the grip
 //! arrives: `(J_w/r²)·ṡ = (τ − τ_grip)/r` for the slip speed s of the rim over the floor. On a dry floor the grip is unlimited.
 
-use super::drive::TorqueStep;
+use crate::sim::drive::TorqueStep;
 
 /// The contact between wheel and floor.
 #[derive(Debug, Clone)]

@@ -1,8 +1,8 @@
 //! The physical plant's exact steady map a(v, τ), with dead time, lag and everything random removed: what a fit is judged against.
 
-use super::error::Result;
-use super::plant::{PhysicalSettings, Plant};
 use crate::map::{Gear, Vehicle};
+use crate::sim::error::Result;
+use crate::sim::plant::{PhysicalSettings, Plant};
 
 /// The exact map of a physical plant.
 #[derive(Debug, Clone, Copy)]

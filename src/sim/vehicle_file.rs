@@ -1,15 +1,15 @@
 //! A vehicle's TOML file: geometry, drive, plant, steering, sensors.
 
-use super::drive::DriveSettings;
-use super::error::{Error, Result};
-use super::motion::MotionSettings;
-use super::plant::PhysicalSettings;
-use super::sensor_settings::SensorSettings;
-use super::settings::{DEFAULT_STEP_S, Settings};
-use super::steering::SteeringSettings;
-use super::truth::Truth;
-use super::world::World;
 use crate::map::Vehicle;
+use crate::sim::drive::DriveSettings;
+use crate::sim::error::{Error, Result};
+use crate::sim::motion::MotionSettings;
+use crate::sim::plant::PhysicalSettings;
+use crate::sim::sensor_settings::SensorSettings;
+use crate::sim::settings::{DEFAULT_STEP_S, Settings};
+use crate::sim::steering::SteeringSettings;
+use crate::sim::truth::Truth;
+use crate::sim::world::World;
 use crate::spelling::nearest;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 

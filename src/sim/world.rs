@@ -1,14 +1,14 @@
 //! The world loop: command → drive → traction → motion → body → sensors, one fixed step at a time.
 
-use super::body::{AngleTerms, Body};
-use super::drive::Drive;
-use super::error::Result;
-use super::motion::{Load, Motion};
-use super::sensors::{Scene, Sensors};
-use super::settings::Settings;
-use super::steering::Steering;
-use super::traction::Traction;
-use super::{Fault, Gear};
+use crate::sim::{Fault, Gear};
+use crate::sim::drive::Drive;
+use crate::sim::error::Result;
+use crate::sim::motion::{Load, Motion};
+use crate::sim::pose::{AngleTerms, Body};
+use crate::sim::sensors::{Scene, Sensors};
+use crate::sim::settings::Settings;
+use crate::sim::steering::Steering;
+use crate::sim::traction::Traction;
 
 /// Standard gravity [m/s²]. Source: ISO 80000-3.
 const GRAVITY_MPS2: f64 = 9.806_65;
@@ -330,9 +330,9 @@ impl World {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::map::Vehicle;
     use crate::sim::PhysicalSettings;
+    use super::*;
     use std::f64::consts::FRAC_PI_2;
 
     fn settings() -> Settings {

@@ -1,17 +1,17 @@
 //! `verify_traces.json`: the pivot of the comparison over time, by the map and by the conventional law, on the nominal plant and as quantiles
 //! over the draws. For people to look at; the verdict does not depend on it.
 
-use super::draws::draws;
-use super::judge::{COMPARED, Settings, Stage};
-use super::laws::{constant_gain, map_law};
-use super::metric::quantile;
-use super::run::{Moment, run};
-use super::scenario::Scenario;
-use super::verdict::{Comparison, Verdict};
-use super::{Maps, Result};
 use crate::control::{DriveLaw, HeadingLaw, HeadingLawSettings, Phase, SpeedLoopSettings};
 use crate::map::{FORMAT_VERSION, expect_format};
 use crate::units::RAD_PER_DEG;
+use crate::verify::{Maps, Result};
+use crate::verify::judge::{COMPARED, Settings, Stage};
+use crate::verify::laws::{constant_gain, map_law};
+use crate::verify::metric::quantile;
+use crate::verify::perturbations::draws;
+use crate::verify::run::{Moment, run};
+use crate::verify::scenario::Scenario;
+use crate::verify::verdict::{Comparison, Verdict};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -89,7 +89,7 @@ type Run = Vec<(f64, [f64; 4], Option<f64>)>;
 /// holds no comparison.
 ///
 /// # Errors
-/// As [`super::verify`].
+/// As [`crate::verify::verify`].
 pub fn closed_loop(maps: &Maps, settings: &Settings, verdict: &Verdict) -> Result<Option<ClosedLoop>> {
     let Some(comparison) = &verdict.comparison else { return Ok(None) };
     let untold = |_: usize| ();

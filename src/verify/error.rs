@@ -36,9 +36,9 @@ pub enum Error {
     #[error("the controller cannot be set up: {0}")]
     Control(#[from] crate::control::Error),
     #[error("the polyline cannot be planned: {0}")]
-    Polyline(crate::control::route::polyline::PolylineError),
+    Polyline(crate::guidance::route::polyline::PolylineError),
     #[error("the manoeuvre cannot be planned: {0}")]
-    Planning(#[from] crate::control::manoeuvre::Error),
+    Planning(#[from] crate::guidance::Error),
     #[error("the log of a run cannot be written: {0}")]
     Record(#[from] crate::record::Error),
     #[error("the verdict cannot be written as JSON: {0}")]

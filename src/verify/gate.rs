@@ -1,9 +1,9 @@
 //! The gate: which limits a map has to keep, and why. The default is `data/gate.toml`.
 
-use super::metric::{Metric, Statistic, Summary};
-use super::round_trip::RoundTripLimit;
-use super::scenario::Class;
-use super::{Error, Result};
+use crate::verify::{Error, Result};
+use crate::verify::metric::{Metric, Statistic, Summary};
+use crate::verify::round_trip::RoundTripLimit;
+use crate::verify::scenario::Class;
 use serde::{Deserialize, Serialize};
 
 const DEFAULT: &str = include_str!("../../data/gate.toml");
@@ -96,7 +96,7 @@ impl Gate {
     }
 
     /// Applies the limits of a class.
-    pub(super) fn check(&self, class: Class, summaries: &[Summary]) -> Vec<Check> {
+    pub(crate) fn check(&self, class: Class, summaries: &[Summary]) -> Vec<Check> {
         self.limits
             .iter()
             .filter(|limit| limit.class == class)

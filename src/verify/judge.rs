@@ -1,20 +1,20 @@
 //! Runs the scenarios and the comparison, applies the gate, and puts the verdict together.
 
-use super::draws::{Spread, draws};
-use super::gate::Gate;
-use super::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law, tuning_runs};
-use super::manoeuvre::{self, Manoeuvre, ManoeuvreTorque};
-use super::metric::{Metric, Statistic, Summary, Values};
-use super::plant::Plant;
-use super::region::Region;
-use super::round_trip::{RoundTrip, round_trip};
-use super::run::{Bench, Moment, run};
-use super::scenario::Scenario;
-use super::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
-use super::{Maps, Result};
-use crate::control::{self, DriveLaw, HeadingLaw, PivotRequest, TorqueMap as _, WaypointLaw, WaypointLawSettings};
+use crate::{control, manoeuvre, sim};
+use crate::control::{DriveLaw, HeadingLaw, PivotRequest, TorqueMap as _, WaypointLaw, WaypointLawSettings};
+use crate::manoeuvre::{Manoeuvre, ManoeuvreTorque};
 use crate::map::{FORMAT_VERSION, Gear};
-use crate::sim;
+use crate::verify::{Maps, Result};
+use crate::verify::gate::Gate;
+use crate::verify::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law, tuning_runs};
+use crate::verify::measured_region::Region;
+use crate::verify::metric::{Metric, Statistic, Summary, Values};
+use crate::verify::perturbations::{Spread, draws};
+use crate::verify::plant::Plant;
+use crate::verify::round_trip::{RoundTrip, round_trip};
+use crate::verify::run::{Bench, Moment, run};
+use crate::verify::scenario::Scenario;
+use crate::verify::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
 use rayon::prelude::*;
 
 /// How a map is verified.
@@ -67,19 +67,19 @@ impl Settings {
 }
 
 /// Everything that a scenario is run with.
-pub(super) struct Stage<'a> {
+pub(crate) struct Stage<'a> {
     maps: &'a Maps,
-    pub(super) control: control::Settings,
-    pub(super) law: WaypointLawSettings,
+    pub(crate) control: control::Settings,
+    pub(crate) law: WaypointLawSettings,
     region: Region,
-    pub(super) plant: sim::Settings,
+    pub(crate) plant: sim::Settings,
     exact: Plant,
     /// Called each time a run has ended.
     done: &'a (dyn Fn(usize) + Sync),
 }
 
 impl<'a> Stage<'a> {
-    pub(super) fn new(maps: &'a Maps, settings: &Settings, done: &'a (dyn Fn(usize) + Sync)) -> Result<Self> {
+    pub(crate) fn new(maps: &'a Maps, settings: &Settings, done: &'a (dyn Fn(usize) + Sync)) -> Result<Self> {
         let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let control = control::Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps));
         let exact = Plant::new(&plant)?;
@@ -94,7 +94,7 @@ impl<'a> Stage<'a> {
         })
     }
 
-    pub(super) fn bench(&self) -> Bench<'_> {
+    pub(crate) fn bench(&self) -> Bench<'_> {
         let profile = &self.control.planning.profile;
         let torque_nm = |accel| self.exact.torque(Gear::Forward, 0.5 * profile.cruise_mps, accel).map_or(0.0, |found| found.torque_nm);
         Bench {
@@ -236,7 +236,7 @@ fn judge_scenarios(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Setti
 const LAWS: usize = 4;
 
 /// The scenario that the comparison drives.
-pub(super) const COMPARED: &str = "left-90";
+pub(crate) const COMPARED: &str = "left-90";
 
 fn compare(stage: &Stage<'_>, settings: &Settings, varied: &[(sim::Settings, u64)]) -> Result<Comparison> {
     let varied = &varied[..settings.comparison_draws.min(varied.len())];

@@ -1,25 +1,23 @@
 //! The laws that are run: the map under test, and beside it what it is compared with.
 
-use super::metric::{Metric, Values};
-use super::run::{Bench, run};
-use super::scenario::Scenario;
-use super::{Maps, Result};
-use crate::control::{
-    ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
-};
-use crate::map::CellStatus;
 use crate::sim;
+use crate::control::{ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings};
+use crate::map::CellStatus;
 use crate::units::RAD_PER_DEG;
+use crate::verify::{Maps, Result};
+use crate::verify::metric::{Metric, Values};
+use crate::verify::run::{Bench, run};
+use crate::verify::scenario::Scenario;
 use rayon::prelude::*;
 
 /// The law of the map under test.
-pub(super) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
+pub(crate) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
     WaypointLaw::new(*settings, Tables { forward: &maps.forward, reverse: maps.reverse.as_ref(), policy: OutsidePolicy::Clamp })
 }
 
 /// The gain that somebody without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
 /// accelerate.
-pub(super) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
+pub(crate) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
     let (mut torque_accel, mut accel_accel) = (0.0, 0.0);
     for map in &maps.table1.maps {
         for (i, &torque_nm) in map.torque_nm.iter().enumerate() {
@@ -53,14 +51,14 @@ fn candidates() -> usize {
 }
 
 /// Runs that the search takes.
-pub(super) fn tuning_runs() -> usize {
+pub(crate) fn tuning_runs() -> usize {
     candidates() + TUNING_FINALISTS.min(candidates()) * (TUNING_SEEDS as usize - 1)
 }
 
 /// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant,
 /// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds; of those that always end within [`TUNED_ERROR_DEG`] the fastest is taken, by its
 /// slowest turn; when none does, the one with the smallest heading error.
-pub(super) fn tuned_heading_law(
+pub(crate) fn tuned_heading_law(
     bench: &Bench<'_>,
     scenario: &Scenario,
     plant: &sim::Settings,
@@ -116,12 +114,12 @@ pub(super) fn tuned_heading_law(
 }
 
 /// The settings of the map's law for a vehicle: the reaction time is the dead time and lag that `table2.json` carries.
-pub(super) fn law_settings(maps: &Maps) -> WaypointLawSettings {
+pub(crate) fn law_settings(maps: &Maps) -> WaypointLawSettings {
     let table2 = &maps.table2;
     WaypointLawSettings { reaction_s: table2.dead_time_s + table2.lag_s, ..WaypointLawSettings::new(table2.vehicle.wheelbase_m) }
 }
 
 /// Wheel angle of the map [rad].
-pub(super) fn test_angle_rad(maps: &Maps) -> f64 {
+pub(crate) fn test_angle_rad(maps: &Maps) -> f64 {
     maps.table2.vehicle.test_angle_deg * RAD_PER_DEG
 }

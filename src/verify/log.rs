@@ -1,15 +1,15 @@
 //! A scenario's nominal run as a log of standard ROS 2 messages, which Foxglove, `PlotJuggler` and rerun draw: what the vehicle did, what was
 //! desired, and the messages between the controller's modules.
 
-use super::judge::{Settings, replay};
-use super::run::Moment;
-use super::scenario::Scenario;
-use super::vehicle_log::{log_time_ns, write_vehicle};
-use super::{Maps, Result};
 use crate::control::{AngleStatus, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
 use crate::record::{LogWriter, Message, Odometry, Stamp};
 use crate::units::RAD_PER_DEG;
+use crate::verify::{Maps, Result};
+use crate::verify::judge::{Settings, replay};
+use crate::verify::run::Moment;
+use crate::verify::scenario::Scenario;
+use crate::verify::vehicle_log::{log_time_ns, write_vehicle};
 use std::fmt::Write as _;
 
 /// The bytes of an MCAP file with the nominal run of `scenario`.

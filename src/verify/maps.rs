@@ -1,7 +1,7 @@
 //! The maps under test: `table2.csv` itself, the artefact that is deployed, with the JSON files that belong to it.
 
-use super::{Error, Result};
 use crate::map::{Gear, LateralTableFile, Matrix, SAME_ANGLE_DEG, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
+use crate::verify::{Error, Result};
 use std::path::Path;
 
 /// Table 2 of a gear at a wheel angle, as its CSV says.

@@ -244,7 +244,7 @@ impl Summary {
 }
 
 /// Quantile of sorted values by linear interpolation between order statistics. Source: Hyndman & Fan (1996), type 7.
-pub(super) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let position = share * last as f64;
     let below = position.floor() as usize;

@@ -1,10 +1,10 @@
 //! The plant's exact map and its inverse: what a perfect Table 2 would answer.
 
-use super::Result;
 use crate::control::{Lookup, TorqueMap};
 use crate::map::{AccelTable, Axis, Gear, Vehicle};
 use crate::sim::{MotionSettings, Settings, Truth};
 use crate::units::RAD_PER_DEG;
+use crate::verify::Result;
 
 /// a(v, τ) of the plant, one fine table per gear.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +67,7 @@ impl TorqueMap for Plant {
 
 /// Torque [N·m] at which `table`, monotone in torque, gives `accel_mps2` at `speed_mps` (clamped to the table), and whether it does so within
 /// its torques. `None` for NaN.
-pub(super) fn torque_for(table: &AccelTable, speed_mps: f64, accel_mps2: f64) -> Option<(f64, bool)> {
+pub(crate) fn torque_for(table: &AccelTable, speed_mps: f64, accel_mps2: f64) -> Option<(f64, bool)> {
     let torques = table.torque_nm().breaks();
     let at = |i: usize| table.accel_from_torque_clamped(speed_mps, torques[i]);
     let last = torques.len() - 1;
@@ -107,8 +107,8 @@ fn physical_table(truth: &Truth, gear: Gear, vehicle: &Vehicle, limit_nm: f64) -
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
     use crate::sim::PhysicalSettings;
+    use super::*;
 
     #[test]
     fn the_inverse_of_the_exact_map_gives_the_acceleration_back() {

@@ -5,9 +5,9 @@
 //! mean over a row of Table 2 above 0 m/s within 0.05 m/s² + 3: interpolation makes a cell miss, but not a whole row the same way. Beyond its torques the
 //! surface goes on linearly, so that a torque which the drive cannot give is seen too. The speed axis has to start at 0.
 
-use super::Maps;
-use super::plant::torque_for;
 use crate::map::{AccelMap, AccelTable, CellStatus, Gear, SAME_ANGLE_DEG, TorqueTable, lookup};
+use crate::verify::Maps;
+use crate::verify::plant::torque_for;
 use serde::{Deserialize, Serialize};
 
 /// What the gate allows of |Δa|.
@@ -79,7 +79,7 @@ impl RoundTrip {
 ///
 /// # Errors
 /// A surface of Table 1 that is not sound.
-pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> super::Result<Vec<RoundTrip>> {
+pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<Vec<RoundTrip>> {
     let angle_deg = maps.table2.vehicle.test_angle_deg;
     let mut all = Vec::new();
     for gear in Gear::ALL {

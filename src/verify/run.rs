@@ -1,29 +1,30 @@
 //! One run: a controller and a world in closed loop, and what is measured of it.
 
-use super::Result;
-use super::metric::{Metric, Values};
-use super::region::Region;
-use super::scenario::{Disturbance, Expected, Onset, Scenario};
-use super::watch::Watch;
+use crate::sim;
 use crate::control::{DriveLaw, Inputs, Outputs, Phase, PivotController, PivotRequest, Pose, Settings};
-use crate::sim::{self, Fault, Measurement, TrueState, World};
+use crate::sim::{Fault, Measurement, TrueState, World};
 use crate::units::RAD_PER_DEG;
+use crate::verify::Result;
+use crate::verify::measured_region::Region;
+use crate::verify::metric::{Metric, Values};
+use crate::verify::run_metrics::Watch;
+use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
 
 /// What a run needs to know of the vehicle under test.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bench<'a> {
+pub(crate) struct Bench<'a> {
     /// Settings of the controller; the scenario's policy replaces theirs.
-    pub(super) control: &'a Settings,
+    pub(crate) control: &'a Settings,
     /// Control period [s].
-    pub(super) period_s: f64,
+    pub(crate) period_s: f64,
     /// Torque limit [N·m].
-    pub(super) torque_limit_nm: f64,
+    pub(crate) torque_limit_nm: f64,
     /// Breakaway torque of the map [N·m].
-    pub(super) breakaway_nm: f64,
+    pub(crate) breakaway_nm: f64,
     /// Torque that holds half of the cruise speed, and torque that accelerates there as planned [N·m].
-    pub(super) planned_nm: [f64; 2],
+    pub(crate) planned_nm: [f64; 2],
     /// Where Table 2 was measured.
-    pub(super) region: &'a Region,
+    pub(crate) region: &'a Region,
 }
 
 /// One control period of a run, for a log or a picture.
@@ -45,7 +46,7 @@ const WATCHED_S: f64 = 2.5;
 const SETTLE_S: f64 = 0.1;
 
 /// Runs `scenario` and measures it; `record` sees every period.
-pub(super) fn run<L: DriveLaw>(
+pub(crate) fn run<L: DriveLaw>(
     bench: &Bench<'_>,
     scenario: &Scenario,
     plant: &sim::Settings,

@@ -6,15 +6,15 @@ use crate::sim::{Measurement, TrueState};
 use crate::units::NS_PER_S;
 
 /// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
-pub(super) const START_NS: u64 = 1_767_225_600_000_000_000;
+pub(crate) const START_NS: u64 = 1_767_225_600_000_000_000;
 
 /// The log's time of a simulated one.
-pub(super) fn log_time_ns(t_s: f64) -> u64 {
+pub(crate) fn log_time_ns(t_s: f64) -> u64 {
     START_NS + (t_s * NS_PER_S).round() as u64
 }
 
 /// One control period of the vehicle, as it was read, with the torque and the gear that were commanded.
-pub(super) fn write_vehicle(
+pub(crate) fn write_vehicle(
     log: &mut LogWriter,
     wheel_radius_m: f64,
     state: &TrueState,

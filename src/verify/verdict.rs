@@ -1,13 +1,13 @@
 //! The verdict: everything that `verify.json` holds.
 
-use super::draws::Spread;
-use super::gate::{Check, Limit};
-use super::metric::Summary;
-use super::replayed::ReplayedRun;
-use super::round_trip::{RoundTrip, RoundTripLimit};
-use super::scenario::Class;
 use crate::control::HeadingLawSettings;
 use crate::map::expect_format;
+use crate::verify::gate::{Check, Limit};
+use crate::verify::metric::Summary;
+use crate::verify::perturbations::Spread;
+use crate::verify::replayed::ReplayedRun;
+use crate::verify::round_trip::{RoundTrip, RoundTripLimit};
+use crate::verify::scenario::Class;
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `verify.json` says.
@@ -161,7 +161,7 @@ impl Verdict {
     ///
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
-    pub fn from_json(text: &str) -> super::Result<Self> {
+    pub fn from_json(text: &str) -> crate::verify::Result<Self> {
         Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
     }
 
@@ -174,7 +174,7 @@ impl Verdict {
     ///
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
-    pub fn to_json(&self) -> super::Result<String> {
+    pub fn to_json(&self) -> crate::verify::Result<String> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 }

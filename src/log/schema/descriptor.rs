@@ -3,8 +3,8 @@
 //! Only what reading needs is kept, and nothing of it is believed: names that lead nowhere are an error, whatever else the descriptors
 //! hold is passed over. Source: `google/protobuf/descriptor.proto`.
 
-use super::super::plan::Raw;
-use super::shape::Names;
+use crate::log::extract::extractor::Raw;
+use crate::log::schema::shape::Names;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use std::borrow::Cow;
@@ -16,7 +16,7 @@ const MAX_DEPTH: usize = 64;
 
 /// A message type, among all types of its schema.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Message {
+pub(crate) struct Message {
     types: Arc<Vec<Structure>>,
     index: usize,
 }
@@ -29,7 +29,7 @@ struct Structure {
 
 /// A field of a message type.
 #[derive(Debug)]
-pub(in super::super) struct Field {
+pub(crate) struct Field {
     pub name: String,
     json_name: String,
     pub number: u32,
@@ -43,7 +43,7 @@ pub(in super::super) struct Field {
 
 /// What a field holds.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) enum Kind {
+pub(crate) enum Kind {
     /// A message or a group: its place among the types.
     Message(usize),
     /// An enumeration: its names and numbers.
@@ -70,7 +70,7 @@ impl Message {
     ///
     /// # Errors
     /// What is wrong with the descriptors.
-    pub(super) fn parse(name: &str, data: &[u8]) -> Result<Self, String> {
+    pub(crate) fn parse(name: &str, data: &[u8]) -> Result<Self, String> {
         let set = <FileDescriptorSet as prost::Message>::decode(data).map_err(|error| error.to_string())?;
         let mut declared = Declared::default();
         set.file.iter().try_for_each(|file| declared.file(file))?;
@@ -90,26 +90,26 @@ impl Message {
     }
 
     /// Its place among the types of its schema.
-    pub(super) fn index(&self) -> usize {
+    pub(crate) fn index(&self) -> usize {
         self.index
     }
 
-    pub(in super::super) fn full_name(&self) -> &str {
+    pub(crate) fn full_name(&self) -> &str {
         &self.types[self.index].full_name
     }
 
-    pub(in super::super) fn fields(&self) -> &[Field] {
+    pub(crate) fn fields(&self) -> &[Field] {
         &self.types[self.index].fields
     }
 
     /// The field of that name, as declared or as JSON spells it.
-    pub(in super::super) fn field(&self, name: &str) -> Option<&Field> {
+    pub(crate) fn field(&self, name: &str) -> Option<&Field> {
         let fields = self.fields();
         fields.iter().find(|field| field.name == name).or_else(|| fields.iter().find(|field| field.json_name == name))
     }
 
     /// The numbers named for the value that `fields` lead to.
-    pub(super) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
+    pub(crate) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
         match fields.next().and_then(|name| self.field(name)).map(|field| &field.kind) {
             Some(Kind::Message(inner)) => self.other(*inner).names(fields),
             Some(Kind::Enum(names)) => names.clone(),
@@ -118,7 +118,7 @@ impl Message {
     }
 
     /// The type that [`Kind::Message`] names.
-    pub(in super::super) fn other(&self, index: usize) -> Self {
+    pub(crate) fn other(&self, index: usize) -> Self {
         Self { types: self.types.clone(), index }
     }
 }

@@ -5,7 +5,7 @@
 
 mod parser;
 
-use super::shape::{Kind, MAX_DEPTH, Shape, Size, Structure};
+use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape, Size, Structure};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// What cannot be parsed, or the type that is missing.
-pub(super) fn parse(name: &str, text: &str) -> Result<Arc<Structure>, String> {
+pub(crate) fn parse(name: &str, text: &str) -> Result<Arc<Structure>, String> {
     Builder { definitions: parser::read(text)?, built: BTreeMap::new() }.structure(&name.replace('/', "::"), 0)
 }
 

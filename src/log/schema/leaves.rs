@@ -3,8 +3,8 @@
 //! Nearest places first, so that what a large schema has too much of is what lies deepest. A type is not entered again inside itself, and
 //! no more than [`MAX_LEAVES`] places are listed and [`MAX_FIELDS`] fields looked at, whatever a schema declares.
 
-use super::descriptor::{Kind as ProtobufKind, Message};
-use super::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
+use crate::log::schema::descriptor::{Kind as ProtobufKind, Message};
+use crate::log::schema::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
 use prost_types::field_descriptor_proto::Type;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ const MAX_FIELDS: usize = 20_000;
 
 /// A place of a message that holds a single value.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Leaf {
+pub(crate) struct Leaf {
     /// The way to it behind the topic, beginning with a dot.
     pub path: String,
     pub kind: LeafKind,
@@ -28,7 +28,7 @@ pub(in super::super) struct Leaf {
 
 /// An array of single values.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in super::super) struct ListLeaf {
+pub(crate) struct ListLeaf {
     /// Name of a text array beside it, such as `name` of a joint state.
     pub names: Option<String>,
     /// Number of elements, if fixed.
@@ -37,7 +37,7 @@ pub(in super::super) struct ListLeaf {
 
 /// What kind of value a leaf holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum LeafKind {
+pub(crate) enum LeafKind {
     Bool,
     Integer,
     Float,
@@ -81,7 +81,7 @@ impl<T> Search<T> {
 }
 
 /// Every place of a message that holds a single value.
-pub(super) fn leaves(structure: &Structure) -> Vec<Leaf> {
+pub(crate) fn leaves(structure: &Structure) -> Vec<Leaf> {
     let mut search = Search::new(structure);
     while let Some(Ahead { message, path: at, depth }) = search.next() {
         let names = message.fields.iter().find(|(_, shape)| matches!(shape, Shape::List(of, _) if **of == Shape::Text));
@@ -119,7 +119,7 @@ fn leaf_kind(kind: Kind) -> LeafKind {
 }
 
 /// Every place of a protobuf message that holds a single value.
-pub(super) fn protobuf_leaves(message: &Message) -> Vec<Leaf> {
+pub(crate) fn protobuf_leaves(message: &Message) -> Vec<Leaf> {
     let nameless = Names::default();
     // each message with the types that it lies in
     let mut search = Search::new((message.clone(), Arc::new(Within { index: message.index(), outer: None })));

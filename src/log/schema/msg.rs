@@ -2,7 +2,7 @@
 //!
 //! Sources: <https://mcap.dev/spec/registry#ros2msg>, <https://wiki.ros.org/msg>.
 
-use super::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
+use crate::log::schema::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
 use re_ros_msg::message_spec::{ArraySize, BuiltInType, ComplexType, MessageSpecification, Type};
 use re_ros_msg::{MessageSchema, is_schema_separator};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Which generation of ROS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Dialect {
+pub(crate) enum Dialect {
     Ros1,
     Ros2,
 }
@@ -23,7 +23,7 @@ const PADDING: &str = "structure_needs_at_least_one_member";
 ///
 /// # Errors
 /// What cannot be parsed, or the type that is missing.
-pub(super) fn parse(name: &str, text: &str, dialect: Dialect) -> Result<Arc<Structure>, String> {
+pub(crate) fn parse(name: &str, text: &str, dialect: Dialect) -> Result<Arc<Structure>, String> {
     let (layout_only, constants) = split_constants(text);
     let schema = MessageSchema::parse(name, &layout_only).map_err(|error| format!("{error:#}"))?;
     let mut builder = Builder { dialect, specs: BTreeMap::new(), constants, built: BTreeMap::new() };
@@ -203,7 +203,7 @@ mod tests {
     fn nested_types_are_found_by_long_short_and_bare_names() {
         let text = "Header header\nother/msg/Inner inner\n===\nMSG: std_msgs/msg/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n===\nMSG: other/Inner\nfloat64 x\n";
         let shape = parse("pkg/msg/Thing", text, Dialect::Ros2).unwrap();
-        let paths: Vec<_> = super::super::leaves::leaves(&shape).into_iter().map(|leaf| leaf.path).collect();
+        let paths: Vec<_> = crate::log::schema::leaves::leaves(&shape).into_iter().map(|leaf| leaf.path).collect();
         assert_eq!(paths, [".header.frame_id", ".inner.x", ".header.stamp.sec", ".header.stamp.nanosec"]);
     }
 

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 /// Messages within messages at most.
-pub(in super::super) const MAX_DEPTH: usize = 32;
+pub(crate) const MAX_DEPTH: usize = 32;
 
 /// Numbers that a schema names.
-pub(in super::super) type Names = Arc<Vec<(String, i64)>>;
+pub(crate) type Names = Arc<Vec<(String, i64)>>;
 
 /// A message type.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) struct Structure {
+pub(crate) struct Structure {
     pub name: String,
     pub fields: Vec<(String, Shape)>,
     /// Named numbers of the type, which its fields may hold.
@@ -19,7 +19,7 @@ pub(in super::super) struct Structure {
 
 impl Structure {
     /// The numbers named for the value that `fields` lead to, through whatever arrays lie on the way.
-    pub(super) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
+    pub(crate) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
         let Some(field) = fields.next() else { return Names::default() };
         let mut shape = self.fields.iter().find(|(name, _)| name == field).map(|(_, shape)| shape);
         while let Some(Shape::List(of, _)) = shape {
@@ -35,7 +35,7 @@ impl Structure {
 
 /// What stands in a field.
 #[derive(Debug, Clone, PartialEq)]
-pub(in super::super) enum Shape {
+pub(crate) enum Shape {
     Number(Kind),
     Text,
     /// Characters of four bytes.
@@ -46,7 +46,7 @@ pub(in super::super) enum Shape {
 
 /// How many elements an array has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Size {
+pub(crate) enum Size {
     Fixed(usize),
     /// The count stands before the elements.
     Counted,
@@ -54,7 +54,7 @@ pub(in super::super) enum Size {
 
 /// Kinds of number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Kind {
+pub(crate) enum Kind {
     Bool,
     I8,
     U8,
@@ -70,7 +70,7 @@ pub(in super::super) enum Kind {
 
 impl Kind {
     /// Size and natural alignment [bytes].
-    pub(in super::super) fn size(self) -> usize {
+    pub(crate) fn size(self) -> usize {
         match self {
             Self::Bool | Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,

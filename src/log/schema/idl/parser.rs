@@ -1,14 +1,14 @@
 //! The text of a definition into what it defines.
 
-use super::super::shape::{Kind, MAX_DEPTH, Shape};
-use super::{Definition, Definitions, Member, Named};
+use crate::log::schema::idl::{Definition, Definitions, Member, Named};
+use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape};
 use std::collections::BTreeMap;
 
 /// Reads a definition.
 ///
 /// # Errors
 /// What cannot be understood.
-pub(super) fn read(text: &str) -> Result<Definitions, String> {
+pub(crate) fn read(text: &str) -> Result<Definitions, String> {
     let tokens = tokens(text)?;
     let mut parser =
         Parser { tokens: &tokens, at: 0, scope: Vec::new(), found: Definitions { types: BTreeMap::new(), constants: BTreeMap::new() } };

@@ -1,0 +1,336 @@
+//! What the maps of one gear have in common over the wheel angle.
+//!
+//! In: Table 1 of one gear and side at two or more angles. Out: an [`AngleFamily`]. The equation of motion in torques is
+//!
+//! M(δ)·A(V, U, δ) = H(V, U) − F(V, δ)
+//!
+//! with H, what the drive makes of its torque, the same at every angle, H(V, 0) = 0 and of slope 1 where it drives. Over a grid of speeds and
+//! torques that the maps covered, weighted by their standard errors, H, one inertia per angle and one friction per angle and speed are the
+//! least squares solution, each in turn from the others. The inertias are then M = m₀ + m₁·sin²δ, and the frictions at every speed
+//! f₀ + f₁·sin²δ. From four angles on a further term f₂·|sin δ| is taken where angles left out ask for it.
+//!
+//! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
+
+
+pub(crate) use crate::fit::angles::shrink_together::draw_together;
+
+use crate::fit::Result;
+use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, Gear, LeftOutAngle, Side};
+use crate::units::RAD_PER_DEG;
+
+/// Spacing of the speeds compared [m/s].
+const SPEED_STEP_MPS: f64 = 0.05;
+/// Torques compared, about.
+const TORQUES: usize = 24;
+/// Standard errors below this say nothing of how angles differ [m/s²].
+const LEAST_STD_ERR_MPS2: f64 = 2e-3;
+/// Rounds of the least squares, and the relative change of an inertia at which it is done.
+const ROUNDS: usize = 2000;
+const STILL: f64 = 1e-9;
+/// Angles from which on friction may have a third term, and how much less the misses of angles left out must be with it: two or three
+/// misses do not tell a smaller gain from chance.
+const ANGLES_FOR_THIRD: usize = 4;
+const GAIN_OF_THIRD: f64 = 1.25;
+/// Where no angle lies between two others: the part of the change of friction between neighbours that its shape over the angle may hide.
+/// The largest distance of sin²δ from a straight line over 30° is a sixteenth of its range; this is four times as much.
+const ASSUMED_SHARE: f64 = 0.25;
+
+/// A family with what only the fit needs of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Family {
+    /// What files tell.
+    pub(crate) told: AngleFamily,
+    /// Number of terms of the friction.
+    terms: usize,
+    /// τ, the standard deviation of the departures of measured angles from the family [N·m]; absent where angles are too few to tell.
+    spread_nm: Option<f64>,
+}
+
+/// The families of maps at several angles, by gear and side; a side with one angle has none.
+pub(crate) fn families(maps: &[AccelMap]) -> Result<Vec<Family>> {
+    let mut found = Vec::new();
+    for gear in Gear::ALL {
+        for side in Side::ALL {
+            let mut own: Vec<&AccelMap> = maps.iter().filter(|m| m.gear == gear && side.holds(m.wheel_angle_deg)).collect();
+            own.sort_by(|a, b| a.wheel_angle_deg.abs().total_cmp(&b.wheel_angle_deg.abs()));
+            let plain = family(gear, side, &own, 2)?;
+            let bent = if own.len() >= ANGLES_FOR_THIRD { family(gear, side, &own, 3)? } else { None };
+            let miss = |f: &Family| f.told.left_out.iter().map(|l| l.rms_nm.powi(2)).sum::<f64>().sqrt();
+            found.extend(match (plain, bent) {
+                (Some(plain), Some(bent)) if miss(&bent) * GAIN_OF_THIRD < miss(&plain) => Some(bent),
+                (plain, _) => plain,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// The family of maps of one gear and side, with what its angles left out say of it; `None` with fewer than two angles, and where the angles
+/// have nothing in common to compare.
+fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Option<Family>> {
+    let Some(mut family) = shape(gear, side, maps, terms)? else { return Ok(None) };
+    let told = &mut family.told;
+    let (mut squares, mut count) = (0.0, 0);
+    for k in 1..maps.len().saturating_sub(1) {
+        let others: Vec<&AccelMap> = maps.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, m)| *m).collect();
+        let Some(rest) = shape(gear, side, &others, terms)? else { continue };
+        let Some(miss) = left_out(maps[k], &others, &rest.told)? else { continue };
+        let (low, high) = (maps[k - 1].wheel_angle_deg, maps[k + 1].wheel_angle_deg);
+        let share = (maps[k].wheel_angle_deg - low) / (high - low);
+        squares += (miss.rms_nm.powi(2) - miss.expected_nm.powi(2)).max(0.0) / (4.0 * share * (1.0 - share));
+        count += 1;
+        told.left_out.push(miss);
+    }
+    if count > 0 {
+        let departure_nm = (squares / f64::from(count)).sqrt().max(family.spread_nm.unwrap_or(0.0));
+        told.departure_nm = round6(departure_nm);
+        "angles left out".clone_into(&mut told.departure_from);
+    } else {
+        let mut widest: f64 = 0.0;
+        for pair in maps.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|m| (m.wheel_angle_deg * RAD_PER_DEG).sin());
+            for v in &told.speed_mps {
+                widest = widest.max((told.terms().friction_nm(*v, b) - told.terms().friction_nm(*v, a)).abs());
+            }
+        }
+        told.departure_nm = round6(ASSUMED_SHARE * widest);
+        "assumed".clone_into(&mut told.departure_from);
+    }
+    Ok(Some(family))
+}
+
+/// A point of the grid as one map tells it.
+#[derive(Debug, Clone, Copy)]
+struct Told {
+    accel_mps2: f64,
+    weight: f64,
+}
+
+/// The maps over a common grid: `told[angle][speed][torque]`.
+struct Grid {
+    speed_mps: Vec<f64>,
+    torque_nm: Vec<f64>,
+    told: Vec<Vec<Vec<Option<Told>>>>,
+}
+
+impl Grid {
+    fn new(maps: &[&AccelMap]) -> Result<Self> {
+        let ends = |pick: fn(&AccelMap) -> f64, better: fn(f64, f64) -> f64| maps.iter().map(|m| pick(m)).reduce(better).unwrap_or(0.0);
+        let fastest = ends(|m| m.speed_mps[m.speed_mps.len() - 1], f64::max);
+        let (low, high) = (ends(|m| m.torque_nm[0], f64::min), ends(|m| m.torque_nm[m.torque_nm.len() - 1], f64::max));
+        let step_nm = (high - low) / TORQUES as f64;
+        let speed_mps: Vec<f64> = (0..=(fastest / SPEED_STEP_MPS + 1e-6) as usize).map(|k| k as f64 * SPEED_STEP_MPS).collect();
+        let torque_nm: Vec<f64> =
+            ((low / step_nm).ceil() as i64..=(high / step_nm + 1e-6).floor() as i64).map(|k| k as f64 * step_nm).collect();
+        let mut told = Vec::new();
+        for map in maps {
+            let (table, all) = (map.table()?, AccelMaps::new([*map], &[])?);
+            let at = |v: f64, u: f64| {
+                let covered = table.torque_nm().contains(u) && table.speed_mps().contains(v);
+                let status = map.status[table.torque_nm().nearest(u)][table.speed_mps().nearest(v)];
+                let found = all.accel(map.gear, v, u, map.wheel_angle_deg)?;
+                let error = found.std_err_mps2.max(LEAST_STD_ERR_MPS2);
+                (covered && status != CellStatus::Extrapolated)
+                    .then(|| Told { accel_mps2: found.accel_mps2, weight: 1.0 / (error * error) })
+            };
+            told.push(speed_mps.iter().map(|v| torque_nm.iter().map(|u| at(*v, *u)).collect()).collect());
+        }
+        Ok(Self { speed_mps, torque_nm, told })
+    }
+}
+
+/// Inertia per angle, friction per angle and speed, drive over speed and torque.
+struct Split {
+    inertia: Vec<f64>,
+    friction_nm: Vec<Vec<Option<f64>>>,
+}
+
+/// Alternating least squares; `None` where an angle shows no rise of acceleration with torque.
+fn split(grid: &Grid) -> Option<Split> {
+    let (angles, speeds, torques) = (grid.told.len(), grid.speed_mps.len(), grid.torque_nm.len());
+    let mut drive: Vec<Vec<f64>> = vec![grid.torque_nm.clone(); speeds];
+    let mut found = Split { inertia: vec![1.0; angles], friction_nm: vec![vec![None; speeds]; angles] };
+    let unloaded = (0..torques).min_by(|a, b| grid.torque_nm[*a].abs().total_cmp(&grid.torque_nm[*b].abs()))?;
+    for _ in 0..ROUNDS {
+        let mut moved: f64 = 0.0;
+        for (k, told) in grid.told.iter().enumerate() {
+            // per speed the weighted means; over all of them the slope
+            let (mut rise, mut along) = (0.0, 0.0);
+            let mut means = vec![None; speeds];
+            for (i, row) in told.iter().enumerate() {
+                let cells = || row.iter().enumerate().filter_map(|(j, t)| t.map(|t| (j, t)));
+                let weight: f64 = cells().map(|(_, t)| t.weight).sum();
+                if cells().count() < 2 {
+                    continue;
+                }
+                let mean_accel = cells().map(|(_, t)| t.weight * t.accel_mps2).sum::<f64>() / weight;
+                let mean_drive = cells().map(|(j, t)| t.weight * drive[i][j]).sum::<f64>() / weight;
+                for (j, t) in cells() {
+                    rise += t.weight * (t.accel_mps2 - mean_accel) * (drive[i][j] - mean_drive);
+                    along += t.weight * (t.accel_mps2 - mean_accel).powi(2);
+                }
+                means[i] = Some((mean_accel, mean_drive));
+            }
+            if along <= 0.0 || rise <= 0.0 {
+                return None;
+            }
+            let inertia = rise / along;
+            moved = moved.max((inertia / found.inertia[k] - 1.0).abs());
+            found.inertia[k] = inertia;
+            found.friction_nm[k] = means.into_iter().map(|m| m.map(|(accel, drive)| drive - inertia * accel)).collect();
+        }
+        if moved < STILL {
+            break;
+        }
+        let (mut product, mut square) = (0.0, 0.0);
+        for i in 0..speeds {
+            for j in (0..torques).filter(|j| *j != unloaded) {
+                let (mut sum, mut weights) = (0.0, 0.0);
+                for k in 0..angles {
+                    if let (Some(t), Some(friction)) = (grid.told[k][i][j], found.friction_nm[k][i]) {
+                        let weight = t.weight / found.inertia[k].powi(2);
+                        sum += weight * (found.inertia[k] * t.accel_mps2 + friction);
+                        weights += weight;
+                    }
+                }
+                if weights > 0.0 {
+                    drive[i][j] = sum / weights;
+                    if grid.torque_nm[j] > 0.0 {
+                        product += drive[i][j] * grid.torque_nm[j];
+                        square += grid.torque_nm[j].powi(2);
+                    }
+                }
+            }
+        }
+        let scale = if product > 0.0 { square / product } else { 1.0 };
+        drive.iter_mut().flatten().for_each(|h| *h *= scale);
+    }
+    Some(found)
+}
+
+/// The family with `terms` terms of friction, two or three, without what angles left out say of it.
+fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Option<Family>> {
+    if maps.len() < terms {
+        return Ok(None);
+    }
+    let grid = Grid::new(maps)?;
+    let Some(split) = split(&grid) else { return Ok(None) };
+    let sines: Vec<f64> = maps.iter().map(|m| (m.wheel_angle_deg * RAD_PER_DEG).sin().abs()).collect();
+    let basis = |k: usize| [1.0, sines[k] * sines[k], sines[k]];
+    let all: Vec<([f64; 3], f64)> = split.inertia.iter().enumerate().map(|(k, m)| (basis(k), *m)).collect();
+    let Some(inertia) = least_squares::<2>(&all) else { return Ok(None) };
+    let mut told = AngleFamily {
+        gear,
+        side,
+        wheel_angle_deg: maps.iter().map(|m| m.wheel_angle_deg).collect(),
+        inertia: inertia.map(round6),
+        speed_mps: Vec::new(),
+        friction_nm: [Vec::new(), Vec::new(), Vec::new()],
+        departure_nm: 0.0,
+        departure_from: String::new(),
+        left_out: Vec::new(),
+    };
+    for (i, v) in grid.speed_mps.iter().enumerate() {
+        let Some(rows) = (0..maps.len()).map(|k| split.friction_nm[k][i].map(|f| (basis(k), f))).collect::<Option<Vec<_>>>() else {
+            continue;
+        };
+        let solved = if terms == 3 { least_squares::<3>(&rows) } else { least_squares::<2>(&rows).map(|[a, b]| [a, b, 0.0]) };
+        if let Some(solved) = solved {
+            told.speed_mps.push(round6(*v));
+            for (list, term) in told.friction_nm.iter_mut().zip(solved).take(terms) {
+                list.push(round6(term));
+            }
+        }
+    }
+    if told.check().is_err() {
+        return Ok(None);
+    }
+    let spread_nm = spread(&grid, &told, &sines, terms);
+    Ok(Some(Family { told, terms, spread_nm }))
+}
+
+/// τ from what the maps' drive torques y_k = M·A_k + F differ by at the same speed and torque, beyond their standard errors. Errors at one
+/// speed go together, and the friction's terms take up as many of the angles: of m angles m − terms tell something.
+fn spread(grid: &Grid, family: &AngleFamily, sines: &[f64], terms: usize) -> Option<f64> {
+    let (mut squares, mut free, mut variance, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for (i, v) in grid.speed_mps.iter().enumerate() {
+        for j in 0..grid.torque_nm.len() {
+            let told: Vec<(f64, f64)> = grid
+                .told
+                .iter()
+                .zip(sines)
+                .filter_map(|(told, sin)| {
+                    let (point, inertia) = (told[i][j]?, family.terms().inertia(*sin));
+                    Some((inertia * point.accel_mps2 + family.terms().friction_nm(*v, *sin), inertia * inertia / point.weight))
+                })
+                .collect();
+            if told.len() <= terms {
+                continue;
+            }
+            let weights: f64 = told.iter().map(|(_, s2)| 1.0 / s2).sum();
+            let mean = told.iter().map(|(y, s2)| y / s2).sum::<f64>() / weights;
+            squares += told.iter().map(|(y, _)| (y - mean).powi(2)).sum::<f64>();
+            free += (told.len() - terms) as f64;
+            variance += told.iter().map(|(_, s2)| s2).sum::<f64>();
+            count += told.len() as f64;
+        }
+    }
+    (free > 0.0).then(|| (squares / free - variance / count).max(0.0).sqrt())
+}
+
+/// Least squares of the values on the first `N` of three terms; `None` where they do not tell them apart.
+fn least_squares<const N: usize>(rows: &[([f64; 3], f64)]) -> Option<[f64; N]> {
+    let mut normal = [[0.0; N]; N];
+    let mut right = [0.0; N];
+    for (terms, value) in rows {
+        for a in 0..N {
+            right[a] += terms[a] * value;
+            for b in 0..N {
+                normal[a][b] += terms[a] * terms[b];
+            }
+        }
+    }
+    // Gauss's elimination; the matrix is positive definite where the angles differ
+    let whole = normal[0][0];
+    for a in 0..N {
+        if normal[a][a] < 1e-9 * whole {
+            return None;
+        }
+        for b in a + 1..N {
+            let factor = normal[b][a] / normal[a][a];
+            for c in a..N {
+                normal[b][c] -= factor * normal[a][c];
+            }
+            right[b] -= factor * right[a];
+        }
+    }
+    let mut solution = [0.0; N];
+    for a in (0..N).rev() {
+        let known: f64 = (a + 1..N).map(|b| normal[a][b] * solution[b]).sum();
+        solution[a] = (right[a] - known) / normal[a][a];
+    }
+    Some(solution)
+}
+
+/// What `others` tell of `map`, over its covered cells; `None` where they cover none of them.
+fn left_out(map: &AccelMap, others: &[&AccelMap], family: &AngleFamily) -> Result<Option<LeftOutAngle>> {
+    let all = AccelMaps::new(others.iter().copied(), std::slice::from_ref(family))?;
+    let inertia = family.terms().inertia((map.wheel_angle_deg * RAD_PER_DEG).sin());
+    let (mut squares, mut expected, mut count) = (0.0, 0.0, 0.0);
+    for (i, u) in map.torque_nm.iter().enumerate() {
+        for (j, v) in map.speed_mps.iter().enumerate().filter(|(j, _)| map.status[i][*j] != CellStatus::Extrapolated) {
+            // the family as it stands knows no departure: what is left is the error of the maps
+            if let Some(told) = all.accel(map.gear, *v, *u, map.wheel_angle_deg) {
+                squares += (inertia * (told.accel_mps2 - map.accel_mps2[i][j])).powi(2);
+                expected += (inertia * told.std_err_mps2.hypot(map.std_err_mps2[i][j])).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    let root = |sum: f64| round6((sum / count).sqrt());
+    Ok((count > 0.0).then(|| LeftOutAngle { wheel_angle_deg: map.wheel_angle_deg, rms_nm: root(squares), expected_nm: root(expected) }))
+}
+
+fn round6(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}

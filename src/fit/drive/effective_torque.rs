@@ -1,0 +1,82 @@
+//! The effective torque of one log, whichever way it is known: the command through dead time and lag, or the drive's own feedback.
+
+use crate::fit::drive::lagged_command::{Cursor, LaggedCommand, Share, Torque};
+use crate::fit::drive::measured_torque::{MeasuredCursor, MeasuredTorque};
+
+/// The effective torque of one log, ready to be asked for any time less the dead time.
+#[derive(Debug, Clone)]
+pub(crate) enum EffectiveTorque {
+    /// The command through a first-order lag.
+    Lagged(LaggedCommand),
+    /// The torque feedback.
+    Measured(MeasuredTorque),
+}
+
+/// A place in an effective torque that moves along with time: a question near the last one is answered without a search.
+#[derive(Debug, Clone)]
+pub(crate) enum TorqueCursor<'a> {
+    /// In a lagged command.
+    Lagged(Cursor<'a>),
+    /// In a torque feedback.
+    Measured(MeasuredCursor<'a>),
+}
+
+impl TorqueCursor<'_> {
+    /// As [`EffectiveTorque::at`].
+    pub(crate) fn at(&mut self, t_s: f64) -> Torque {
+        match self {
+            Self::Lagged(cursor) => cursor.at(t_s),
+            Self::Measured(cursor) => cursor.at(t_s),
+        }
+    }
+
+    /// Whether the torque moves by more than `share` of the largest between two times, the first not after the second.
+    pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
+        match self {
+            Self::Lagged(cursor) => cursor.moves(from_s, to_s, share),
+            Self::Measured(cursor) => cursor.moves(from_s, to_s, share),
+        }
+    }
+}
+
+impl EffectiveTorque {
+    /// Effective torque at `t_s`, the dead time already taken off: pass t − T_d.
+    pub(crate) fn at(&self, t_s: f64) -> Torque {
+        match self {
+            Self::Lagged(lagged) => lagged.at(t_s),
+            Self::Measured(measured) => measured.at(t_s),
+        }
+    }
+
+    /// A cursor at the beginning.
+    pub(crate) fn cursor(&self) -> TorqueCursor<'_> {
+        match self {
+            Self::Lagged(lagged) => TorqueCursor::Lagged(lagged.cursor()),
+            Self::Measured(measured) => TorqueCursor::Measured(measured.cursor()),
+        }
+    }
+
+    /// Largest torque commanded [N·m].
+    pub(crate) fn largest_nm(&self) -> f64 {
+        match self {
+            Self::Lagged(lagged) => lagged.largest_nm(),
+            Self::Measured(measured) => measured.largest_nm(),
+        }
+    }
+
+    /// Times at which a change of the command by more than `least_nm` begins to act, but for the dead time [s].
+    pub(crate) fn steps(&self, least_nm: f64) -> Vec<f64> {
+        match self {
+            Self::Lagged(lagged) => lagged.steps(least_nm),
+            Self::Measured(measured) => measured.steps(least_nm),
+        }
+    }
+
+    /// Where the torque is unknown [s], in order: gaps of the feedback.
+    pub(crate) fn gaps(&self) -> &[(f64, f64)] {
+        match self {
+            Self::Lagged(_) => &[],
+            Self::Measured(measured) => measured.gaps(),
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! Which torque the fit goes by: the command through dead time and a first-order lag, or the drive's own feedback.
+//!
+//! Decided once, for all logs together. An ordinary drive is modelled better than a noisy feedback tells it. A drive that a first-order lag
+//! does not explain (a slew limit, say) is followed by its feedback, on three conditions: every log has one, it is dense enough, and where
+//! the drive has settled it reads as the command does. The torques of the map are commands, and a feedback of another scale would change
+//! them unseen.
+
+use crate::campaign::Survey;
+use crate::fit::Settings;
+use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
+use crate::fit::drive::lagged_command::LaggedCommand;
+use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
+use crate::fit::drive::settled_holds::{Reading, Settled, reading, settled};
+use crate::map::LogRef;
+use crate::signal::{Series, Track};
+use std::collections::BTreeMap;
+
+/// Largest departure of the feedback from the command where the drive has settled: of its scale, and of its offset as a share of the largest
+/// torque.
+const AGREES: f64 = 0.02;
+/// Share of the settled holds that may be astray.
+const MOST_ASTRAY: f64 = 0.1;
+/// A feedback with longer times between its readings does not follow what a drive does after a step [s].
+const LONGEST_PERIOD_S: f64 = 0.05;
+/// Share of the usable time that gaps of the feedback may take.
+const MOST_MISSING: f64 = 0.05;
+
+/// Where the effective torque of a log comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Input {
+    /// The command, through a dead time and a first-order lag that are estimated.
+    Command,
+    /// The feedback, which shows a step `late_s` after the command; the dead time that is estimated is what is left until the speed shows it.
+    Feedback {
+        /// Dead time between command and feedback [s].
+        late_s: f64,
+    },
+}
+
+impl Input {
+    /// The effective torque of a log, given the changes of its command; the lag counts for the command only.
+    pub(crate) fn torque(self, track: &Track, changes: &Series, lag_s: f64) -> EffectiveTorque {
+        match (self, &track.feedback_nm) {
+            (Self::Feedback { late_s }, Some(feedback)) => {
+                EffectiveTorque::Measured(MeasuredTorque::new(&track.command_nm, feedback, late_s))
+            }
+            _ => EffectiveTorque::Lagged(LaggedCommand::new(changes, lag_s)),
+        }
+    }
+
+    /// Dead time that lies before the one that is estimated [s].
+    pub(crate) fn late_s(self) -> f64 {
+        match self {
+            Self::Command => 0.0,
+            Self::Feedback { late_s } => late_s,
+        }
+    }
+}
+
+/// The decision for all logs, and what it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Choice {
+    feedback: bool,
+    /// Why, where it is not plain that the command is modelled.
+    reason: Option<String>,
+    /// How the drive's residual after steps compares with that elsewhere.
+    ratio: f64,
+    delays: BTreeMap<LogRef, FeedbackDelays>,
+}
+
+impl Choice {
+    /// From the logs of one fit. A log may come several times, with the runs of one wheel angle each.
+    pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &Settings) -> Self {
+        let surveys: Vec<&Survey> = surveys.into_iter().collect();
+        let tracks: BTreeMap<&LogRef, &Track> = surveys.iter().map(|s| (&s.track.source, &s.track)).collect();
+        let found = |track: &Track| delays(&track.command_nm, track.feedback_nm.as_ref()?, settings.lag_s);
+        let delays: BTreeMap<LogRef, FeedbackDelays> =
+            tracks.iter().filter_map(|(log, track)| Some(((*log).clone(), found(track)?))).collect();
+        let ratio = after_step_ratio(delays.values());
+        let explained = lag_explains(delays.values());
+        let disagreement = (!delays.is_empty()).then(|| disagreement(&tracks, &delays));
+        let (feedback, reason) = match disagreement {
+            None => (false, None),
+            // an ordinary drive: nothing to say, unless its feedback is not what it seems
+            Some(disagreement) if explained => (false, disagreement.flatten().map(|how| format!("the feedback {how}"))),
+            Some(_) if settings.lag_s.is_some() || settings.dead_time_s.is_some() => {
+                (false, Some("dead time or lag are given, and the feedback does not follow them".to_owned()))
+            }
+            Some(disagreement) => {
+                let hindrance = hindrance(&surveys, &delays);
+                let hindrance = hindrance.or_else(|| disagreement.unwrap_or_else(|| Some("is nowhere seen settled".to_owned())));
+                match hindrance {
+                    Some(reason) => (false, Some(format!("the feedback does not follow a first-order lag, but {reason}"))),
+                    None => (true, Some("it does not follow the command by a first-order lag".to_owned())),
+                }
+            }
+        };
+        Self { feedback, reason, ratio, delays }
+    }
+
+    /// Where the effective torque of a log comes from.
+    pub(crate) fn of(&self, log: &LogRef) -> Input {
+        match self.delays.get(log).filter(|_| self.feedback) {
+            Some(found) => Input::Feedback { late_s: found.dead_time_s },
+            None => Input::Command,
+        }
+    }
+
+    /// Whether the feedback is the input.
+    pub(crate) fn is_feedback(&self) -> bool {
+        self.feedback
+    }
+
+    /// What the feedback of a log shows of the drive.
+    pub(crate) fn delays(&self, log: &LogRef) -> Option<&FeedbackDelays> {
+        self.delays.get(log)
+    }
+
+    /// What the feedback of all logs shows of the drive.
+    pub(crate) fn all_delays(&self) -> impl ExactSizeIterator<Item = &FeedbackDelays> {
+        self.delays.values()
+    }
+
+    /// The input by name, with the reason where there is one.
+    pub(crate) fn told(&self) -> String {
+        let name = if self.feedback { "torque feedback" } else { "torque command" };
+        self.reason.as_ref().map_or_else(|| name.to_owned(), |reason| format!("{name} ({reason})"))
+    }
+
+    /// What a reader should know of it.
+    pub(crate) fn note(&self) -> Option<String> {
+        let reason = self.reason.as_ref()?;
+        Some(if self.feedback {
+            format!(
+                "the torque feedback is the fit's input: {reason} (residual {:.1} times as large in the 0.3 s after a step as where the drive \
+                 has settled), and it agrees with the command there; dead time and lag are those of the nearest first-order drive",
+                self.ratio
+            )
+        } else {
+            format!("the torque command is the fit's input: {reason}")
+        })
+    }
+}
+
+/// What, beside its scale, speaks against the feedback of a drive that is not of first order.
+fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<String> {
+    if surveys.iter().any(|s| !delays.contains_key(&s.track.source)) {
+        return Some("not every log has one that tells of it".to_owned());
+    }
+    let feedbacks = || surveys.iter().filter_map(|s| Some((*s, s.track.feedback_nm.as_ref()?)));
+    let period_s = feedbacks().map(|(_, f)| f.median_period_s()).fold(0.0, f64::max);
+    if period_s > LONGEST_PERIOD_S {
+        return Some(format!("comes at {:.1} Hz only", 1.0 / period_s));
+    }
+    let (mut usable_s, mut missing_s) = (0.0, 0.0);
+    for (survey, feedback) in feedbacks() {
+        let gaps = gaps(feedback);
+        for stretch in &survey.stretches {
+            usable_s += stretch.to_s - stretch.from_s;
+            missing_s += gaps.iter().map(|g| (g.1.min(stretch.to_s) - g.0.max(stretch.from_s)).max(0.0)).sum::<f64>();
+        }
+    }
+    (missing_s > MOST_MISSING * usable_s).then(|| format!("is missing in {:.0} % of the usable time", 100.0 * missing_s / usable_s))
+}
+
+/// How the feedback reads otherwise than the command where the drive has settled: `None` inside where it does not, `None` outside where
+/// nothing tells.
+#[allow(clippy::option_option)] // agreement and ignorance are not the same
+fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<Option<String>> {
+    let mut holds: Vec<Settled> = Vec::new();
+    let mut largest_nm = 0.0f64;
+    for (log, track) in tracks {
+        let (Some(feedback), Some(found)) = (&track.feedback_nm, delays.get(*log)) else { continue };
+        largest_nm = track.command_nm.value.iter().fold(largest_nm, |m, v| m.max(v.abs()));
+        holds.extend(settled(&track.command_nm, feedback, (-found.dead_time_s).max(0.0)));
+    }
+    let Reading { scale, offset_nm, astray, missed } = reading(&holds, largest_nm)?;
+    let side = |value: f64| if value > 0.0 { "high" } else { "low" };
+    Some(if scale < 0.0 {
+        Some("has the other sign than the command".to_owned())
+    } else if (scale - 1.0).abs() > AGREES {
+        Some(format!("reads {:.0} % {}", 100.0 * (scale - 1.0).abs(), side(scale - 1.0)))
+    } else if offset_nm.abs() > AGREES * largest_nm {
+        Some(format!("reads {:.1} N·m {}", offset_nm.abs(), side(offset_nm)))
+    } else if let Some((command_nm, feedback_nm)) = missed {
+        Some(format!("settles at {feedback_nm:.1} instead of {command_nm:.1} N·m"))
+    } else if astray > MOST_ASTRAY {
+        Some(format!("settles elsewhere than at the command in {:.0} % of the holds", 100.0 * astray))
+    } else {
+        None
+    })
+}

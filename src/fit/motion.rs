@@ -1,0 +1,11 @@
+//! Along the runs: segments of readings, the integral of the surface along them, whitened residuals and regressors, and the noise's likelihood.
+
+pub(crate) mod expected_stop;
+pub(crate) mod integration;
+pub(crate) mod lookup_speeds;
+pub(crate) mod merging;
+pub(crate) mod noise_likelihood;
+pub(crate) mod passes;
+pub(crate) mod regressors;
+pub(crate) mod segment;
+

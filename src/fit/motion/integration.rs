@@ -1,0 +1,122 @@
+//! A segment with the effective torque along it, ready to be integrated with any speeds and any surface.
+//!
+//! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms while its last twentieth is to come, 20 ms
+//! while it stands, and never across a reading.
+
+use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::lagged_command::{Share, Torque};
+use crate::fit::motion::lookup_speeds::Speeds;
+use crate::fit::motion::segment::{Calibration, Segment};
+use crate::fit::surface::lattice::LatticeSurface;
+use crate::map::Gear;
+use rayon::prelude::*;
+
+/// Share of the largest torque that is still to come down to which a step of the integration may have this length at most [s].
+const LONGEST_STEP: [(f64, f64); 2] = [(0.05, 5e-3), (1e-3, 10e-3)];
+/// Longest step while the torque stands [s].
+const LONGEST_STANDING_S: f64 = 20e-3;
+
+/// One step of the integration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    /// Where its middle lies between the reading before and the reading after.
+    pub(crate) fraction: f64,
+    pub(crate) length_s: f64,
+    /// In the gear's frame.
+    pub(crate) torque: Torque,
+}
+
+/// The way of one segment.
+#[derive(Debug, Clone)]
+pub(crate) struct Course<'a> {
+    pub(crate) segment: &'a Segment,
+    steps: Vec<Step>,
+    /// Number of steps up to and including each reading.
+    ends: Vec<u32>,
+}
+
+impl<'a> Course<'a> {
+    /// Along `segment` with the effective torque of its log, `dead_time_s` late.
+    pub(crate) fn new(segment: &'a Segment, lagged: &EffectiveTorque, dead_time_s: f64) -> Self {
+        let sign = segment.gear.sign();
+        let mut cursor = lagged.cursor();
+        let mut steps = Vec::with_capacity(2 * segment.readings.len());
+        let mut ends = Vec::with_capacity(segment.readings.len());
+        let longest = LONGEST_STEP.map(|(share, step_s)| (Share::new(share), step_s));
+        let mut from_s = segment.start_s;
+        for reading in &segment.readings {
+            let length_s = (reading.t_s - from_s).max(0.0);
+            let moving = |(share, _): &&(Share, f64)| cursor.moves(from_s - dead_time_s, reading.t_s - dead_time_s, *share);
+            let longest_s = longest.iter().find(moving).map_or(LONGEST_STANDING_S, |(_, s)| *s);
+            let count = (length_s / longest_s).ceil().max(1.0);
+            for k in 0..count as usize {
+                let fraction = (k as f64 + 0.5) / count;
+                let Torque { torque_nm, by_dead_time, by_lag } = cursor.at(from_s + fraction * length_s - dead_time_s);
+                let torque = Torque { torque_nm: sign * torque_nm, by_dead_time: sign * by_dead_time, by_lag: sign * by_lag };
+                steps.push(Step { fraction, length_s: length_s / count, torque });
+            }
+            ends.push(steps.len() as u32);
+            from_s = reading.t_s.max(from_s);
+        }
+        Self { segment, steps, ends }
+    }
+
+    /// Number of readings.
+    pub(crate) fn rows(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The steps that lead to a reading.
+    pub(crate) fn steps(&self, row: usize) -> &[Step] {
+        let from = if row > 0 { self.ends[row - 1] as usize } else { 0 };
+        &self.steps[from..self.ends[row] as usize]
+    }
+
+    /// The steps that lead to a reading, each with its speed: linear from what the reading before has told to what is expected at this one, 0
+    /// at an anchored start, never negative [m/s].
+    pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, &'b Step)> + 'b {
+        let from = if row > 0 {
+            speeds.after[row - 1]
+        } else if self.segment.anchored {
+            0.0
+        } else {
+            speeds.before[0]
+        };
+        let rise = speeds.before[row] - from;
+        self.steps(row).iter().map(move |step| ((from + step.fraction * rise).max(0.0), step))
+    }
+
+    /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
+    pub(crate) fn predicted(&self, speeds: &Speeds, surface: &LatticeSurface) -> Vec<f64> {
+        self.predicted_with(speeds, surface, [0.0, 0.0])
+    }
+
+    /// The same with lag and dead time changed by so much [s].
+    pub(crate) fn predicted_with(&self, speeds: &Speeds, surface: &LatticeSurface, [lag_s, dead_time_s]: [f64; 2]) -> Vec<f64> {
+        let mut sum = 0.0;
+        (0..self.rows())
+            .map(|row| {
+                for (v, step) in self.along(speeds, row) {
+                    let Torque { torque_nm, by_lag, by_dead_time } = step.torque;
+                    sum += step.length_s * surface.accel_mps2(v, torque_nm + lag_s * by_lag + dead_time_s * by_dead_time);
+                }
+                sum
+            })
+            .collect()
+    }
+}
+
+/// The courses of segments: `lagged` holds the effective torque of each log.
+pub(crate) fn courses<'a>(segments: &'a [Segment], lagged: &[EffectiveTorque], calibration: &Calibration) -> Vec<Course<'a>> {
+    segments.par_iter().map(|s| Course::new(s, &lagged[s.log], calibration.dead_time_s[s.log])).collect()
+}
+
+/// The same segments under other delays.
+pub(crate) fn courses_again<'a>(courses: &[Course<'a>], lagged: &[EffectiveTorque], calibration: &Calibration) -> Vec<Course<'a>> {
+    courses.par_iter().map(|c| Course::new(c.segment, &lagged[c.segment.log], calibration.dead_time_s[c.segment.log])).collect()
+}
+
+/// The surface of a segment's gear among those of both: forward, reverse.
+pub(crate) fn surface_of<'a>(surfaces: &'a [LatticeSurface; 2], segment: &Segment) -> &'a LatticeSurface {
+    &surfaces[usize::from(segment.gear == Gear::Reverse)]
+}

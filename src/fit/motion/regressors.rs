@@ -1,0 +1,162 @@
+//! The regressors of one segment: integrals of the surface's columns along the way, never derivatives.
+//!
+//! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Beside them what the delays and the encoder's calibration would
+//! change: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
+
+use crate::fit::motion::integration::Course;
+use crate::fit::motion::lookup_speeds::Speeds;
+use crate::fit::noise::kalman::{Filter, Noise, States};
+use crate::fit::solve::normal_equations::LocalGram;
+use crate::fit::surface::lattice::{LatticeSurface, Spot};
+
+/// Columns after those of the surface: shared ones, then one dead time per log.
+pub(crate) mod nuisance {
+    /// T_c.
+    pub(crate) const LAG: usize = 0;
+    /// Relative change of the encoder's scale.
+    pub(crate) const ENCODER_SCALE: usize = 1;
+    /// Change of the encoder's delay [s].
+    pub(crate) const ENCODER_DELAY: usize = 2;
+    /// T_d of the first log.
+    pub(crate) const DEAD_TIME: usize = 3;
+}
+
+/// What is free beside the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Free {
+    /// The surface alone.
+    Surface,
+    /// Dead times and lag too.
+    Delays,
+    /// The encoder's scale and delay as well; readings must not be merged then: what two witnesses of one moment tell differently is what
+    /// calibrates one by the other.
+    DelaysAndEncoder,
+}
+
+impl Free {
+    /// Nuisance columns beside the surface's for so many logs.
+    pub(crate) fn nuisances(self, logs: usize) -> usize {
+        if self == Self::Surface { 0 } else { nuisance::DEAD_TIME + logs }
+    }
+}
+
+/// Rows that are whitened and added up at once: few enough to stay in the nearest cache meanwhile.
+const PANEL_ROWS: usize = 32;
+
+/// The sums over the whitened rows of one segment. The surface gives the slopes of the nuisance columns, where something else is free.
+///
+/// A column of the surface is zero until the segment comes by. So the columns are put in the order in which panels of rows first touch them,
+/// and each panel is only as wide as what was touched up to its end.
+pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, free: Free) -> LocalGram {
+    let with_nuisance = free != Free::Surface;
+    let segment = course.segment;
+    let lattice = &surface.lattice;
+    let base = lattice.columns();
+    // the speed, then what is not of the surface
+    let mut columns: Vec<u32> = vec![u32::MAX];
+    if with_nuisance {
+        let shared = [nuisance::LAG, nuisance::ENCODER_SCALE, nuisance::ENCODER_DELAY].map(|c| (base + c) as u32);
+        columns.extend(shared);
+        columns.push((base + nuisance::DEAD_TIME + segment.log) as u32);
+    }
+    // what each step of the integration touches
+    let mut places = vec![u32::MAX; base];
+    let mut widths: Vec<usize> = Vec::with_capacity(course.rows().div_ceil(PANEL_ROWS));
+    let mut spots: Vec<Spot> = Vec::with_capacity(2 * course.rows());
+    for from in (0..course.rows()).step_by(PANEL_ROWS) {
+        let before = columns.len();
+        for row in from..(from + PANEL_ROWS).min(course.rows()) {
+            for (v, step) in course.along(speeds, row) {
+                let spot = lattice.spot(v, step.torque.torque_nm);
+                for i in 0..4 {
+                    let first = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
+                    for (column, place) in (first..).zip(&mut places[first..first + 4]) {
+                        if *place == u32::MAX {
+                            *place = 0;
+                            columns.push(column as u32);
+                        }
+                    }
+                }
+                spots.push(spot);
+            }
+        }
+        columns[before..].sort_unstable();
+        for (place, column) in (before..).zip(&columns[before..]) {
+            places[*column as usize] = place as u32;
+        }
+        widths.push(columns.len());
+    }
+    let filter = Filter::over(&segment.readings, segment.start_s, noise, segment.start_std(noise));
+    let mut states = States::new(columns.len());
+    let mut sums = vec![0.0; columns.len()];
+    let mut panel: Vec<f64> = Vec::with_capacity(PANEL_ROWS * columns.len());
+    let mut gram = LocalGram::new(columns);
+    let mut spots = spots.iter();
+    for (from, width) in (0..course.rows()).step_by(PANEL_ROWS).zip(widths) {
+        panel.clear();
+        for row in from..(from + PANEL_ROWS).min(course.rows()) {
+            for ((v, step), spot) in course.along(speeds, row).zip(&mut spots) {
+                for i in 0..4 {
+                    let first = lattice.column(spot.along_speed.first + i, spot.along_torque.first);
+                    let by_speed = step.length_s * spot.along_speed.value[i];
+                    for (place, by_torque) in places[first..first + 4].iter().zip(spot.along_torque.value) {
+                        sums[*place as usize] += by_speed * by_torque;
+                    }
+                }
+                // a torque that stands has no delay
+                if with_nuisance && (step.torque.by_lag != 0.0 || step.torque.by_dead_time != 0.0) {
+                    let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
+                    sums[1 + nuisance::LAG] += slope * step.torque.by_lag;
+                    sums[1 + nuisance::DEAD_TIME] += slope * step.torque.by_dead_time;
+                }
+            }
+            let reading = segment.readings[row];
+            sums[0] = reading.speed_mps;
+            if free == Free::DelaysAndEncoder {
+                let [scale, delay] = if reading.witness == 0 {
+                    let v = speeds.before[row].max(0.0);
+                    let torque_nm = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
+                    [v, -surface.accel_mps2(v, torque_nm)]
+                } else {
+                    [0.0, 0.0]
+                };
+                sums[1 + nuisance::ENCODER_SCALE] = scale;
+                sums[1 + nuisance::ENCODER_DELAY] = delay;
+            }
+            panel.extend_from_slice(&sums[..width]);
+        }
+        filter.whiten_from(from, &mut panel, width, &mut states);
+        gram.add(&panel, width);
+    }
+    gram
+}
+
+/// The score Xᵀe of one segment, e its whitened `residual` and X the whitened columns of surface and delays, added to `score` over those
+/// columns; the encoder's stay as they are. X is not formed: whitening transposed takes e to what each step of the way counts.
+pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, score: &mut [f64]) {
+    let segment = course.segment;
+    let lattice = &surface.lattice;
+    let base = lattice.columns();
+    let predicted = course.predicted(speeds, surface);
+    let mut white: Vec<f64> = segment.readings.iter().zip(predicted).map(|(r, p)| r.speed_mps - p).collect();
+    let filter = Filter::over(&segment.readings, segment.start_s, noise, segment.start_std(noise));
+    filter.whiten(&mut white, 1);
+    let mut counts = filter.whiten_transposed(&white);
+    // a step counts in every reading that follows
+    for row in (1..counts.len()).rev() {
+        counts[row - 1] += counts[row];
+    }
+    for (row, count) in counts.iter().enumerate() {
+        for (v, step) in course.along(speeds, row) {
+            let weight = step.length_s * count;
+            for (column, share) in lattice.spot(v, step.torque.torque_nm).columns(lattice) {
+                score[column] += weight * share;
+            }
+            if step.torque.by_lag != 0.0 || step.torque.by_dead_time != 0.0 {
+                let slope = weight * surface.value_and_slope(v, step.torque.torque_nm).1;
+                score[base + nuisance::LAG] += slope * step.torque.by_lag;
+                score[base + nuisance::DEAD_TIME + segment.log] += slope * step.torque.by_dead_time;
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Cross-validation blocked by run: what the surface tells about runs that it has not seen, and how much of it is taken.
+//!
+//! Whole runs are dealt into five folds. The whitened normal equations are sums over segments, so the equations without a fold are the
+//! whole ones minus the fold's; they are solved at the final noise for the surface and its delays, with penalties chosen anew: those of the
+//! whole have seen the runs left out, and keep the waves that all runs share by chance. Two models tell the runs left out: the physics form
+//! alone, by whitened errors e, and the whole surface by e − Δ, Δ the difference of what the two predict. With a share w of the surface's
+//! deviations the errors are e − wΔ, and least for ŵ = ΣeΔ/ΣΔ² (stacking: Wolpert 1992, *Stacked generalization*; Breiman 1996, *Stacked
+//! regressions*), from 0 to 1.
+//!
+//! Were the physics form right, ΣeΔ would be zero but for its standard error √(φΣΔ²), since neither Δ nor the form was fitted to the runs
+//! left out; φ is the errors' variance, 1 when the noise model is right. With z = ΣeΔ in its standard errors, ŵ is known to ŵ/z, and what it
+//! is to be worth is shrunk by that: w = ŵ·(1 − 1/z²), none below z = 1. So the surface comes in as the data ask for it: taken or left as a
+//! whole, beyond some number of standard errors, maps of two drives of one vehicle would differ by which side of it they fell.
+
+use crate::fit::motion::integration::{Course, surface_of};
+use crate::fit::motion::lookup_speeds::Speeds;
+use crate::fit::motion::regressors::nuisance;
+use crate::fit::noise::kalman::{Noise, whiten};
+use crate::fit::rounds::sampling::scramble;
+use crate::fit::solve::normal_equations::Gram;
+use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};
+use crate::fit::solve::shrinkage::{mixed, physics_alone};
+use crate::fit::surface::design::Design;
+use crate::fit::surface::lattice::{Lattice, LatticeSurface};
+use crate::map::Gear;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Number of folds, when there are as many runs.
+const FOLDS: usize = 5;
+/// Fewest runs that are worth comparing.
+const FEWEST_RUNS: usize = 10;
+
+/// Surfaces of both gears: forward, reverse.
+pub(crate) type Surfaces = [LatticeSurface; 2];
+
+/// What the comparison found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Comparison {
+    /// How much less the whole surface's whitened squared error is on runs left out than that of the physics form.
+    pub(crate) gain: f64,
+    /// ΣeΔ in its standard errors: what speaks for the surface.
+    pub(crate) in_std_errs: f64,
+    /// Number of runs compared.
+    pub(crate) runs: usize,
+    /// w: the share of the surface's deviations from the physics form that is taken, 0 to 1.
+    pub(crate) surface_share: f64,
+}
+
+/// Folds, the surfaces fitted without each, and how the models compare.
+#[derive(Debug, Clone)]
+pub(crate) struct Validation {
+    /// The fold of each segment.
+    pub(crate) fold: Vec<usize>,
+    /// The surfaces fitted without each fold, with the share that was found.
+    pub(crate) without: Vec<Surfaces>,
+    /// The comparison.
+    pub(crate) comparison: Comparison,
+}
+
+/// The fold of each segment and the number of folds: runs are shuffled, the same way each time, and dealt in turn, so that a campaign's own
+/// rhythm does not put all runs of a level into one fold. One fold when there is one run.
+pub(crate) fn deal(courses: &[Course]) -> (Vec<usize>, usize) {
+    let run_of: Vec<(usize, usize)> = courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
+    deal_runs(&run_of)
+}
+
+fn deal_runs(run_of: &[(usize, usize)]) -> (Vec<usize>, usize) {
+    let mut runs = run_of.to_vec();
+    runs.sort_unstable();
+    runs.dedup();
+    let mut shuffled: Vec<(u64, (usize, usize))> = runs.iter().enumerate().map(|(k, run)| (scramble(k as u64), *run)).collect();
+    shuffled.sort_unstable();
+    let count = FOLDS.min(runs.len()).max(1);
+    let fold: BTreeMap<(usize, usize), usize> = shuffled.iter().enumerate().map(|(k, (_, run))| (*run, k % count)).collect();
+    (run_of.iter().map(|run| fold[run]).collect(), count)
+}
+
+/// What the segments are judged with.
+pub(crate) struct Along<'a> {
+    pub(crate) courses: &'a [Course<'a>],
+    pub(crate) speeds: &'a [Speeds],
+    pub(crate) noise: &'a Noise,
+}
+
+/// Cross-validates. `folds` are the sums of each fold, `whole` the equations of all, `prior` the standard deviations of the nuisance columns
+/// in both. `None` with fewer than two folds, or when a fold's runs are all that holds some information.
+pub(crate) fn validate(
+    design: &Design,
+    lattice: &Lattice,
+    gears: &[Gear],
+    (fold, folds): (&[usize], &[[Gram; 2]]),
+    whole: &System,
+    prior: &[f64],
+    along: &Along,
+) -> Option<Validation> {
+    if folds.len() < 2 {
+        return None;
+    }
+    let fit_without = |grams: &[Gram; 2]| -> Option<Without> {
+        let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
+        let rest = whole.without(&System::new(design, &pairs, prior.len()));
+        let surface = rest.solve(&design.blocks, &[], SETTLING_ROUNDS, prior)?;
+        let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks), SETTLING_ROUNDS, prior)?;
+        let fitted = |solution: Solution| {
+            let (beta, delays_s) = solution.beta.split_at(design.coefficients());
+            let surfaces = Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, beta) });
+            Fitted { surfaces, delays_s: delays_s.to_vec() }
+        };
+        Some(Without { physics: fitted(physics), surface: fitted(surface) })
+    };
+    let without: Vec<Without> = folds.par_iter().map(fit_without).collect::<Option<_>>()?;
+    let mut runs: Vec<(usize, usize)> = along.courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
+    runs.dedup();
+    let comparison = compare(sums(along, fold, &without), runs.len());
+    let mixed = without.iter().map(|w| w.mixed(comparison.surface_share)).collect();
+    Some(Validation { fold: fold.to_vec(), without: mixed, comparison })
+}
+
+/// What was fitted without a fold: surfaces, and changes of the nuisance columns.
+struct Fitted {
+    surfaces: Surfaces,
+    delays_s: Vec<f64>,
+}
+
+/// What both models were fitted to without a fold.
+struct Without {
+    physics: Fitted,
+    surface: Fitted,
+}
+
+impl Without {
+    /// The surfaces with a share of the whole surface's deviations.
+    fn mixed(&self, share: f64) -> Surfaces {
+        std::array::from_fn(|gear| {
+            let (physics, surface) = (&self.physics.surfaces[gear], &self.surface.surfaces[gear]);
+            LatticeSurface { lattice: physics.lattice.clone(), theta: mixed(&physics.theta, &surface.theta, share) }
+        })
+    }
+}
+
+/// Sums over the runs left out: e², e·Δ and Δ², and the number of errors.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    squared: f64,
+    with_difference: f64,
+    difference_squared: f64,
+    count: f64,
+}
+
+/// The sums over all runs, each against what was fitted without its fold.
+fn sums(along: &Along, fold: &[usize], without: &[Without]) -> Sums {
+    let of_segments: Vec<Sums> = along
+        .courses
+        .par_iter()
+        .zip(along.speeds)
+        .zip(fold)
+        .map(|((course, speed), fold)| {
+            let segment = course.segment;
+            let predicted = |Fitted { surfaces, delays_s }: &Fitted| {
+                let delays_s = [delays_s[nuisance::LAG], delays_s[nuisance::DEAD_TIME + segment.log]];
+                course.predicted_with(speed, surface_of(surfaces, segment), delays_s)
+            };
+            let Without { physics, surface } = &without[*fold];
+            let (physics, surface) = (predicted(physics), predicted(surface));
+            let mut rows: Vec<f64> = Vec::with_capacity(2 * physics.len());
+            for ((reading, p), s) in segment.readings.iter().zip(physics).zip(surface) {
+                rows.extend([reading.speed_mps - p, s - p]);
+            }
+            whiten(&mut rows, 2, &segment.readings, segment.start_s, along.noise, segment.start_std(along.noise));
+            rows.chunks_exact(2).fold(Sums::default(), |sums, row| Sums {
+                squared: sums.squared + row[0] * row[0],
+                with_difference: sums.with_difference + row[0] * row[1],
+                difference_squared: sums.difference_squared + row[1] * row[1],
+                count: sums.count + 1.0,
+            })
+        })
+        .collect();
+    // in the order of the segments: the same bits for any number of threads
+    of_segments.into_iter().fold(Sums::default(), |a, b| Sums {
+        squared: a.squared + b.squared,
+        with_difference: a.with_difference + b.with_difference,
+        difference_squared: a.difference_squared + b.difference_squared,
+        count: a.count + b.count,
+    })
+}
+
+/// How much of the surface is taken; all of it where there are too few runs to tell.
+fn compare(sums: Sums, runs: usize) -> Comparison {
+    let Sums { squared, with_difference, difference_squared, count } = sums;
+    let gain = 2.0 * with_difference - difference_squared;
+    let variance = (squared - gain) / count.max(1.0);
+    let in_std_errs = with_difference / (variance * difference_squared).sqrt().max(1e-12);
+    let surface_share = if runs < FEWEST_RUNS {
+        1.0
+    } else if in_std_errs > 1.0 {
+        (with_difference / difference_squared).min(1.0) * (1.0 - in_std_errs.powi(-2))
+    } else {
+        0.0
+    };
+    Comparison { gain, in_std_errs, runs, surface_share }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_stays_in_one_fold_and_the_folds_are_even() {
+        let run_of: Vec<(usize, usize)> = (0..2).flat_map(|log| (0..46).map(move |k| (log, k / 2))).collect();
+        let (fold, count) = deal_runs(&run_of);
+        assert_eq!(count, 5);
+        for pair in fold.chunks(2) {
+            assert_eq!(pair[0], pair[1]);
+        }
+        let sizes: Vec<usize> = (0..count).map(|f| fold.iter().filter(|x| **x == f).count() / 2).collect();
+        assert!(sizes.iter().all(|s| (9..=10).contains(s)), "{sizes:?}");
+        // no fold is a plain rhythm of the order
+        assert!((0..5).all(|phase| fold.iter().step_by(2).skip(phase).step_by(5).any(|f| *f != fold[2 * phase])));
+    }
+
+    #[test]
+    fn the_surface_comes_in_as_the_runs_left_out_ask_for_it() {
+        let share = |with_difference: f64, difference_squared: f64, runs: usize| {
+            compare(Sums { squared: 1000.0, with_difference, difference_squared, count: 1000.0 }, runs).surface_share
+        };
+        // nothing speaks for it; less than a standard error; against it; nearly all; half of it, well known; too few runs to tell
+        assert!(share(0.0, 9.0, 20) <= 0.0 && share(2.0, 9.0, 20) <= 0.0 && share(-9.0, 9.0, 20) <= 0.0);
+        assert!((0.97..1.0).contains(&share(49.0, 49.0, 20)));
+        assert!((0.45..0.5).contains(&share(40.0, 80.0, 20)));
+        assert!(share(0.0, 9.0, 5) >= 1.0);
+        // the more the surer, without a jump
+        let shares: Vec<f64> = (0..100).map(|k| share(0.5 * f64::from(k), 25.0, 20)).collect();
+        assert!(shares.windows(2).all(|s| s[1] >= s[0] - 1e-12 && s[1] - s[0] < 0.06), "{shares:?}");
+    }
+}

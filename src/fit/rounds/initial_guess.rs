@@ -1,0 +1,201 @@
+//! Before the first round: what the logs hold, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
+
+use crate::campaign::Survey;
+use crate::fit::{Error, Result, Settings};
+use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::step_timing::StepTiming;
+use crate::fit::drive::torque_input::Choice;
+use crate::fit::motion::passes::wide_speed;
+use crate::fit::motion::segment::{Calibration, Cuts, LogData, Segment, all_segments, span_s};
+use crate::fit::noise::kalman::Noise;
+use crate::fit::rounds::delay_grid;
+use crate::fit::surface::lattice::Lattice;
+use crate::map::Gear;
+use crate::signal::{Series, noise_std, quantum};
+use rayon::prelude::*;
+
+/// Quantum of speed above which a start cannot be anchored: the first reading after it comes late and biased [m/s].
+const COARSE_QUANTUM_MPS: f64 = 0.01;
+/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
+const SLOW_HZ: f64 = 10.0;
+/// Least time in motion that a fit is worth starting with [s].
+const LEAST_MOTION_S: f64 = 5.0;
+
+/// Where the rounds start from.
+pub(crate) struct Start<'a> {
+    pub(crate) logs: Vec<LogData<'a>>,
+    pub(crate) gears: Vec<Gear>,
+    pub(crate) has_yaw: bool,
+    pub(crate) calibration: Calibration,
+    pub(crate) noise: Noise,
+    pub(crate) lattice: Lattice,
+}
+
+impl<'a> Start<'a> {
+    /// Looks at the surveys.
+    ///
+    /// # Errors
+    /// A slow speed signal without a yaw rate, too little motion, one torque only.
+    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Self> {
+        if let Some((survey, rate_hz)) =
+            surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
+        {
+            return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
+        }
+        let grains: Vec<Grains> = surveys.iter().map(Grains::of).collect();
+        let logs: Vec<LogData> = surveys.iter().zip(&grains).map(|(s, g)| log_data(s, g, choice)).collect();
+        let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
+        let mut calibration = first_calibration(surveys, choice);
+        hold_known(&mut calibration, &logs, settings);
+        let noise = first_noise(&grains);
+        let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(calibration.lag_s)).collect();
+        let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
+        let seconds: f64 = segments.iter().map(span_s).sum();
+        if seconds < LEAST_MOTION_S {
+            return Err(Error::TooLittle { seconds, needed_s: LEAST_MOTION_S });
+        }
+        let speeds: Vec<Vec<f64>> = segments.par_iter().map(wide_speed).collect();
+        let views: Vec<delay_grid::LogView> = (0..logs.len())
+            .map(|k| {
+                let own: Vec<usize> = (0..segments.len()).filter(|s| segments[*s].log == k).collect();
+                delay_grid::LogView {
+                    segments: own.iter().map(|s| &segments[*s]).collect(),
+                    speed_mps: own.iter().map(|s| speeds[*s].as_slice()).collect(),
+                    log: &logs[k],
+                }
+            })
+            .collect();
+        (calibration.dead_time_s, calibration.lag_s) = {
+            let fixed_lag_s = if choice.is_feedback() { Some(0.0) } else { settings.lag_s };
+            delay_grid::search(&views, &noise, settings.dead_time_s, fixed_lag_s)
+        };
+        hold_known(&mut calibration, &logs, settings);
+        let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
+        let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
+        Ok(Self { logs, gears, has_yaw, calibration, noise, lattice })
+    }
+}
+
+/// What runs at other wheel angles have told stays as it is.
+pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &Settings) {
+    if let Some(known) = &settings.known {
+        known.hold(calibration, logs);
+    }
+}
+
+/// The rate of a speed signal that is too slow to tell accelerations by itself [Hz]; `None` when it is fast enough.
+pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
+    let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
+    let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
+    (rate_hz < SLOW_HZ).then_some(rate_hz)
+}
+
+/// How finely a witness reads.
+struct Grain {
+    noise_mps: f64,
+    quantum_mps: f64,
+}
+
+impl Grain {
+    fn of(series: &Series) -> Self {
+        Self { noise_mps: noise_std(&series.value), quantum_mps: quantum(&series.value) }
+    }
+}
+
+/// The same of the witnesses of one log.
+struct Grains {
+    encoder: Grain,
+    yaw: Option<Grain>,
+}
+
+impl Grains {
+    fn of(survey: &Survey) -> Self {
+        Self { encoder: Grain::of(&survey.track.encoder_mps), yaw: survey.track.yaw_speed_mps.as_ref().map(Grain::of) }
+    }
+}
+
+fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &Choice) -> LogData<'a> {
+    let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
+    let Grain { noise_mps, quantum_mps } = grains.encoder;
+    let dithered = noise_mps > 0.2 * quantum_mps;
+    let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum_mps < COARSE_QUANTUM_MPS || dithered;
+    LogData {
+        survey,
+        command: changes(&survey.track.command_nm),
+        input: choice.of(&survey.track.source),
+        yaw_outliers: yaw_outliers.unwrap_or_default(),
+        timing: StepTiming::new(&survey.track.command_nm),
+        cuts: Cuts::default(),
+        may_anchor,
+        chosen: vec![true; survey.stretches.len()],
+    }
+}
+
+/// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.
+fn hampel(series: &Series, grain: &Grain) -> Vec<bool> {
+    crate::signal::hampel(&series.value, 6.0, grain.noise_mps.max(grain.quantum_mps).max(1e-6))
+}
+
+/// The samples of a command that are not what was told before.
+fn changes(command: &Series) -> Series {
+    let mut changes = Series::default();
+    for (t_s, value) in command.t_s.iter().zip(&command.value) {
+        if changes.value.last() != Some(value) {
+            changes.t_s.push(*t_s);
+            changes.value.push(*value);
+        }
+    }
+    changes
+}
+
+fn first_calibration(surveys: &[Survey], choice: &Choice) -> Calibration {
+    let alignments: Vec<_> = surveys.iter().filter_map(|s| s.alignment).collect();
+    let median_of = |f: fn(&crate::signal::Alignment) -> f64, otherwise: f64| {
+        let values: Vec<f64> = alignments.iter().map(f).collect();
+        if values.is_empty() { otherwise } else { crate::signal::median(&values) }
+    };
+    // a feedback is followed as it is
+    let delay_s = if choice.is_feedback() { 0.0 } else { 0.05 };
+    Calibration {
+        dead_time_s: vec![delay_s; surveys.len()],
+        lag_s: delay_s,
+        encoder_scale: median_of(|a| a.scale, 1.0),
+        encoder_delay_s: median_of(|a| a.delay_s, 0.0),
+    }
+}
+
+fn first_noise(grains: &[Grains]) -> Noise {
+    let largest = |f: &dyn Fn(&Grains) -> Option<f64>| grains.iter().filter_map(f).fold(0.0, f64::max).clamp(1e-3, 0.1);
+    let reading = |grain: &Grain| grain.noise_mps.max(grain.quantum_mps / 12f64.sqrt());
+    Noise {
+        disturbance_mps2: 0.15,
+        disturbance_time_s: 0.3,
+        offset_mps2: 0.05,
+        reading_mps: [largest(&|g| Some(reading(&g.encoder))), largest(&|g| g.yaw.as_ref().map(reading))],
+        start_scale: 1.0,
+    }
+}
+
+/// The lattice over the speeds and torques of the segments.
+fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], settings: &Settings) -> Result<Lattice> {
+    let fastest = speeds.iter().flatten().fold(0.0f64, |m, v| m.max(*v));
+    let (mut low, mut high) = (0.0f64, 0.0f64);
+    let mut torques = Vec::new();
+    for s in segments {
+        let command = &surveys[s.log].track.command_nm;
+        if let (Some(first), Some(last)) = (s.readings.first(), s.readings.last()) {
+            for k in command.range(first.t_s, last.t_s) {
+                let u = s.gear.sign() * command.value[k];
+                low = low.min(u);
+                high = high.max(u);
+                torques.push(u);
+            }
+        }
+    }
+    let (least, most) = torques.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(*u), b.max(*u)));
+    if most - least < 1e-6 * most.abs().max(1e-9) || high - low <= 0.0 {
+        let torque_nm = most;
+        return Err(Error::OneTorque { torque_nm, suggestion_nm: 0.5 * torque_nm, suggestion2_nm: 1.5 * torque_nm });
+    }
+    Ok(Lattice::new(fastest, low, high, settings.speed_nodes, settings.torque_nodes))
+}

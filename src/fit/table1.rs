@@ -1,0 +1,11 @@
+//! From an estimate to `table1.json`: standard errors, tables, runs, objections and traces.
+
+pub(crate) mod angle_fit;
+pub(crate) mod delay_likelihood;
+pub(crate) mod product;
+pub(crate) mod runs;
+pub(crate) mod soundness;
+pub(crate) mod standard_errors;
+pub(crate) mod tables;
+pub(crate) mod traces;
+

@@ -1,0 +1,159 @@
+//! How well the surface explains each run: the judge that users understand is the simulated speed, by a surface that was fitted without the
+//! run.
+
+use crate::campaign::{Verdict, runs};
+use crate::fit::motion::integration::Course;
+use crate::fit::rounds::estimate::Estimate;
+use crate::fit::surface::lattice::LatticeSurface;
+use crate::map::{Gear, RunRow};
+use crate::signal::median;
+
+/// A reading against its simulation.
+pub(crate) struct Compared {
+    pub(crate) log: usize,
+    pub(crate) t_s: f64,
+    recorded: f64,
+    pub(crate) simulated: f64,
+    offset: f64,
+}
+
+/// The runs, and the held-out figures over all of them.
+pub(crate) struct RunFigures {
+    /// One row per hold, with what the surface makes of it.
+    pub(crate) rows: Vec<RunRow>,
+    /// RMSE [m/s] and R² of the simulated speed over all readings; absent with fewer than two runs.
+    pub(crate) pooled: Option<(f64, f64)>,
+}
+
+/// One row per hold, with what a surface fitted without its run makes of it.
+///
+/// `compared` is in the order of the logs and of time: segments follow one another and do not overlap.
+pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<Verdict>]) -> RunFigures {
+    let held_out = estimate.validation.is_some();
+    let mut rows = Vec::new();
+    for (k, log) in estimate.logs.iter().enumerate() {
+        let own = &compared[compared.partition_point(|c| c.log < k)..compared.partition_point(|c| c.log <= k)];
+        for (hold, row) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
+            let inside = &own[own.partition_point(|c| c.t_s < hold.from_s)..own.partition_point(|c| c.t_s < hold.to_s)];
+            rows.push(RunRow {
+                speed_rmse_mps: rmse(inside).filter(|_| held_out).map(|v| round(v, 1e5)),
+                r_squared: r_squared(inside).filter(|_| held_out).map(|v| round(v, 1e4)),
+                offset_mps2: (!inside.is_empty()).then(|| round(inside.iter().map(|c| c.offset).sum::<f64>() / inside.len() as f64, 1e4)),
+                ..row
+            });
+        }
+    }
+    let pooled = rmse(compared).zip(r_squared(compared)).filter(|_| held_out);
+    RunFigures { rows, pooled }
+}
+
+/// An offset further from the median than this many robust standard deviations disagrees with the rest.
+const DISAGREES: f64 = 4.0;
+/// Whatever the spread, less than this is no disagreement worth a driver's time [m/s²].
+const LEAST_DISAGREEMENT_MPS2: f64 = 0.02;
+/// Fewest runs from which the spread of the offsets is told.
+const FEWEST_OFFSETS: usize = 8;
+/// A run counts in this comparison from here on [s]: shorter ones hardly show an offset.
+const LONG_ENOUGH_S: f64 = 0.5;
+
+/// One note per log about its runs that disagree with the rest: a slope, a battery, a drift.
+pub(crate) fn disagreements(rows: &[RunRow]) -> Vec<String> {
+    let told: Vec<(&RunRow, f64)> = rows.iter().filter(|r| r.used_s >= LONG_ENOUGH_S).filter_map(|r| Some((r, r.offset_mps2?))).collect();
+    if told.len() < FEWEST_OFFSETS {
+        return Vec::new();
+    }
+    let centre = median(&told.iter().map(|(_, o)| *o).collect::<Vec<_>>());
+    let spread = 1.4826 * median(&told.iter().map(|(_, o)| (o - centre).abs()).collect::<Vec<_>>());
+    let mut notes: Vec<(&str, Vec<String>)> = Vec::new();
+    for (row, offset) in told.iter().filter(|(_, o)| (o - centre).abs() > (DISAGREES * spread).max(LEAST_DISAGREEMENT_MPS2)) {
+        let run = format!("at {:.1} s ({} N·m, {}, {offset:+.3} m/s²)", row.start_s, row.torque_nm, row.gear);
+        match notes.last_mut().filter(|(log, _)| *log == row.log) {
+            Some((_, runs)) => runs.push(run),
+            None => notes.push((&row.log, vec![run])),
+        }
+    }
+    notes
+        .into_iter()
+        .map(|(log, runs)| {
+            let runs = runs.join(", ");
+            format!("{log}: runs that disagree with the rest by a constant acceleration (a slope, a battery, a drift): {runs}")
+        })
+        .collect()
+}
+
+/// Rounds to 1/`steps`: figures of a report need no sixteen digits.
+pub(crate) fn round(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps
+}
+
+fn rmse(inside: &[Compared]) -> Option<f64> {
+    (inside.len() > 4).then(|| (inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum::<f64>() / inside.len() as f64).sqrt())
+}
+
+fn r_squared(inside: &[Compared]) -> Option<f64> {
+    if inside.len() < 5 {
+        return None;
+    }
+    let mean = inside.iter().map(|c| c.recorded).sum::<f64>() / inside.len() as f64;
+    let total: f64 = inside.iter().map(|c| (c.recorded - mean).powi(2)).sum();
+    let left: f64 = inside.iter().map(|c| (c.recorded - c.simulated).powi(2)).sum();
+    (total > 0.0).then(|| 1.0 - left / total)
+}
+
+/// The surface that judges a segment: fitted without its fold, where there are folds.
+fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
+    let gear = estimate.segments[segment].gear;
+    match &estimate.validation {
+        Some(held_out) => &held_out.without[held_out.fold[segment]][usize::from(gear == Gear::Reverse)],
+        None => estimate.surface(gear),
+    }
+}
+
+/// Longest step of the simulation [s]: fine enough for the midpoint rule even while the torque moves.
+const LONGEST_STEP_S: f64 = 10e-3;
+
+/// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
+pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
+    let lagged = estimate.lagged_commands();
+    let mut compared = Vec::with_capacity(estimate.segments.iter().map(|s| s.readings.len()).sum());
+    for (k, ((segment, smoothed), offset)) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets).enumerate() {
+        let surface = judge(estimate, k);
+        let mut cursor = lagged[segment.log].cursor();
+        let mut torque = |t: f64| segment.gear.sign() * cursor.at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
+        let mut t = segment.start_s;
+        for reading in &segment.readings {
+            let steps = ((reading.t_s - t) / LONGEST_STEP_S).ceil().max(1.0);
+            let dt = (reading.t_s - t).max(0.0) / steps;
+            for _ in 0..steps as usize {
+                let half = v + 0.5 * dt * surface.accel_mps2(v, torque(t));
+                v = (v + dt * surface.accel_mps2(half, torque(t + 0.5 * dt))).max(0.0);
+                t += dt;
+            }
+            compared.push(Compared { log: segment.log, t_s: reading.t_s, recorded: reading.speed_mps, simulated: v, offset: *offset });
+        }
+    }
+    compared
+}
+
+/// Root mean square of what the surface leaves of the acceleration, from the smoothed speeds [m/s²].
+pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
+    let lagged = estimate.lagged_commands();
+    let (mut sum, mut count) = (0.0, 0usize);
+    for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+        let course = Course::new(segment, &lagged[segment.log], estimate.calibration.dead_time_s[segment.log]);
+        let model = course.predicted(&smoothed.clone().into(), estimate.surface(segment.gear));
+        // over windows of about 0.1 s: the difference quotient of the deviation
+        let n = segment.readings.len();
+        let stride = (n * 100 / ((segment.readings[n - 1].t_s - segment.start_s) * 1000.0).max(1.0) as usize).max(1);
+        for k in (stride..n).step_by(stride) {
+            let dt = segment.readings[k].t_s - segment.readings[k - stride].t_s;
+            if dt > 0.02 {
+                let deviation = (smoothed[k] - model[k]) - (smoothed[k - stride] - model[k - stride]);
+                sum += (deviation / dt).powi(2);
+                count += 1;
+            }
+        }
+    }
+    (sum / count.max(1) as f64).sqrt()
+}

@@ -1,0 +1,169 @@
+//! Whether a table that could be computed may also be trusted: enough of it seen, torque varied, and logs that tell the same story.
+
+use crate::fit::Settings;
+use crate::fit::motion::integration::Course;
+use crate::fit::noise::kalman::whiten;
+use crate::fit::rounds::estimate::Estimate;
+use crate::fit::rounds::outliers::calm;
+use crate::fit::table1::tables::UsedSample;
+use crate::map::{AccelMap, CellStatus, Gear};
+use std::collections::BTreeMap;
+
+/// Effective number of torques below which how acceleration depends on torque is a guess: one torque and coasting make about two.
+const FEWEST_TORQUES: f64 = 2.5;
+/// Torques nearer than this share of the largest count as one.
+const SAME_TORQUE: f64 = 0.04;
+/// Difference of two logs' accelerations under the same torque that a day, a battery or a warm gear may make; more is another vehicle or
+/// load.
+const SAME_VEHICLE: f64 = 0.10;
+/// Constant difference of acceleration between two logs, relative to what the largest torque gives, that a floor or a slope may make.
+const SAME_FLOOR: f64 = 0.05;
+/// Standard errors that a difference must also exceed.
+const SIGNIFICANT: f64 = 3.5;
+
+/// What speaks against the table, for people; nothing when it is sound.
+pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &Settings) -> Vec<String> {
+    let mut found: Vec<String> = thin(maps, settings).into_iter().collect();
+    found.extend(estimate.gears.iter().filter_map(|gear| few_torques(*gear, samples)));
+    found.extend(contradiction(estimate));
+    found
+}
+
+/// Share of the cells that are measured, and of those measured or interpolated.
+pub(crate) fn coverage(maps: &[AccelMap]) -> (f64, f64) {
+    let cells = || maps.iter().flat_map(|m| m.status.iter().flatten());
+    let share = |good: &dyn Fn(CellStatus) -> bool| cells().filter(|s| good(**s)).count() as f64 / cells().count().max(1) as f64;
+    (share(&|s| s == CellStatus::Measured), share(&|s| s != CellStatus::Extrapolated))
+}
+
+fn thin(maps: &[AccelMap], settings: &Settings) -> Option<String> {
+    let known = coverage(maps).1;
+    (known < settings.least_coverage).then(|| {
+        format!(
+            "coverage is too thin: {:.0} % of the cells are measured or interpolated, {:.0} % are needed; drive the missing torques, from rest and from speed",
+            100.0 * known,
+            100.0 * settings.least_coverage
+        )
+    })
+}
+
+/// The effective number of torques is 1/Σp², with p the share of the used samples at each torque (Hill's number of order two).
+fn few_torques(gear: Gear, samples: &[UsedSample]) -> Option<String> {
+    let own: Vec<f64> = samples.iter().filter(|s| s.gear == gear).map(|s| s.torque_nm).collect();
+    let largest = own.iter().fold(1e-9f64, |m, u| m.max(u.abs()));
+    let mut counts: BTreeMap<i64, usize> = BTreeMap::new();
+    for u in &own {
+        *counts.entry((u / (SAME_TORQUE * largest)).round() as i64).or_insert(0) += 1;
+    }
+    let effective = 1.0 / counts.values().map(|n| (*n as f64 / own.len() as f64).powi(2)).sum::<f64>();
+    if effective >= FEWEST_TORQUES {
+        return None;
+    }
+    let mut usual: Vec<(usize, i64)> = counts.iter().map(|(level, n)| (*n, *level)).collect();
+    usual.sort_unstable_by(|a, b| b.cmp(a));
+    let at: Vec<String> = usual.iter().take(2).map(|(_, level)| format!("{:.0}", *level as f64 * SAME_TORQUE * largest)).collect();
+    Some(format!(
+        "torque was hardly varied: nearly all motion in {gear} gear is at {} N·m, so that other torques are a guess; add runs at about {:.0} and {:.0} N·m",
+        at.join(" and "),
+        0.6 * largest,
+        1.5 * largest
+    ))
+}
+
+/// How one log's accelerations differ from the common surface: relatively, and by a constant [m/s²], each with its standard error.
+struct Departure {
+    scale: f64,
+    scale_std_err: f64,
+    offset_mps2: f64,
+    offset_std_err_mps2: f64,
+}
+
+/// The two logs that differ most, when they differ by more than one vehicle can.
+fn contradiction(estimate: &Estimate) -> Option<String> {
+    if estimate.logs.len() < 2 {
+        return None;
+    }
+    let departures: Vec<Option<Departure>> = (0..estimate.logs.len()).map(|log| departure(estimate, log)).collect();
+    let torques = &estimate.surfaces[0].lattice.torque_nm;
+    let surface = estimate.surface(estimate.gears[0]);
+    let reach_mps2 = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, 0.0);
+    let name = |k: usize| &estimate.logs[k].survey.track.source.file;
+    let told: Vec<(usize, &Departure)> = departures.iter().enumerate().filter_map(|(k, d)| Some((k, d.as_ref()?))).collect();
+    let by = |of: &dyn Fn(&Departure) -> f64| {
+        let low = told.iter().min_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
+        let high = told.iter().max_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
+        Some((low.0, high.0, low.1, high.1))
+    };
+    let (low, high, a, b) = by(&|d| d.scale)?;
+    let (difference, std_err) = ((b.scale - a.scale) / (1.0 + a.scale), a.scale_std_err.hypot(b.scale_std_err));
+    if difference > SAME_VEHICLE && difference > SIGNIFICANT * std_err {
+        return Some(format!(
+            "the logs contradict each other: the same torque accelerates {} {:.0} ± {:.0} % more than {}, {:.0} % is allowed. Another load, vehicle or torque scale? Fit them apart",
+            name(high),
+            100.0 * difference,
+            (100.0 * std_err).max(1.0),
+            name(low),
+            100.0 * SAME_VEHICLE
+        ));
+    }
+    let (low, high, a, b) = by(&|d| d.offset_mps2)?;
+    let (difference, std_err) = (b.offset_mps2 - a.offset_mps2, a.offset_std_err_mps2.hypot(b.offset_std_err_mps2));
+    (difference > SAME_FLOOR * reach_mps2 && difference > SIGNIFICANT * std_err).then(|| {
+        format!(
+            "the logs contradict each other: under the same torque {} accelerates by {difference:.3} ± {std_err:.3} m/s² more than {}, {:.3} is allowed. Another floor, a slope, a dragging brake? Fit them apart",
+            name(high),
+            name(low),
+            SAME_FLOOR * reach_mps2
+        )
+    })
+}
+
+/// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration. The noise is bounded as for the
+/// cuts: what parts the logs is in it already, and would pass for chance.
+fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
+    let lagged = estimate.lagged(log);
+    let noise = calm(&estimate.noise, estimate.surface(estimate.gears[0]));
+    // normal equations of (prediction, time, residual)
+    let mut n = [[0.0; 3]; 3];
+    for (segment, speed) in estimate.segments.iter().zip(&estimate.speeds).filter(|(s, _)| s.log == log) {
+        let course = Course::new(segment, &lagged, estimate.calibration.dead_time_s[log]);
+        let model = course.predicted(&speed.clone().into(), estimate.surface(segment.gear));
+        let mut rows: Vec<f64> =
+            segment.readings.iter().zip(&model).flat_map(|(r, m)| [*m, r.t_s - segment.start_s, r.speed_mps - m]).collect();
+        whiten(&mut rows, 3, &segment.readings, segment.start_s, &noise, segment.start_std(&noise));
+        for row in rows.chunks_exact(3) {
+            for (a, line) in n.iter_mut().enumerate() {
+                line.iter_mut().zip(row).for_each(|(sum, b)| *sum += row[a] * b);
+            }
+        }
+    }
+    let determinant = n[0][0] * n[1][1] - n[0][1] * n[1][0];
+    (determinant > 1e-9 * n[0][0] * n[1][1]).then(|| Departure {
+        scale: (n[0][2] * n[1][1] - n[1][2] * n[0][1]) / determinant,
+        scale_std_err: (n[1][1] / determinant).sqrt(),
+        offset_mps2: (n[1][2] * n[0][0] - n[0][2] * n[1][0]) / determinant,
+        offset_std_err_mps2: (n[0][0] / determinant).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(torques: &[(f64, usize)]) -> Vec<UsedSample> {
+        torques
+            .iter()
+            .flat_map(|(torque_nm, n)| std::iter::repeat_n(UsedSample { gear: Gear::Forward, speed_mps: 0.5, torque_nm: *torque_nm }, *n))
+            .collect()
+    }
+
+    #[test]
+    fn one_torque_and_coasting_are_too_few_and_three_even_ones_are_enough() {
+        let told = few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400)])).unwrap_or_default();
+        assert!(told.contains("20 and 0 N·m"), "{told}");
+        assert!(few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400), (35.0, 500)])).is_none());
+        // a torque dithered by hand has no levels at all
+        let dithered: Vec<(f64, usize)> = (0..200).map(|k| (0.1 * f64::from(k), 5)).collect();
+        assert!(few_torques(Gear::Forward, &at(&dithered)).is_none());
+    }
+}

@@ -1,0 +1,169 @@
+//! Plane geometry of bodies and obstacles: points, convex polygons, how far they are apart or how deep they are in each other.
+//!
+//! Apart, the distance of two convex polygons is the least distance of an edge of one from a corner of the other. In each other, the depth is
+//! the shortest translation that parts them, by the axes of the edges (Source: Ericson, *Real-Time Collision Detection*, §5.2.1 and §5.1.9).
+
+use crate::guidance::{Error, Result};
+use serde::Serialize;
+
+/// A point of the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Point {
+    /// East of the origin [m].
+    pub x_m: f64,
+    /// North of the origin [m].
+    pub y_m: f64,
+}
+
+impl Point {
+    /// At (x, y) [m].
+    pub const fn new(x_m: f64, y_m: f64) -> Self {
+        Self { x_m, y_m }
+    }
+
+    /// Whether both coordinates are finite.
+    pub fn is_finite(self) -> bool {
+        self.x_m.is_finite() && self.y_m.is_finite()
+    }
+
+    /// Distance to another point [m].
+    pub fn distance_m(self, other: Self) -> f64 {
+        (self.x_m - other.x_m).hypot(self.y_m - other.y_m)
+    }
+
+    /// Distance to the segment from `a` to `b` [m].
+    pub fn segment_distance_m(self, a: Self, b: Self) -> f64 {
+        let (dx, dy) = (b.x_m - a.x_m, b.y_m - a.y_m);
+        let length2 = dx * dx + dy * dy;
+        let along = if length2 > 0.0 { (((self.x_m - a.x_m) * dx + (self.y_m - a.y_m) * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        self.distance_m(Self::new(a.x_m + along * dx, a.y_m + along * dy))
+    }
+}
+
+/// A convex polygon, corners counter-clockwise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Polygon {
+    corners: Vec<Point>,
+}
+
+impl Polygon {
+    /// Of at least three corners in either sense of rotation.
+    ///
+    /// # Errors
+    /// Fewer than three corners, one that is not finite, or corners that are repeated, on one line, or not convex.
+    pub fn new(mut corners: Vec<Point>) -> Result<Self> {
+        let n = corners.len();
+        if n < 3 {
+            return Err(Error::Polygon { corners: n, problem: "needs at least 3 corners" });
+        }
+        if corners.iter().any(|c| !c.is_finite()) {
+            return Err(Error::Polygon { corners: n, problem: "has a corner that is not a number" });
+        }
+        let turn = |k: usize| cross(corners[k], corners[(k + 1) % n], corners[(k + 2) % n]);
+        let left = (0..n).all(|k| turn(k) > 0.0);
+        if !left && !(0..n).all(|k| turn(k) < 0.0) {
+            return Err(Error::Polygon { corners: n, problem: "is not convex, or has repeated corners or three on a line" });
+        }
+        if !left {
+            corners.reverse();
+        }
+        Ok(Self { corners })
+    }
+
+    /// The body's rectangle and nothing else may skip the check.
+    pub(crate) fn trusted(corners: Vec<Point>) -> Self {
+        Self { corners }
+    }
+
+    /// Corners, counter-clockwise.
+    pub fn corners(&self) -> &[Point] {
+        &self.corners
+    }
+
+    /// Distance of two polygons [m]; negative when they overlap, by the shortest way that parts them.
+    pub fn separation_m(&self, other: &Self) -> f64 {
+        let gap = self.widest_axis_gap_m(other).max(other.widest_axis_gap_m(self));
+        if gap > 0.0 { self.corner_distance_m(other).min(other.corner_distance_m(self)) } else { gap }
+    }
+
+    /// How far `inner` is inside this polygon [m]: the least distance of its corners from the edges' lines, negative when one is outside.
+    pub fn inside_margin_m(&self, inner: &Self) -> f64 {
+        let margin = |(a, b): (Point, Point)| inner.corners.iter().map(|&c| cross(a, b, c) / a.distance_m(b)).fold(f64::INFINITY, f64::min);
+        self.edges().map(margin).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Edges, counter-clockwise.
+    pub fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
+        let n = self.corners.len();
+        (0..n).map(move |k| (self.corners[k], self.corners[(k + 1) % n]))
+    }
+
+    /// Largest gap of `other` beyond one of this polygon's edges [m].
+    fn widest_axis_gap_m(&self, other: &Self) -> f64 {
+        let gap = |(a, b): (Point, Point)| other.corners.iter().map(|&c| -cross(a, b, c) / a.distance_m(b)).fold(f64::INFINITY, f64::min);
+        self.edges().map(gap).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn corner_distance_m(&self, other: &Self) -> f64 {
+        let nearest = |c: Point| self.edges().map(|(a, b)| c.segment_distance_m(a, b)).fold(f64::INFINITY, f64::min);
+        other.corners.iter().map(|&c| nearest(c)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Twice the area of the triangle a, b, c; positive when c lies left of the line from a to b.
+fn cross(a: Point, b: Point, c: Point) -> f64 {
+    (b.x_m - a.x_m) * (c.y_m - a.y_m) - (b.y_m - a.y_m) * (c.x_m - a.x_m)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use proptest::prelude::*;
+
+    fn square(x: f64, y: f64, half: f64) -> Polygon {
+        let at = |sx: f64, sy: f64| Point::new(x + sx * half, y + sy * half);
+        Polygon::new(vec![at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)]).unwrap()
+    }
+
+    #[test]
+    fn apart_it_is_the_distance_and_in_each_other_the_depth() {
+        let one = square(0.0, 0.0, 1.0);
+        assert!((one.separation_m(&square(3.0, 0.0, 1.0)) - 1.0).abs() < 1e-12);
+        assert!((one.separation_m(&square(5.0, 6.0, 1.0)) - 5.0).abs() < 1e-12, "corner to corner: 3, 4, 5");
+        assert!((one.separation_m(&square(1.7, 0.2, 1.0)) + 0.3).abs() < 1e-12);
+        // a square on its corner: the tip at (√2, 0) seen from an edge at 2
+        let tip = Polygon::new(
+            (0..4)
+                .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2)
+                .map(|t| Point::new(t.cos() * 2.0_f64.sqrt(), t.sin() * 2.0_f64.sqrt()))
+                .collect(),
+        )
+        .unwrap();
+        assert!((tip.separation_m(&square(3.0, 0.0, 1.0)) - (2.0 - 2.0_f64.sqrt())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn inside_it_is_the_distance_from_the_nearest_edge() {
+        let (field, body) = (square(0.0, 0.0, 5.0), square(3.0, 1.0, 1.0));
+        assert!((field.inside_margin_m(&body) - 1.0).abs() < 1e-12);
+        assert!((field.inside_margin_m(&square(4.5, 0.0, 1.0)) + 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_no_convex_polygon_is_refused() {
+        let p = Point::new;
+        assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0)]).is_err());
+        assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0), p(1.0, 0.0)]).is_err());
+        assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0), p(f64::NAN, 1.0)]).is_err());
+        assert!(Polygon::new(vec![p(0.0, 0.0), p(4.0, 0.0), p(1.0, 1.0), p(0.0, 4.0)]).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn the_separation_is_the_same_from_either_side(x in -4.0..4.0f64, y in -4.0..4.0f64, half in 0.2..3.0f64) {
+            let (one, other) = (square(0.0, 0.0, 1.0), square(x, y, half));
+            prop_assert!((one.separation_m(&other) - other.separation_m(&one)).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The checks of a parking path: nothing touched, no jump of the wheel or the curvature, the goal reached.
+
+use crate::guidance::{PosePath, Result};
+use crate::guidance::body::within;
+use crate::guidance::look_ahead::largest_steps;
+use crate::guidance::parking::Scene;
+use serde::Serialize;
+
+/// What counts as parked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Tolerance {
+    /// Distance from the goal [m]. Default 0.05.
+    pub position_m: f64,
+    /// Heading error [rad]. Default 1°.
+    pub heading_rad: f64,
+    /// Least distance of the body from anything [m]. Default 0.1: half of the safety distance is left to the drive.
+    pub clearance_m: f64,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { position_m: 0.05, heading_rad: 1.0_f64.to_radians(), clearance_m: 0.1 }
+    }
+}
+
+impl Tolerance {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first out of its range.
+    pub fn checked(self) -> Result<Self> {
+        within("tolerance.position_m", self.position_m, 1e-3, 1.0, "0.001 to 1")?;
+        within("tolerance.heading_rad", self.heading_rad, 1e-4, 0.5, "0.0001 to 0.5")?;
+        within("tolerance.clearance_m", self.clearance_m, 0.0, 5.0, "0 to 5").map(|()| self)
+    }
+}
+
+/// What the checks found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Judgement {
+    /// Distance of the last pose from the goal [m].
+    pub position_m: f64,
+    /// |heading error| of the last pose [rad].
+    pub heading_rad: f64,
+    /// Least distance of the body from anything along the path [m], negative in a collision.
+    pub clearance_m: f64,
+    /// Largest change of the wheel angle per step [rad].
+    pub wheel_step_rad: f64,
+    /// Largest change of the curvature per step [1/m].
+    pub curvature_step_per_m: f64,
+    /// Whether all of it is within limits.
+    pub pass: bool,
+}
+
+/// Judges a path in a scene.
+pub fn judge(scene: &Scene, path: &PosePath) -> Judgement {
+    let (goal, obstacles) = (scene.goal(), scene.obstacles());
+    let (position_m, heading_rad) = path.poses.last().map_or((f64::INFINITY, f64::INFINITY), |end| {
+        let turns = (end.heading_rad - goal.heading_rad).sin_cos();
+        ((end.x_m - goal.x_m).hypot(end.y_m - goal.y_m), turns.0.atan2(turns.1).abs())
+    });
+    let clearance_m = path
+        .poses
+        .iter()
+        .map(|pose| {
+            let body = scene.body.at_pose(pose);
+            obstacles.iter().map(|o| o.separation_m(&body)).fold(f64::INFINITY, f64::min)
+        })
+        .fold(f64::INFINITY, f64::min);
+    let (wheel_step_rad, curvature_step_per_m) = largest_steps(path);
+    let (limits, rounding) = (&scene.look_ahead, 1e-9);
+    let pass = position_m <= scene.tolerance.position_m
+        && heading_rad <= scene.tolerance.heading_rad
+        && clearance_m >= scene.tolerance.clearance_m
+        && wheel_step_rad <= limits.wheel_step_rad + rounding
+        && curvature_step_per_m <= limits.curvature_step_per_m(scene.body.wheelbase_m) + rounding;
+    Judgement { position_m, heading_rad, clearance_m, wheel_step_rad, curvature_step_per_m, pass }
+}

@@ -1,0 +1,422 @@
+//! The plan: straight in where the start allows it; else start and adjust on the first line, enter on the circle, shuffle on the axis. In reverse, or nose in.
+
+use crate::guidance::{Error, Point, PosePath, Result};
+use crate::guidance::look_ahead::{Follower, finite_start};
+use crate::guidance::parking::{Scene, Start};
+use crate::guidance::parking::check::{Judgement, judge};
+use crate::guidance::parking::entry::{Entry, entry_circle};
+use crate::guidance::reference::{Reference, ahead};
+use crate::map::Gear;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// A stage of parking.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Forward along the first line, past the slot.
+    Start,
+    /// Back along the first line to the entry circle, until the vehicle stands along it.
+    Adjust,
+    /// Along the circle and the slot's axis: in reverse, or nose in.
+    Enter,
+    /// Out and in again along the axis until the vehicle is straight.
+    Shuffle,
+}
+
+/// Where a stage begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct StageSpan {
+    /// Which.
+    pub stage: Stage,
+    /// Index of its first pose.
+    pub from: usize,
+}
+
+/// A path into the slot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plan {
+    /// Poses of the rear axle's middle, every step.
+    pub path: PosePath,
+    /// Its stages in order.
+    pub stages: Vec<StageSpan>,
+    /// The entry circle; `None` when the vehicle goes straight in.
+    pub entry: Option<Entry>,
+    /// What the checks found: all within limits.
+    pub judgement: Judgement,
+}
+
+/// Radii that are tried, as factors of the smallest: a larger circle gives way to the other obstacles.
+const RADII: [f64; 7] = [1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75];
+/// Shuffles at most.
+const SHUFFLES: usize = 3;
+
+/// Plans from `start`.
+///
+/// # Errors
+/// A scene or start with a number out of range; a slot too small; a radius too large for it; no path that passes the checks. Each names the nearest
+/// feasible parameter.
+pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
+    let scene = scene.checked()?;
+    finite_start(start.x_m, start.y_m, start.heading_rad)?;
+    finite_start(0.0, 0.0, start.wheel_angle_rad)?;
+    let entry = entry_circle(&scene)?;
+    let (best, found) = attempt(&scene, start, &entry);
+    if found {
+        return Ok(best);
+    }
+    // the nearest start on the way to the first line from which it goes
+    let nearer = |share: f64| Start {
+        x_m: start.x_m,
+        y_m: start.y_m + share * (scene.line_m() - start.y_m),
+        heading_rad: start.heading_rad * (1.0 - share),
+        wheel_angle_rad: start.wheel_angle_rad * (1.0 - share),
+    };
+    let feasible = (1..=10).map(|k| nearer(0.1 * f64::from(k))).find(|s| attempt(&scene, *s, &entry).1);
+    if feasible.is_none()
+        && let Some(nearest_m) = nearest_aisle_m(&scene, nearer(1.0), &entry)
+    {
+        return Err(Error::AisleTooNarrow { found_m: scene.slot.aisle_m, nearest_m });
+    }
+    if feasible.is_none()
+        && let Some(nearest_m) = nearest_slot_m(&scene, nearer(1.0))
+    {
+        return Err(Error::SlotTooNarrowToEnter { found_m: scene.slot.width_m, nearest_m });
+    }
+    Err(Error::NoPath {
+        x_m: start.x_m,
+        y_m: start.y_m,
+        heading_deg: start.heading_rad.to_degrees(),
+        error_m: best.judgement.position_m,
+        error_deg: best.judgement.heading_rad.to_degrees(),
+        clearance_m: best.judgement.clearance_m,
+        nearest: feasible.map_or("no start with this x".to_owned(), |s| {
+            format!("a start at y {:.2} m with heading {:.1}°", s.y_m, s.heading_rad.to_degrees())
+        }),
+    })
+}
+
+/// The narrowest aisle in which a start on the first line is planned; `None` when eight times the aisle does not help.
+fn nearest_aisle_m(scene: &Scene, start: Start, entry: &Entry) -> Option<f64> {
+    narrowest_m(scene.slot.aisle_m.max(0.1), &[2.0, 4.0, 8.0], |aisle_m| {
+        let mut wider = *scene;
+        wider.slot.aisle_m = aisle_m;
+        attempt(&wider, start, entry).1
+    })
+}
+
+/// The narrowest slot into which a start on the first line is planned; `None` when four times the width does not help.
+fn nearest_slot_m(scene: &Scene, start: Start) -> Option<f64> {
+    narrowest_m(scene.slot.width_m, &[1.25, 1.5, 2.0, 4.0], |width_m| {
+        let mut wider = *scene;
+        wider.slot.width_m = width_m;
+        entry_circle(&wider).is_ok_and(|entry| attempt(&wider, start, &entry).1)
+    })
+}
+
+/// The smallest width from `low_m` on, to a centimetre, that fits, if one of its multiples does.
+fn narrowest_m(low_m: f64, multiples: &[f64], fits: impl Fn(f64) -> bool) -> Option<f64> {
+    let mut low = low_m;
+    let mut high = multiples.iter().map(|f| f * low_m).find(|&width_m| fits(width_m))?;
+    while high - low > 0.01 {
+        let middle = 0.5 * (low + high);
+        if fits(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Some(high)
+}
+
+/// The first plan that passes, else the one with the most clearance of those that end nearest.
+fn attempt(scene: &Scene, start: Start, entry: &Entry) -> (Plan, bool) {
+    if let Some(plan) = direct(scene, start).filter(|p| p.judgement.pass) {
+        return (plan, true);
+    }
+    let mut best: Option<Plan> = None;
+    for factor in RADII {
+        for drive_up in [true, false] {
+            let plan = by_circle(scene, start, &scene.circle(entry.radius_m * factor), drive_up);
+            if plan.judgement.pass {
+                return (plan, true);
+            }
+            if best.as_ref().is_none_or(|b| b.judgement.clearance_m < plan.judgement.clearance_m) {
+                best = Some(plan);
+            }
+        }
+    }
+    (best.unwrap_or_else(|| by_circle(scene, start, entry, true)), false)
+}
+
+/// Straight in: the axis alone is followed. Only before the mouth, looking along the axis within 80°: outward, or inward to go nose in.
+fn direct(scene: &Scene, start: Start) -> Option<Plan> {
+    let turn = start.heading_rad - scene.goal().heading_rad;
+    if start.y_m <= 0.0 || turn.cos() < 80.0_f64.to_radians().cos() {
+        return None;
+    }
+    let (sin, cos) = scene.slot.angle_rad.sin_cos();
+    let outward_m = start.x_m * cos + start.y_m * sin;
+    let mut follower = follower(scene, start);
+    let axis = axis_from(scene, outward_m.max(0.0) + scene.look_ahead.distance_m);
+    enter(scene, &mut follower, &axis);
+    let mut stages = vec![StageSpan { stage: Stage::Enter, from: 0 }];
+    shuffle(scene, &mut follower, &mut stages);
+    Some(finish(scene, follower, stages, None))
+}
+
+/// By the first line and the circle. `drive_up`: forward along the line first; else back along it at once.
+fn by_circle(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
+    if scene.nose_in {
+        return nose_in(scene, start, entry, drive_up);
+    }
+    let mut follower = follower(scene, start);
+    let mut stages = Vec::new();
+    let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
+    // from here the wheel still has way to turn in
+    let past_m = entry.line_x_m + 2.0 * ahead_m;
+    if drive_up {
+        let length = (past_m - start.x_m).max(0.0) + 1.0;
+        let line = Reference::starting(Point::new(start.x_m, line_m), 0.0).then(length, 0.0);
+        let along = |p: &crate::guidance::PathPose| {
+            (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02 && p.heading_rad.cos() > 0.0 && p.wheel_angle_rad.abs() < 0.05
+        };
+        stages.push(StageSpan { stage: Stage::Start, from: 0 });
+        follower.follow(&line, Gear::Forward, length + 12.0 * ahead_m, |p, _| p.x_m >= past_m && along(p));
+    }
+    let from_m = follower.last().x_m;
+    let (back_m, end) = ((from_m - entry.line_x_m).max(0.0), Point::new(from_m.max(entry.line_x_m), line_m));
+    let way = Reference::starting(end, PI)
+        .then(back_m, 0.0)
+        .then(entry.radius_m * scene.slot.angle_rad, 1.0 / entry.radius_m)
+        .then(entry.axis_m - scene.parked_at_m(), 0.0);
+    stages.push(StageSpan { stage: Stage::Adjust, from: follower.path.poses.len() - 1 });
+    let first = follower.path.poses.len() - 1;
+    enter(scene, &mut follower, &way);
+    let turning = follower.path.poses[first..].iter().position(|p| p.x_m <= entry.line_x_m + ahead_m).unwrap_or(0);
+    stages.push(StageSpan { stage: Stage::Enter, from: first + turning });
+    shuffle(scene, &mut follower, &mut stages);
+    finish(scene, follower, stages, Some(*entry))
+}
+
+/// Nose in: back along the first line where the circle is already behind, forward along it, the circle and the axis. `drive_up`: before backing up,
+/// forward along the line until the vehicle stands along it.
+fn nose_in(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
+    let mut follower = follower(scene, start);
+    let mut stages = Vec::new();
+    let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
+    let before_m = entry.line_x_m - 2.0 * ahead_m;
+    if start.x_m > before_m {
+        let along = |p: &crate::guidance::PathPose| (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02;
+        if drive_up {
+            let line = Reference::starting(Point::new(start.x_m, line_m), 0.0).then(12.0 * ahead_m, 0.0);
+            stages.push(StageSpan { stage: Stage::Start, from: 0 });
+            follower.follow(&line, Gear::Forward, 12.0 * ahead_m, |p, _| along(p));
+        }
+        let from_m = follower.last().x_m;
+        let length = from_m - before_m + 1.0;
+        let back = Reference::starting(Point::new(from_m, line_m), PI).then(length, 0.0);
+        stages.push(StageSpan { stage: Stage::Adjust, from: follower.path.poses.len() - 1 });
+        follower.follow(&back, Gear::Reverse, length + 12.0 * ahead_m, |p, _| p.x_m <= before_m && along(p));
+    }
+    let from = follower.path.poses.len() - 1;
+    let from_m = follower.last().x_m;
+    let way = Reference::starting(Point::new(from_m.min(entry.line_x_m), line_m), 0.0)
+        .then((entry.line_x_m - from_m).max(0.0), 0.0)
+        .then(entry.radius_m * (PI - scene.slot.angle_rad), -1.0 / entry.radius_m)
+        .then(entry.axis_m - scene.parked_at_m(), 0.0);
+    stages.push(StageSpan { stage: Stage::Start, from });
+    enter(scene, &mut follower, &way);
+    let turning = follower.path.poses[from..].iter().position(|p| p.x_m >= entry.line_x_m - ahead_m).unwrap_or(0);
+    stages.push(StageSpan { stage: Stage::Enter, from: from + turning });
+    shuffle(scene, &mut follower, &mut stages);
+    finish(scene, follower, stages, Some(*entry))
+}
+
+fn follower(scene: &Scene, start: Start) -> Follower {
+    let body = &scene.body;
+    Follower::new(start.x_m, start.y_m, start.heading_rad, start.wheel_angle_rad, body.wheelbase_m, scene.look_ahead)
+}
+
+/// The slot's axis inward, from `outward_m` before the mouth to the goal.
+fn axis_from(scene: &Scene, outward_m: f64) -> Reference {
+    let angle = scene.slot.angle_rad;
+    Reference::starting(ahead(Point::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
+}
+
+/// To the end of `way`, to half a step.
+fn enter(scene: &Scene, follower: &mut Follower, way: &Reference) {
+    let end_m = way.length_m() - 0.5 * scene.look_ahead.step_m;
+    let start_m = follower.last();
+    let room = way.length_m() + 2.0 * start_m.x_m.hypot(start_m.y_m);
+    follower.follow(way, scene.gear_in(), room, |_, s| s >= end_m);
+}
+
+/// Out and in again along the axis while the end is not as it should be.
+fn shuffle(scene: &Scene, follower: &mut Follower, stages: &mut Vec<StageSpan>) {
+    let out_m = scene.body.wheelbase_m;
+    for _ in 0..SHUFFLES {
+        let judgement = judge(scene, &follower.path);
+        let straight = judgement.position_m <= scene.tolerance.position_m && judgement.heading_rad <= scene.tolerance.heading_rad;
+        // what is far off, or has touched something, no shuffle mends
+        if straight || judgement.clearance_m < scene.tolerance.clearance_m || judgement.position_m > out_m {
+            return;
+        }
+        stages.push(StageSpan { stage: Stage::Shuffle, from: follower.path.poses.len() - 1 });
+        let goal = scene.goal();
+        let outward = Reference::starting(Point::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
+        follower.follow(&outward, scene.gear_out(), 2.0 * out_m, |_, s| s >= out_m - 0.5 * scene.look_ahead.step_m);
+        enter(scene, follower, &axis_from(scene, scene.parked_at_m() + 2.0 * out_m));
+    }
+}
+
+fn finish(scene: &Scene, follower: Follower, mut stages: Vec<StageSpan>, entry: Option<Entry>) -> Plan {
+    stages.dedup_by(|next, before| {
+        next.from == before.from && {
+            before.stage = next.stage;
+            true
+        }
+    });
+    let judgement = judge(scene, &follower.path);
+    Plan { path: follower.path, stages, entry, judgement }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use crate::guidance::parking::{Success, success};
+    use crate::guidance::parking::scene::usual_scene as scene;
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Starts on a grid beside the row, askew by up to `askew_deg`.
+    fn grid(askew_deg: f64) -> Vec<Start> {
+        let mut starts = Vec::new();
+        for x in 0..5 {
+            for y in 0..3 {
+                for heading in -1..=1 {
+                    let heading_rad = (f64::from(heading) * askew_deg).to_radians();
+                    starts.push(Start { x_m: -3.0 + 1.5 * f64::from(x), y_m: 0.9 + 0.5 * f64::from(y), heading_rad, wheel_angle_rad: 0.0 });
+                }
+            }
+        }
+        starts
+    }
+
+    #[test]
+    fn from_a_grid_of_starts_it_parks_in_straight_and_slanted_slots() {
+        for (angle_deg, obstacle_right) in [(90.0, true), (90.0, false), (60.0, true), (120.0, true), (45.0, true)] {
+            let mut scene = scene(angle_deg);
+            scene.slot.obstacle_right = obstacle_right;
+            let found: Success = success(&scene, &grid(20.0));
+            assert!(found.tried > 40, "{found:?}");
+            // every usable start of this grid: a path that fails here is a defect of the planner, not of the scene
+            assert_eq!(found.parked, found.tried, "{angle_deg}° {obstacle_right}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_share_of_successes_falls_where_the_room_does() {
+        let mut tight = scene(90.0);
+        tight.slot.width_m = tight.least_width_m() + 0.02;
+        tight.slot.aisle_m = 2.3;
+        let found = success(&tight, &grid(60.0));
+        let wide = success(&scene(90.0), &grid(60.0));
+        assert!(found.share() < wide.share() && wide.share() > 0.6, "tight {found:?}, wide {wide:?}");
+    }
+
+    #[test]
+    fn a_start_before_the_mouth_goes_straight_in() {
+        let scene = scene(90.0);
+        let start = Start { x_m: 0.05, y_m: 1.5, heading_rad: std::f64::consts::FRAC_PI_2 - 0.05, wheel_angle_rad: 0.0 };
+        let plan = plan(&scene, start).unwrap();
+        assert_eq!(plan.stages, [StageSpan { stage: Stage::Enter, from: 0 }]);
+        assert!(plan.entry.is_none() && plan.path.poses.iter().all(|p| p.direction == Gear::Reverse));
+    }
+
+    #[test]
+    fn nose_in_it_parks_where_the_slot_lies_ahead_or_is_wide_and_says_from_which_width_on() {
+        let mut lost = Vec::new();
+        for (angle_deg, width_m) in [(120.0, 1.32), (135.0, 1.32), (105.0, 1.8), (90.0, 2.2)] {
+            let mut scene = scene(angle_deg);
+            (scene.nose_in, scene.slot.width_m) = (true, width_m);
+            let found = success(&scene, &grid(20.0));
+            if found.parked != found.tried {
+                lost.push((angle_deg, found));
+            }
+            let plan = plan(&scene, Start { x_m: -3.0, y_m: 1.3, ..Start::default() }).unwrap();
+            assert!(plan.path.poses.iter().all(|p| p.direction == Gear::Forward), "{:?}", plan.stages);
+            let end = plan.path.poses[plan.path.poses.len() - 1];
+            assert!(end.heading_rad.sin() * scene.slot.angle_rad.sin() < 0.0, "the nose points inward");
+        }
+        assert!(lost.is_empty(), "{lost:?}");
+        let mut narrow = scene(90.0);
+        narrow.nose_in = true;
+        let start = Start { x_m: -3.0, y_m: narrow.line_m(), ..Start::default() };
+        let error = plan(&narrow, start).unwrap_err();
+        let Error::SlotTooNarrowToEnter { nearest_m, .. } = error else { panic!("{error}") };
+        narrow.slot.width_m = nearest_m;
+        assert!(plan(&narrow, start).is_ok(), "{nearest_m}");
+    }
+
+    #[test]
+    fn a_start_that_looks_into_the_slot_goes_straight_in_nose_first() {
+        let mut scene = scene(90.0);
+        scene.nose_in = true;
+        let start = Start { x_m: 0.05, y_m: 2.2, heading_rad: -std::f64::consts::FRAC_PI_2 + 0.05, wheel_angle_rad: 0.0 };
+        let plan = plan(&scene, start).unwrap();
+        assert_eq!(plan.stages, [StageSpan { stage: Stage::Enter, from: 0 }]);
+        assert!(plan.path.poses.iter().all(|p| p.direction == Gear::Forward));
+    }
+
+    #[test]
+    fn a_vehicle_that_is_askew_in_the_slot_shuffles() {
+        let mut scene = scene(90.0);
+        scene.slot.width_m += 0.5;
+        let start = Start { x_m: 0.15, y_m: -0.45, heading_rad: std::f64::consts::FRAC_PI_2 - 0.12, wheel_angle_rad: 0.0 };
+        let (mut follower, mut stages) = (follower(&scene, start), vec![StageSpan { stage: Stage::Enter, from: 0 }]);
+        enter(&scene, &mut follower, &axis_from(&scene, 0.5));
+        shuffle(&scene, &mut follower, &mut stages);
+        let plan = finish(&scene, follower, stages, None);
+        assert!(plan.stages.iter().any(|s| s.stage == Stage::Shuffle), "{:?}", plan.judgement);
+        assert!(plan.judgement.pass, "{:?}", plan.judgement);
+    }
+
+    #[test]
+    fn what_cannot_be_parked_names_what_can() {
+        let mut scene = scene(90.0);
+        scene.slot.aisle_m = 1.9;
+        let error = plan(&scene, Start { x_m: -2.0, y_m: 1.0, ..Start::default() }).unwrap_err();
+        let Error::AisleTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
+        scene.slot.aisle_m = nearest_m;
+        assert!(plan(&scene, Start { x_m: -2.0, y_m: scene.line_m(), ..Start::default() }).is_ok(), "{nearest_m}");
+    }
+
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![4 => -5.0..5.0f64, 1 => any::<f64>(), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn no_start_panics_and_every_path_keeps_its_limits(x_m in number(), y_m in number(), heading_rad in number(), wheel_angle_rad in number()) {
+            let scene = scene(75.0);
+            if let Ok(plan) = plan(&scene, Start { x_m, y_m, heading_rad, wheel_angle_rad }) {
+                let steps = crate::guidance::look_ahead::largest_steps(&plan.path);
+                prop_assert!(steps.0 <= scene.look_ahead.wheel_step_rad + 1e-9);
+                prop_assert!(plan.judgement.clearance_m >= scene.tolerance.clearance_m && plan.judgement.position_m <= 0.05);
+                prop_assert!(plan.path.poses.windows(2).all(|p| (p[1].s_m - p[0].s_m - scene.look_ahead.step_m).abs() < 1e-9));
+            }
+        }
+
+        #[test]
+        fn no_slot_panics(width_m in number(), depth_m in number(), angle_rad in number(), aisle_m in number(), step_m in number()) {
+            let mut scene = scene(90.0);
+            (scene.slot.width_m, scene.slot.depth_m, scene.slot.angle_rad, scene.slot.aisle_m) = (width_m, depth_m, angle_rad, aisle_m);
+            if step_m < 0.0 {
+                scene.look_ahead.step_m = -step_m;
+            }
+            let _ = plan(&scene, Start { x_m: -2.0, y_m: 1.2, ..Start::default() });
+        }
+    }
+}

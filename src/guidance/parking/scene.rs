@@ -1,0 +1,227 @@
+//! The slot, what stands around it, and where the vehicle should stand in the end.
+
+use crate::guidance::{BodyShape, Error, Point, Polygon, Result};
+use crate::guidance::body::within;
+use crate::guidance::look_ahead::LookAhead;
+use crate::guidance::parking::{Start, Tolerance};
+use crate::map::Gear;
+use serde::Serialize;
+
+/// A slot in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Slot {
+    /// Width across its axis [m].
+    pub width_m: f64,
+    /// Depth along its axis [m].
+    pub depth_m: f64,
+    /// Angle from the row's direction to the slot's axis, outward [rad], 30° to 150°; 90° is perpendicular.
+    pub angle_rad: f64,
+    /// Whether something stands on the right, as seen by the parked driver: on the side from which the vehicle backs in.
+    pub obstacle_right: bool,
+    /// Whether something stands on the left.
+    pub obstacle_left: bool,
+    /// Width of the aisle before the row [m].
+    pub aisle_m: f64,
+}
+
+impl Slot {
+    /// A perpendicular slot between two obstacles, as wide as the vehicle needs and 0.2 m more, and deep enough, with an aisle of three lengths.
+    pub fn usual(body: &BodyShape, safety_m: f64) -> Self {
+        Self {
+            width_m: body.width_m + 2.0 * safety_m + 0.2,
+            depth_m: body.length_m() + 2.0 * safety_m,
+            angle_rad: std::f64::consts::FRAC_PI_2,
+            obstacle_right: true,
+            obstacle_left: true,
+            aisle_m: 3.0 * body.length_m(),
+        }
+    }
+}
+
+/// Everything that parking is planned with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Scene {
+    /// Outline.
+    pub body: BodyShape,
+    /// Slot.
+    pub slot: Slot,
+    /// Whether the vehicle goes in forward and stands with its nose to the slot's end. Default no: it backs in.
+    pub nose_in: bool,
+    /// How lines and circles are followed.
+    pub look_ahead: LookAhead,
+    /// Distance of the body from the row on the first line [m]. Default 1.
+    pub line_distance_m: f64,
+    /// Safety distance from the obstacle's corner and the slot's end [m]. Default 0.2.
+    pub safety_m: f64,
+    /// Wheel angle that circles leave to the tracking [rad]. Default 5°.
+    pub wheel_reserve_rad: f64,
+    /// What counts as parked.
+    pub tolerance: Tolerance,
+}
+
+impl Scene {
+    /// The defaults for a body and a slot.
+    pub fn new(body: BodyShape, slot: Slot) -> Self {
+        Self {
+            body,
+            slot,
+            nose_in: false,
+            look_ahead: LookAhead::default(),
+            line_distance_m: 1.0,
+            safety_m: 0.2,
+            wheel_reserve_rad: 5.0_f64.to_radians(),
+            tolerance: Tolerance::default(),
+        }
+    }
+
+    /// Checks every number, and that the slot takes the vehicle at all.
+    ///
+    /// # Errors
+    /// The first number out of its range; a slot too narrow or too shallow, with the nearest that does.
+    pub fn checked(self) -> Result<Self> {
+        self.body.checked()?;
+        self.look_ahead.checked()?;
+        self.tolerance.checked()?;
+        within("line_distance_m", self.line_distance_m, 0.0, 10.0, "0 to 10")?;
+        within("safety_m", self.safety_m, 0.0, 5.0, "0 to 5")?;
+        within("wheel_reserve_rad", self.wheel_reserve_rad, 0.0, 0.9 * self.look_ahead.wheel_limit_rad, "0 to 0.9 of the wheel's limit")?;
+        let slot = &self.slot;
+        within("slot.width_m", slot.width_m, 0.0, 100.0, "0 to 100")?;
+        within("slot.depth_m", slot.depth_m, 0.0, 100.0, "0 to 100")?;
+        within("slot.angle_rad", slot.angle_rad, 30.0_f64.to_radians() - 1e-9, 150.0_f64.to_radians() + 1e-9, "30° to 150°")?;
+        within("slot.aisle_m", slot.aisle_m, 0.0, 1000.0, "0 to 1000")?;
+        let nearest_m = self.least_width_m();
+        // 1e-9: a slot of exactly the least width, written as a sum
+        if slot.width_m < nearest_m - 1e-9 {
+            return Err(Error::SlotTooNarrow {
+                found_m: slot.width_m,
+                vehicle_m: self.body.width_m,
+                clearance_m: self.safety_m,
+                nearest_m,
+            });
+        }
+        let (sin, cos) = slot.angle_rad.sin_cos();
+        let nearest_m = self.body.length_m() + (self.safety_m + self.body.width_m * cos.abs()) / sin;
+        if slot.depth_m < nearest_m - 1e-9 {
+            return Err(Error::SlotTooShallow { found_m: slot.depth_m, nearest_m });
+        }
+        Ok(self)
+    }
+
+    /// Least width of the slot: the vehicle's with the safety distance on either side [m].
+    pub fn least_width_m(&self) -> f64 {
+        self.body.width_m + 2.0 * self.safety_m
+    }
+
+    /// Distance of the first line from the row's edge, for the middle of the rear axle [m].
+    pub fn line_m(&self) -> f64 {
+        self.line_distance_m + 0.5 * self.body.width_m
+    }
+
+    /// Direction of travel into the slot.
+    pub fn gear_in(&self) -> Gear {
+        if self.nose_in { Gear::Forward } else { Gear::Reverse }
+    }
+
+    /// Direction of travel out of the slot.
+    pub fn gear_out(&self) -> Gear {
+        if self.nose_in { Gear::Reverse } else { Gear::Forward }
+    }
+
+    /// Where the rear axle's middle stands when parked, along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps the
+    /// safety distance from the slot's end.
+    pub fn parked_at_m(&self) -> f64 {
+        let (sin, cos) = self.slot.angle_rad.sin_cos();
+        let before_m = if self.nose_in { self.body.length_m() - self.body.rear_overhang_m } else { self.body.rear_overhang_m };
+        -self.slot.depth_m + before_m + (self.safety_m + 0.5 * self.body.width_m * cos.abs()) / sin
+    }
+
+    /// The pose to be reached.
+    pub fn goal(&self) -> Start {
+        let (sin, cos) = self.slot.angle_rad.sin_cos();
+        let t = self.parked_at_m();
+        let heading_rad = self.slot.angle_rad + if self.nose_in { std::f64::consts::PI } else { 0.0 };
+        Start { x_m: t * cos, y_m: t * sin, heading_rad, wheel_angle_rad: 0.0 }
+    }
+
+    /// Corner of the obstacle at the slot's mouth on the side from which the vehicle comes: on the right as it backs in, on the left, which it reaches
+    /// first, nose in.
+    pub fn corner(&self) -> Point {
+        let half = 0.5 * self.slot.width_m / self.slot.angle_rad.sin();
+        Point::new(if self.nose_in { -half } else { half }, 0.0)
+    }
+
+    /// What may not be touched: the neighbours, the end of the slot, the other side of the aisle.
+    pub fn obstacles(&self) -> Vec<Polygon> {
+        let (slot, (sin, cos)) = (&self.slot, self.slot.angle_rad.sin_cos());
+        let (dx, dy) = (-slot.depth_m * cos, -slot.depth_m * sin);
+        let half = 0.5 * slot.width_m / sin;
+        // a neighbour reaches as far as the vehicle could ever be
+        let far = 30.0 + slot.aisle_m + slot.depth_m;
+        let neighbour = |from: f64, to: f64| {
+            Polygon::trusted(vec![Point::new(from, 0.0), Point::new(from + dx, dy), Point::new(to + dx, dy), Point::new(to, 0.0)])
+        };
+        let band = |low: f64, high: f64| {
+            Polygon::trusted(vec![Point::new(-far, low), Point::new(far, low), Point::new(far, high), Point::new(-far, high)])
+        };
+        let mut all = vec![band(dy - 1.0, dy), band(slot.aisle_m, slot.aisle_m + 1.0)];
+        if slot.obstacle_right {
+            all.push(neighbour(half, half + far));
+        }
+        if slot.obstacle_left {
+            all.push(neighbour(-half - far, -half));
+        }
+        all
+    }
+}
+
+/// The usual slot for a vehicle of wheelbase 0.9 m, slanted by `angle_deg` and as deep as that needs, for tests.
+#[cfg(test)]
+pub(crate) fn usual_scene(angle_deg: f64) -> Scene {
+    let body = BodyShape::usual(0.9);
+    let mut slot = Slot::usual(&body, 0.2);
+    slot.angle_rad = angle_deg.to_radians();
+    slot.depth_m = (body.length_m() + (0.3 + body.width_m * slot.angle_rad.cos().abs()) / slot.angle_rad.sin()).max(slot.depth_m);
+    Scene::new(body, slot)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_slot_too_small_is_refused_with_the_nearest_that_is_not() {
+        let mut narrow = usual_scene(90.0);
+        narrow.slot.width_m = 1.0;
+        let error = narrow.checked().unwrap_err();
+        let Error::SlotTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
+        assert!((nearest_m - 1.12).abs() < 1e-12, "0.72 m and twice 0.2 m");
+        narrow.slot.width_m = nearest_m;
+        assert!(narrow.checked().is_ok());
+        let mut shallow = usual_scene(90.0);
+        shallow.slot.depth_m = 1.2;
+        let Err(Error::SlotTooShallow { nearest_m, .. }) = shallow.checked() else { panic!() };
+        shallow.slot.depth_m = nearest_m;
+        assert!(shallow.checked().is_ok());
+    }
+
+    #[test]
+    fn the_parked_vehicle_keeps_its_distances() {
+        for (angle, nose_in) in [(60.0_f64, false), (90.0, false), (120.0, false), (90.0, true), (120.0, true)] {
+            let mut scene = usual_scene(angle);
+            scene.nose_in = nose_in;
+            let goal = scene.goal();
+            let body = scene.body.at(goal.x_m, goal.y_m, goal.heading_rad);
+            let gap = scene.obstacles().iter().map(|o| o.separation_m(&body)).fold(f64::INFINITY, f64::min);
+            assert!((gap - 0.2).abs() < 1e-9, "{angle}°: {gap}");
+        }
+    }
+
+    #[test]
+    fn the_obstacles_are_convex_and_counter_clockwise() {
+        for obstacle in usual_scene(90.0).obstacles() {
+            assert_eq!(Polygon::new(obstacle.corners().to_vec()).unwrap(), obstacle);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Drives one leg of a path: a tracking law steers, the speed plan, the speed loop and a torque source drive.
+//!
+//! Stages: the wheel goes to the law's angle while the vehicle stands; it drives; where the way left is what it needs to stop, it stops. One
+//! period: nearest point → wheel angle (law + compensation); preview of the planned speed → speed loop → desired acceleration → torque.
+
+use crate::control::{Preview, SpeedLoop, SpeedLoopSettings};
+use crate::control::messages::Inputs;
+use crate::control::numeric::sin_cos;
+use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
+use crate::guidance::route::segment_speed::SegmentSpeed;
+use crate::guidance::route::tracking::{Limits, Track, TrackingLaw, TrackingSettings};
+use crate::guidance::torque_source::TorqueSource;
+use crate::map::Gear;
+use crate::units::RAD_PER_DEG;
+use serde::Serialize;
+
+/// Settings of the follower.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FollowerSettings {
+    /// Wheelbase, largest wheel angle, control period.
+    pub limits: Limits,
+    /// The tracking law.
+    pub tracking: TrackingSettings,
+    /// Speeds along a leg.
+    pub speed: SegmentSpeed,
+    /// How far the planned speed is read ahead.
+    pub preview: Preview,
+    /// Speed loop. Default that of the pivot with −1.5…1.0 m/s².
+    pub speed_loop: SpeedLoopSettings,
+    /// Below this speed [m/s] the vehicle counts as standing. Default 0.02.
+    pub standstill_mps: f64,
+    /// How near its angle the wheel must be to set off [rad]. Default 2°.
+    pub angle_tolerance_rad: f64,
+    /// Deceleration of the stop [m/s²]. Default 0.3.
+    pub stop_decel_mps2: f64,
+    /// From a command to its effect [s]. Default 0.12: dead time, lag and one period.
+    pub reaction_s: f64,
+    /// Standing this long while it should drive, or steering this long, is a failure [s]. Default 4.
+    pub stall_s: f64,
+}
+
+impl FollowerSettings {
+    /// The defaults for a wheelbase [m] and a law.
+    pub fn new(wheelbase_m: f64, tracking: TrackingSettings) -> Self {
+        Self {
+            limits: Limits::new(wheelbase_m),
+            tracking,
+            speed: SegmentSpeed::default(),
+            preview: Preview::default(),
+            speed_loop: SpeedLoopSettings { min_accel_mps2: -1.5, max_accel_mps2: 1.0, ..SpeedLoopSettings::default() },
+            standstill_mps: 0.02,
+            angle_tolerance_rad: 2.0 * RAD_PER_DEG,
+            stop_decel_mps2: 0.3,
+            reaction_s: 0.12,
+            stall_s: 4.0,
+        }
+    }
+}
+
+/// Where a manoeuvre stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// The wheel goes to its angle, the vehicle stands.
+    Steering,
+    /// It drives along a leg.
+    Driving,
+    /// It comes to rest.
+    Stopping,
+    /// It turns on the spot.
+    Turning,
+    /// The end is reached, and it stands.
+    Arrived,
+    /// It has failed and gives no torque.
+    Failed(Trouble),
+}
+
+/// Why a manoeuvre failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Trouble {
+    /// Emergency stop.
+    ObstacleStop,
+    /// No speed reading.
+    SpeedLost,
+    /// The wheel did not reach its angle in time.
+    Steering,
+    /// It did not move although it should.
+    Stalled,
+    /// The heading was not reached in the turns allowed.
+    Heading,
+}
+
+/// What is commanded for one period, vehicle frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveCommand {
+    /// Torque [N·m].
+    pub torque_nm: f64,
+    /// Wheel angle [rad].
+    pub wheel_angle_rad: f64,
+    /// Gear.
+    pub gear: Option<Gear>,
+    /// Where the manoeuvre stands.
+    pub stage: Stage,
+    /// Front-wheel speed that was asked for [m/s].
+    pub target_speed_mps: f64,
+    /// Desired acceleration [m/s²].
+    pub accel_mps2: f64,
+    /// Nearest point of the path.
+    pub matched: Option<Matched>,
+    /// Lateral error e of the matched point seen from the vehicle [m], as the controller knows it.
+    pub lateral_error_m: f64,
+}
+
+impl DriveCommand {
+    /// Arrived: nothing more is asked for.
+    pub fn at_rest(wheel_angle_rad: f64) -> Self {
+        Self::hold(wheel_angle_rad, None, Stage::Arrived)
+    }
+
+    /// Nothing but an angle to hold.
+    pub(crate) fn hold(wheel_angle_rad: f64, gear: Option<Gear>, stage: Stage) -> Self {
+        Self { torque_nm: 0.0, wheel_angle_rad, gear, stage, target_speed_mps: 0.0, accel_mps2: 0.0, matched: None, lateral_error_m: 0.0 }
+    }
+}
+
+/// Drives one leg after the other; which leg is told with every period.
+#[derive(Debug, Clone)]
+pub struct Follower {
+    settings: FollowerSettings,
+    law: TrackingLaw,
+    speed_loop: SpeedLoop,
+    stage: Stage,
+    index: usize,
+    accel_mps2: f64,
+    standing_s: f64,
+}
+
+/// Deceleration that ends in the way left [m/s²], from a quarter to three times the planned one.
+pub(crate) fn stop_decel(speed_mps: f64, left_m: f64, planned_mps2: f64) -> f64 {
+    let exact = if left_m > 0.0 { 0.5 * speed_mps * speed_mps / left_m } else { f64::INFINITY };
+    exact.max(0.25 * planned_mps2).min(3.0 * planned_mps2)
+}
+
+/// Standing this long counts as at rest [s].
+const AT_REST_S: f64 = 0.3;
+
+impl Follower {
+    /// A follower at the start of its first leg.
+    pub fn new(settings: FollowerSettings) -> Self {
+        let law = TrackingLaw::new(settings.tracking);
+        Self { settings, law, speed_loop: SpeedLoop::default(), stage: Stage::Steering, index: 0, accel_mps2: 0.0, standing_s: 0.0 }
+    }
+
+    /// Where it stands.
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// Forgets the leg before.
+    pub fn start(&mut self) {
+        self.law.start();
+        (self.speed_loop, self.stage, self.index) = (SpeedLoop::default(), Stage::Steering, 0);
+        (self.accel_mps2, self.standing_s) = (0.0, 0.0);
+    }
+
+    /// One period along `leg`. `compensation_rad` is added to the law's wheel angle.
+    pub fn step<T: TorqueSource + ?Sized>(&mut self, leg: Leg<'_>, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
+        let settings = self.settings;
+        let (gear, sign) = (leg.gear(), leg.gear().sign());
+        if matches!(self.stage, Stage::Failed(_)) {
+            return DriveCommand::hold(inputs.wheel_angle_rad, Some(gear), self.stage);
+        }
+        if inputs.estop {
+            return self.fail(Trouble::ObstacleStop, inputs, gear);
+        }
+        let Some(front_mps) = inputs.speed_mps else { return self.fail(Trouble::SpeedLost, inputs, gear) };
+        let track = Track::new(leg, inputs.pose, self.index, front_mps, inputs.wheel_angle_rad, &settings.limits);
+        self.index = track.index;
+        let max_rad = settings.limits.max_wheel_rad;
+        let wheel_angle_rad = (self.law.wheel_angle_rad(&track) + compensation_rad).max(-max_rad).min(max_rad);
+        let speed_mps = (sign * front_mps).max(0.0);
+        let left_m = leg.end_m() - track.matched.s_m;
+        let period_s = settings.limits.period_s;
+        self.standing_s = if speed_mps < settings.standstill_mps { self.standing_s + period_s } else { 0.0 };
+        match self.stage {
+            Stage::Steering => {
+                let off = wheel_angle_rad - inputs.wheel_angle_rad;
+                if off.abs() < settings.angle_tolerance_rad {
+                    (self.stage, self.standing_s) = (Stage::Driving, 0.0);
+                } else if self.standing_s > settings.stall_s {
+                    return self.fail(Trouble::Steering, inputs, gear);
+                }
+            }
+            Stage::Driving => {
+                let needs_m = track.speed_mps * (settings.reaction_s + 0.5 * track.speed_mps / settings.stop_decel_mps2);
+                // faster than that the speed loop is still on its way down to the switch-over speed
+                let slow = speed_mps <= 2.0 * settings.speed.switch_mps;
+                if left_m <= 0.0 || (slow && left_m <= needs_m) {
+                    (self.stage, self.standing_s) = (Stage::Stopping, 0.0);
+                } else if self.standing_s > settings.stall_s {
+                    return self.fail(Trouble::Stalled, inputs, gear);
+                }
+            }
+            Stage::Stopping if self.standing_s >= AT_REST_S => self.stage = Stage::Arrived,
+            _ => {}
+        }
+        let (target_speed_mps, accel_mps2) = match self.stage {
+            Stage::Driving => {
+                let cos = sin_cos(inputs.wheel_angle_rad).1.max(0.1);
+                let ahead_m = settings.preview.distance_m(speed_mps, self.accel_mps2) * cos;
+                let target = settings.speed.speed_at(track.matched.s_m - leg.start_m() + ahead_m, leg.end_m() - leg.start_m());
+                (target, self.speed_loop.step(&settings.speed_loop, target - speed_mps, false, period_s).0)
+            }
+            Stage::Stopping => (0.0, -stop_decel(track.speed_mps, left_m, settings.stop_decel_mps2)),
+            _ => (0.0, 0.0),
+        };
+        self.accel_mps2 = accel_mps2;
+        let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
+        let drives = matches!(self.stage, Stage::Driving | Stage::Stopping) && rolls;
+        let torque_nm = if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 };
+        DriveCommand {
+            torque_nm,
+            wheel_angle_rad,
+            gear: Some(gear),
+            stage: self.stage,
+            target_speed_mps: sign * target_speed_mps,
+            accel_mps2: sign * accel_mps2,
+            matched: Some(track.matched),
+            lateral_error_m: lateral_error_m(inputs.pose, track.matched.x_m, track.matched.y_m),
+        }
+    }
+
+    fn fail(&mut self, trouble: Trouble, inputs: &Inputs, gear: Gear) -> DriveCommand {
+        self.stage = Stage::Failed(trouble);
+        DriveCommand::hold(inputs.wheel_angle_rad, Some(gear), self.stage)
+    }
+}

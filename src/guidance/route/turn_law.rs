@@ -1,0 +1,222 @@
+//! Turning on the spot towards a heading: two gains, a dead zone, a smallest and a largest rate.
+//!
+//! The published law of such corners turns a vehicle with two driven sides about its geometric centre. This vehicle cannot: with its wheel at 90°
+//! the only point that stands still is the middle of the rear axle. So it turns about that, and the rate is made by the front wheel, v = L·ω.
+
+use crate::control::{SpeedLoop, SpeedLoopSettings};
+use crate::control::messages::Inputs;
+use crate::control::numeric::wrapped;
+use crate::guidance::route::follower::{DriveCommand, Stage, Trouble, stop_decel};
+use crate::guidance::torque_source::TorqueSource;
+use crate::map::Gear;
+use crate::units::RAD_PER_DEG;
+use core::f64::consts::FRAC_PI_2;
+use serde::Serialize;
+
+/// The rate over the heading error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TurnRate {
+    /// Gain above the threshold [1/s]. Default 1.5.
+    pub large_gain_per_s: f64,
+    /// Gain below it [1/s]. Default 0.7.
+    pub small_gain_per_s: f64,
+    /// Threshold between large and small errors [rad]. Default 25°.
+    pub large_rad: f64,
+    /// Errors up to this count as none [rad]. Default 0.5°.
+    pub dead_zone_rad: f64,
+    /// Smallest rate outside the dead zone [rad/s]. Default 0.08: slower the wheel sticks.
+    pub min_rad_s: f64,
+    /// Largest rate [rad/s]. Default 0.6.
+    pub max_rad_s: f64,
+}
+
+impl Default for TurnRate {
+    fn default() -> Self {
+        Self {
+            large_gain_per_s: 1.5,
+            small_gain_per_s: 0.7,
+            large_rad: 25.0 * RAD_PER_DEG,
+            dead_zone_rad: 0.5 * RAD_PER_DEG,
+            min_rad_s: 0.08,
+            max_rad_s: 0.6,
+        }
+    }
+}
+
+impl TurnRate {
+    /// Rate [rad/s] for a heading error [rad], of its sign; 0 in the dead zone and for an error that is not a number.
+    pub fn rate_rad_s(&self, error_rad: f64) -> f64 {
+        let size = error_rad.abs();
+        if size.is_nan() || size <= self.dead_zone_rad {
+            return 0.0;
+        }
+        let gain = if size > self.large_rad { self.large_gain_per_s } else { self.small_gain_per_s };
+        (gain * size).min(self.max_rad_s).max(self.min_rad_s).copysign(error_rad)
+    }
+}
+
+/// Settings of a turn.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TurnSettings {
+    /// Rate over error.
+    pub rate: TurnRate,
+    /// Wheelbase [m].
+    pub wheelbase_m: f64,
+    /// Control period [s]. Default 0.02.
+    pub period_s: f64,
+    /// Fastest change of the asked front-wheel speed [m/s²]. Default 0.4.
+    pub accel_mps2: f64,
+    /// Speed loop. Default that of the pivot.
+    pub speed_loop: SpeedLoopSettings,
+    /// How near 90° the wheel must be [rad]. Default 1.5°.
+    pub angle_tolerance_rad: f64,
+    /// Below this speed [m/s] the wheel counts as standing. Default 0.02.
+    pub standstill_mps: f64,
+    /// From a command to its effect [s]. Default 0.12.
+    pub reaction_s: f64,
+    /// Deceleration of the stop [m/s²]. Default 0.3.
+    pub stop_decel_mps2: f64,
+    /// How far ahead in time the rate is read [s], as the preview of the pivot does. Default 0.3.
+    pub preview_s: f64,
+    /// Standing or steering this long is a failure [s]. Default 4.
+    pub stall_s: f64,
+    /// Corrections after the first stop, most. Default 3.
+    pub corrections: u32,
+}
+
+impl TurnSettings {
+    /// The defaults for a wheelbase [m].
+    pub fn new(wheelbase_m: f64) -> Self {
+        Self {
+            rate: TurnRate::default(),
+            wheelbase_m,
+            period_s: 0.02,
+            accel_mps2: 0.4,
+            speed_loop: SpeedLoopSettings::default(),
+            angle_tolerance_rad: 1.5 * RAD_PER_DEG,
+            standstill_mps: 0.02,
+            reaction_s: 0.12,
+            stop_decel_mps2: 0.3,
+            preview_s: 0.3,
+            stall_s: 4.0,
+            corrections: 3,
+        }
+    }
+}
+
+/// One turn on the spot.
+#[derive(Debug, Clone)]
+pub struct Turn {
+    settings: TurnSettings,
+    stage: Stage,
+    gear: Gear,
+    asked_mps: f64,
+    speed_loop: SpeedLoop,
+    standing_s: f64,
+    stops: u32,
+}
+
+impl Turn {
+    /// A turn that has not begun.
+    pub fn new(settings: TurnSettings) -> Self {
+        let speed_loop = SpeedLoop::default();
+        Self { settings, stage: Stage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
+    }
+
+    /// One period towards `heading_rad`. The wheel stands 90° to the left; forward gear turns left, reverse gear right. [`Stage::Arrived`] once
+    /// it stands within the dead zone, or has used up its corrections within twice the dead zone.
+    pub fn step<T: TorqueSource + ?Sized>(&mut self, heading_rad: f64, inputs: &Inputs, torque: &T) -> DriveCommand {
+        let settings = self.settings;
+        if matches!(self.stage, Stage::Failed(_) | Stage::Arrived) {
+            return DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage);
+        }
+        if inputs.estop {
+            return self.fail(Trouble::ObstacleStop);
+        }
+        let Some(front_mps) = inputs.speed_mps else { return self.fail(Trouble::SpeedLost) };
+        let error_rad = wrapped(heading_rad - inputs.pose.heading_rad);
+        let standing = front_mps.abs() < settings.standstill_mps;
+        self.standing_s = if standing { self.standing_s + settings.period_s } else { 0.0 };
+        match self.stage {
+            Stage::Steering => {
+                if (inputs.wheel_angle_rad - FRAC_PI_2).abs() < settings.angle_tolerance_rad {
+                    self.begin(error_rad);
+                } else if self.standing_s > settings.stall_s {
+                    return self.fail(Trouble::Steering);
+                }
+            }
+            Stage::Turning => {
+                let speed = (self.gear.sign() * front_mps).max(0.0);
+                let way_m = speed * (settings.reaction_s + 0.5 * speed / settings.stop_decel_mps2);
+                let left_m = self.gear.sign() * error_rad * settings.wheelbase_m;
+                let slow = speed <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
+                if left_m <= 0.0 || (slow && left_m <= way_m) {
+                    (self.stage, self.standing_s) = (Stage::Stopping, 0.0);
+                } else if self.standing_s > settings.stall_s {
+                    return self.fail(Trouble::Stalled);
+                }
+            }
+            _ if self.standing_s >= 0.3 => {
+                let small = settings.rate.dead_zone_rad;
+                if error_rad.abs() <= small || (self.stops >= settings.corrections && error_rad.abs() <= 2.0 * small) {
+                    self.stage = Stage::Arrived;
+                } else if self.stops >= settings.corrections {
+                    return self.fail(Trouble::Heading);
+                } else {
+                    self.stops += 1;
+                    self.begin(error_rad);
+                }
+            }
+            _ => {}
+        }
+        let (sign, speed_mps) = (self.gear.sign(), (self.gear.sign() * front_mps).max(0.0));
+        let accel_mps2 = match self.stage {
+            Stage::Turning => {
+                let ahead_rad = error_rad - sign * speed_mps / settings.wheelbase_m * settings.preview_s;
+                let wanted = settings.wheelbase_m * (sign * settings.rate.rate_rad_s(ahead_rad)).max(settings.rate.min_rad_s);
+                let step = settings.accel_mps2 * settings.period_s;
+                self.asked_mps = wanted.max(self.asked_mps - step).min(self.asked_mps + step);
+                self.speed_loop.step(&settings.speed_loop, self.asked_mps - speed_mps, false, settings.period_s).0
+            }
+            Stage::Stopping => {
+                let left_m = sign * error_rad * settings.wheelbase_m;
+                -stop_decel(speed_mps, left_m, settings.stop_decel_mps2)
+            }
+            _ => 0.0,
+        };
+        let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
+        let drives = matches!(self.stage, Stage::Turning | Stage::Stopping) && rolls;
+        DriveCommand {
+            torque_nm: if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 },
+            target_speed_mps: if self.stage == Stage::Turning { sign * self.asked_mps } else { 0.0 },
+            accel_mps2: sign * accel_mps2,
+            ..DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage)
+        }
+    }
+
+    fn begin(&mut self, error_rad: f64) {
+        self.gear = if error_rad < 0.0 { Gear::Reverse } else { Gear::Forward };
+        (self.stage, self.asked_mps, self.standing_s) = (Stage::Turning, 0.0, 0.0);
+        self.speed_loop = SpeedLoop::default();
+    }
+
+    fn fail(&mut self, trouble: Trouble) -> DriveCommand {
+        self.stage = Stage::Failed(trouble);
+        DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rate_has_two_gains_a_dead_zone_and_limits() {
+        let law = TurnRate::default();
+        let deg = |d: f64| law.rate_rad_s(d * RAD_PER_DEG);
+        assert_eq!((deg(0.4), deg(-0.4), law.rate_rad_s(f64::NAN)), (0.0, 0.0, 0.0));
+        assert_eq!((deg(1.0), deg(-1.0)), (0.08, -0.08));
+        assert!((deg(20.0) - 0.7 * 20.0 * RAD_PER_DEG).abs() < 1e-12);
+        assert_eq!((deg(26.0), deg(-170.0)), (0.6, -0.6));
+    }
+}

@@ -1,0 +1,218 @@
+//! Message paths compiled, once per schema, into a plan that skips to the wanted values.
+//!
+//! In: a channel's schema and the paths wanted of it. Out: a [`Plan`] that fills one slot per path from a payload, without building
+//! the message.
+
+mod cdr;
+mod json;
+#[cfg(test)]
+mod oracle;
+mod protobuf;
+mod slice;
+mod request_tree;
+
+use crate::log::path::{MessagePath, Step, Test};
+use crate::log::schema::Layout;
+use request_tree::Wishes;
+use std::borrow::Cow;
+
+/// A value as the message holds it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) enum Raw<'a> {
+    /// The message does not hold it.
+    #[default]
+    Missing,
+    Number(f64),
+    Integer(i64),
+    Text(Cow<'a, str>),
+}
+
+impl Raw<'_> {
+    pub(crate) fn unsigned(value: u64) -> Self {
+        i64::try_from(value).map_or(Self::Number(value as f64), Self::Integer)
+    }
+
+    fn passes(&self, test: &Test) -> bool {
+        match self {
+            Self::Missing => false,
+            Self::Number(value) => test.number(*value),
+            Self::Integer(value) => test.number(*value as f64),
+            Self::Text(text) => test.text(text.as_bytes()),
+        }
+    }
+}
+
+/// The slots that a plan fills, kept from message to message of one channel.
+#[derive(Debug, Default)]
+pub(crate) struct Taken<'a> {
+    slots: Vec<Raw<'a>>,
+    /// What the elements of slices had for each slot, as numbers; NaN where an element holds none.
+    lists: Vec<Vec<f64>>,
+    /// Where the last message of a plan for CDR or ROS 1 had its values.
+    shortcut: cdr::Shortcut<'a>,
+    /// A value was passed over because its sibling array had not been seen yet.
+    again: bool,
+}
+
+impl<'a> Taken<'a> {
+    pub(crate) fn get(&self, slot: usize) -> &Raw<'a> {
+        &self.slots[slot]
+    }
+
+    /// The numbers that a slice picked for `slot`, in the array's order.
+    pub(crate) fn list(&self, slot: usize) -> &[f64] {
+        self.lists.get(slot).map_or(&[], Vec::as_slice)
+    }
+
+    /// Moves what an element of a slice put into `slots` to their lists.
+    fn keep(&mut self, slots: &[usize]) {
+        for &slot in slots {
+            if self.lists.len() <= slot {
+                self.lists.resize_with(slot + 1, Vec::new);
+            }
+            let number = match std::mem::take(&mut self.slots[slot]) {
+                Raw::Number(value) => value,
+                Raw::Integer(value) => value as f64,
+                Raw::Text(text) => text.trim().parse().unwrap_or(f64::NAN),
+                Raw::Missing => f64::NAN,
+            };
+            self.lists[slot].push(number);
+        }
+    }
+
+    fn set(&mut self, slot: usize, value: Raw<'a>) {
+        self.slots[slot] = value;
+    }
+
+    /// The element that a sibling array's match picked; notes that the walk must be repeated while it is not known.
+    fn register(&mut self, slot: usize) -> Option<u64> {
+        if let Raw::Integer(index) = self.slots[slot] {
+            Some(index as u64)
+        } else {
+            self.again = true;
+            None
+        }
+    }
+
+    fn clear(&mut self, slots: &[usize]) {
+        for slot in slots {
+            self.slots[*slot] = Raw::Missing;
+        }
+    }
+}
+
+/// A plan for the messages of one channel.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    /// Number of paths: the first slots are theirs.
+    paths: usize,
+    slots: usize,
+    /// Slots that hold the index of a sibling's match: kept for a second walk.
+    registers: Vec<usize>,
+    decoder: Decoder,
+}
+
+#[derive(Debug)]
+enum Decoder {
+    Cdr(cdr::Program),
+    Ros1(cdr::Program),
+    Protobuf(protobuf::Program),
+    Json(json::Program),
+}
+
+/// Why a path cannot be compiled for a schema.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum PlanError {
+    #[error("there is no field {field:?} in {within}; it has {}", known.join(", "))]
+    NoField { field: String, within: String, known: Vec<String> },
+    #[error("{field} is not an array, so nothing can be picked from it")]
+    NotAnArray { field: String },
+    #[error("{field} is an array: pick one element, for example {field}[0]")]
+    WholeArray { field: String },
+    #[error("{field} is a message of its own: go on to one of {}", known.join(", "))]
+    WholeMessage { field: String, known: Vec<String> },
+    #[error("it picks several values; a signal needs one")]
+    ManyValues,
+    #[error("behind a slice that picks several elements there may be neither another one nor a filter")]
+    ListWithin,
+    #[error("the schema is too large to compile")]
+    TooLarge,
+}
+
+impl Plan {
+    /// Compiles `paths` for messages of `layout`; path `i` fills slot `i`.
+    ///
+    /// # Errors
+    /// The first path that does not lead to a value, with its index.
+    pub(crate) fn compile(layout: &Layout, paths: &[&MessagePath]) -> Result<Self, (usize, PlanError)> {
+        let mut wishes = Wishes::new(paths.len());
+        for (slot, path) in paths.iter().enumerate() {
+            wishes.add(&path.steps, slot).map_err(|error| (slot, error))?;
+        }
+        let decoder = Self::decoder(layout, &wishes).map_err(|error| {
+            // which path it is shows when each is compiled alone
+            let alone = |path: &MessagePath| {
+                let mut alone = Wishes::new(1);
+                alone.add(&path.steps, 0).and_then(|()| Self::decoder(layout, &alone)).err()
+            };
+            let found = paths.iter().enumerate().find_map(|(slot, path)| Some((slot, alone(path)?)));
+            found.unwrap_or((0, error))
+        })?;
+        Ok(Self { paths: paths.len(), slots: wishes.slots, registers: wishes.registers, decoder })
+    }
+
+    /// Whether `steps` lead to a value in messages of `layout`; JSON, which does not tell, is asked by whether the value in the `sample`
+    /// `passes`.
+    pub(crate) fn leads(layout: &Layout, steps: &[Step], sample: Option<&[u8]>, passes: impl Fn(&Raw<'_>) -> bool) -> bool {
+        let path = MessagePath::inside(steps.to_vec());
+        let Ok(plan) = Self::compile(layout, &[&path]) else { return false };
+        let mut taken = Taken::default();
+        !matches!(layout, Layout::Json) || sample.is_some_and(|payload| plan.decode(payload, &mut taken).is_some() && passes(taken.get(0)))
+    }
+
+    /// Number of paths that the plan was compiled for.
+    pub(crate) fn paths(&self) -> usize {
+        self.paths
+    }
+
+    fn decoder(layout: &Layout, wishes: &Wishes) -> Result<Decoder, PlanError> {
+        Ok(match layout {
+            Layout::Cdr(shape) => Decoder::Cdr(cdr::Program::compile(shape, &wishes.root)?),
+            Layout::Ros1(shape) => Decoder::Ros1(cdr::Program::compile(shape, &wishes.root)?),
+            Layout::Protobuf(message) => Decoder::Protobuf(protobuf::Program::compile(message, &wishes.root)?),
+            Layout::Json => Decoder::Json(json::Program::compile(&wishes.root)),
+        })
+    }
+
+    /// Fills `taken`, which must have been filled by no other plan, from a payload; `None` when the payload does not fit the schema.
+    pub(crate) fn decode<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
+        taken.lists.iter_mut().for_each(Vec::clear);
+        if taken.shortcut.run(payload, &mut taken.slots) {
+            return Some(());
+        }
+        taken.slots.resize(self.slots, Raw::Missing);
+        taken.slots.fill(Raw::Missing);
+        taken.again = false;
+        self.walk(payload, taken)?;
+        if taken.again && self.registers.iter().any(|slot| taken.slots[*slot] != Raw::Missing) {
+            self.walk(payload, taken)?;
+        }
+        Some(())
+    }
+
+    /// Why payloads like this one cannot be read at all, when it is not that they are broken.
+    pub(crate) fn refusal(&self, payload: &[u8]) -> Option<&'static str> {
+        matches!(self.decoder, Decoder::Cdr(_)).then(|| cdr::Program::refusal(payload)).flatten()
+    }
+
+    fn walk<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
+        match &self.decoder {
+            Decoder::Cdr(program) => program.run_cdr(payload, taken),
+            Decoder::Ros1(program) => program.run_ros1(payload, taken),
+            Decoder::Protobuf(program) => program.run(payload, taken),
+            Decoder::Json(program) => program.run(payload, taken),
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! The time at which a value was true: the stamp inside the message, if it has one.
+
+use crate::log::extract::extractor::{Plan, Raw, Taken};
+use crate::log::path::{MessagePath, Step};
+use crate::log::schema::Layout;
+
+/// Slots that together hold a stamp.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Stamp {
+    /// Seconds and nanoseconds apart.
+    Parts { seconds: usize, nanoseconds: usize },
+    /// One number, whose size tells its unit.
+    Single(usize),
+}
+
+const SECONDS: [&str; 3] = ["sec", "seconds", "secs"];
+const NANOSECONDS: [&str; 5] = ["nanosec", "nanos", "nsec", "nsecs", "nanoseconds"];
+/// Where a stamp is looked for when the signal map names none.
+const PLACES: [&[&str]; 3] = [&["header", "stamp"], &["stamp"], &["header", "timestamp"]];
+
+/// The ways to the parts of a stamp that messages of this layout hold: at `place`, or where stamps usually are.
+/// `sample` is a payload that is tried, for layouts that do not tell.
+pub(crate) fn find(layout: &Layout, place: Option<&[Step]>, sample: Option<&[u8]>) -> Option<Vec<Vec<Step>>> {
+    let usual =
+        || PLACES.iter().map(|names| names.iter().map(|name| Step::Field((*name).to_owned())).collect()).collect::<Vec<Vec<Step>>>();
+    let places = place.map_or_else(usual, |place| vec![place.to_vec()]);
+    places.into_iter().find_map(|place| {
+        let child = |name: &&str| [place.clone(), vec![Step::Field((*name).to_owned())]].concat();
+        let parts = SECONDS.iter().find(|name| holds(layout, &child(name), sample)).and_then(|seconds| {
+            let nanoseconds = NANOSECONDS.iter().find(|name| holds(layout, &child(name), sample))?;
+            Some(vec![child(seconds), child(nanoseconds)])
+        });
+        parts.or_else(|| holds(layout, &place, sample).then(|| vec![place.clone()]))
+    })
+}
+
+fn holds(layout: &Layout, steps: &[Step], sample: Option<&[u8]>) -> bool {
+    !MessagePath::inside(steps.to_vec()).is_list() && Plan::leads(layout, steps, sample, |raw| number(raw).is_some())
+}
+
+impl Stamp {
+    /// The stamp [ns since its epoch]; `None` when the message holds none, or zero, which drivers write that have no clock.
+    pub(crate) fn time_ns(self, taken: &Taken<'_>) -> Option<i64> {
+        let time = match self {
+            Self::Parts { seconds, nanoseconds } => {
+                let whole = integer(taken.get(seconds))?.checked_mul(1_000_000_000)?;
+                whole.checked_add(integer(taken.get(nanoseconds)).unwrap_or(0))?
+            }
+            Self::Single(slot) => match number(taken.get(slot))? {
+                // a date of this century in nanoseconds, microseconds, milliseconds or seconds
+                value if value.abs() >= 1e17 => integer(taken.get(slot))?,
+                value if value.abs() >= 1e14 => (value * 1e3) as i64,
+                value if value.abs() >= 1e11 => (value * 1e6) as i64,
+                value => (value * 1e9) as i64,
+            },
+        };
+        (time > 0).then_some(time)
+    }
+}
+
+fn integer(raw: &Raw<'_>) -> Option<i64> {
+    match raw {
+        Raw::Integer(value) => Some(*value),
+        Raw::Number(value) if value.is_finite() => Some(*value as i64),
+        Raw::Text(text) => text.trim().parse().ok(),
+        Raw::Number(_) | Raw::Missing => None,
+    }
+}
+
+fn number(raw: &Raw<'_>) -> Option<f64> {
+    match raw {
+        Raw::Integer(value) => Some(*value as f64),
+        Raw::Number(value) => value.is_finite().then_some(*value),
+        Raw::Text(text) => text.trim().parse().ok().filter(|value: &f64| value.is_finite()),
+        Raw::Missing => None,
+    }
+}

@@ -1,0 +1,133 @@
+//! What of a log could not be used: where, how many bytes, which channels, and why.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// What was read and what was lost of one log.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Loss {
+    /// Messages that were met whole, on any channel.
+    pub messages_read: u64,
+    /// Messages known to be lost: from the indexes of damaged chunks, or from the log's own count. `None` when nobody counted them.
+    pub messages_lost: Option<u64>,
+    /// Bytes of the file that could not be used.
+    pub bytes_lost: u64,
+    /// The damaged places, in file order.
+    pub places: Vec<Damage>,
+    /// Messages of wanted channels whose payload does not fit its schema, by topic: skipped.
+    pub broken_messages: BTreeMap<String, u64>,
+    /// Values that were NaN or infinite, by signal: dropped.
+    pub not_finite: BTreeMap<String, u64>,
+}
+
+impl Loss {
+    /// Whether the file itself is damaged or messages could not be read; NaN values are not damage.
+    pub fn is_damaged(&self) -> bool {
+        !self.places.is_empty() || !self.broken_messages.is_empty()
+    }
+
+    /// The loss in one sentence, or `None` when there is none.
+    pub fn summary(&self) -> Option<String> {
+        let mut parts = Vec::new();
+        if let Some(first) = self.places.first() {
+            let messages = self.messages_lost.map_or("an unknown number of".to_owned(), |n| n.to_string());
+            parts.push(format!(
+                "{messages} message(s) and {} byte(s) lost in {} damaged place(s), the first at byte {}: {}; {} message(s) are intact",
+                self.bytes_lost,
+                self.places.len(),
+                first.offset,
+                first.why,
+                self.messages_read
+            ));
+        }
+        for (topic, count) in &self.broken_messages {
+            parts.push(format!("{count} message(s) of {topic} do not fit their schema and were skipped"));
+        }
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+}
+
+/// One damaged place of a log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Damage {
+    /// First byte of the place in the file.
+    pub offset: u64,
+    /// Bytes that could not be used; of messages inside a chunk without their compression.
+    pub bytes: u64,
+    /// Messages lost, if an index tells.
+    pub messages: Option<u64>,
+    /// Topics of those messages, as far as known.
+    pub topics: Vec<String>,
+    /// What is wrong.
+    #[serde(serialize_with = "as_text")]
+    pub why: Why,
+    /// Messages lost by channel; turned into topics when all channels are known.
+    #[serde(skip)]
+    pub(crate) channels: BTreeMap<u16, u64>,
+}
+
+impl Damage {
+    pub(crate) fn new(offset: u64, bytes: u64, why: Why) -> Self {
+        Self { offset, bytes, messages: None, topics: Vec::new(), why, channels: BTreeMap::new() }
+    }
+}
+
+fn as_text<S: serde::Serializer>(why: &Why, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(why)
+}
+
+/// Why a part of a log cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum Why {
+    /// The end of the file is missing.
+    Truncated,
+    /// Bytes that are no record.
+    NotARecord,
+    /// The checksum of a chunk's records differs.
+    ChunkCrc { saved: u32, calculated: u32 },
+    /// The checksum of the data section differs, although every chunk is sound.
+    DataCrc { saved: u32, calculated: u32 },
+    /// The checksum of the summary differs, or it cannot be parsed.
+    BadSummary(&'static str),
+    /// The compressed records cannot be decompressed.
+    Decompression(String),
+    /// The chunk gives fewer or more bytes than it declares.
+    ChunkSize { declared: u64, found: u64 },
+    /// The chunk declares more than is allowed.
+    TooLarge { declared: u64, allowed: u64 },
+    /// The compression is not known.
+    UnknownCompression(String),
+    /// The chunk's header is broken.
+    BadChunkHeader,
+    /// A record inside a chunk does not fit into it.
+    BrokenRecords,
+    /// Messages of a channel that the log does not describe.
+    NoChannel { channel: u16 },
+    /// The file could not be read here.
+    Io(String),
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Truncated => f.write_str("the end of the file is missing"),
+            Self::NotARecord => f.write_str("these bytes are no record"),
+            Self::ChunkCrc { saved, calculated } => write!(f, "the chunk's checksum is {calculated:08x}; the file says {saved:08x}"),
+            Self::DataCrc { saved, calculated } => {
+                write!(f, "the data section's checksum is {calculated:08x}; the file says {saved:08x}")
+            }
+            Self::BadSummary(what) => write!(f, "the summary cannot be used ({what}); the log was scanned instead"),
+            Self::Decompression(error) => write!(f, "the chunk cannot be decompressed: {error}"),
+            Self::ChunkSize { declared, found } => write!(f, "the chunk declares {declared} bytes and holds {found}"),
+            Self::TooLarge { declared, allowed } => write!(f, "the chunk declares {declared} bytes; at most {allowed} are allowed"),
+            Self::UnknownCompression(name) => write!(f, "the compression {name:?} is not known; known are zstd, lz4 and none"),
+            Self::BadChunkHeader => f.write_str("the chunk's header is broken"),
+            Self::BrokenRecords => f.write_str("records inside the chunk do not fit into it"),
+            Self::NoChannel { channel } => write!(f, "the log does not describe channel {channel}"),
+            Self::Io(error) => write!(f, "the file cannot be read here: {error}"),
+        }
+    }
+}

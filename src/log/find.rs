@@ -1,0 +1,9 @@
+//! Which message path is which signal: by signal map, by preset, or by type, name and unit.
+
+pub(crate) mod candidates;
+pub(crate) mod detect;
+pub(crate) mod infer_units;
+pub(crate) mod presets;
+pub(crate) mod resolve;
+pub(crate) mod series;
+

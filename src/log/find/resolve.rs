@@ -1,0 +1,236 @@
+//! From a signal map, a preset or nothing to plans: which signal is read from which path, and why.
+
+use crate::log::{Error, Result, Source, reference_path};
+use crate::log::extract::stamp;
+use crate::log::extract::convert::Convert;
+use crate::log::extract::extractor::{Plan, PlanError};
+use crate::log::extract::message_pass::{ChannelPlan, Wanted};
+use crate::log::extract::stamp::Stamp;
+use crate::log::file::container::Container;
+use crate::log::find::{detect, series};
+use crate::log::find::candidates::{Candidate, Candidates};
+use crate::log::find::presets::Preset;
+use crate::log::path::{MessagePath, Step};
+use crate::log::schema::Layout;
+use crate::log::signal_map::{SignalMap, SignalName, SignalSpec};
+use crate::log::vehicle::VEHICLE_METADATA;
+use crate::spelling::edits;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A signal and where it is read from.
+#[derive(Debug, Clone)]
+pub(crate) struct Choice {
+    pub signal: SignalName,
+    pub spec: SignalSpec,
+    pub reason: String,
+    /// Found by name, and neither name nor type told the unit.
+    pub is_guess: bool,
+}
+
+/// What was found for a log: the choices, what is missing, and remarks.
+#[derive(Debug, Default)]
+pub(crate) struct Choices {
+    pub found: Vec<Choice>,
+    /// Signals without a place.
+    pub missing: Vec<SignalName>,
+    pub notes: Vec<String>,
+    /// Whether the user named the paths: then a path that leads nowhere is an error.
+    pub told: bool,
+    /// Whether anything was found by name.
+    pub guessed: bool,
+}
+
+/// Chooses a place for each signal.
+///
+/// # Errors
+/// A signal map that names a topic or a field that the log does not have.
+pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Container, candidates: &Candidates<'_>) -> Result<Choices> {
+    let topics: BTreeSet<&str> = container.inventory.channels.values().map(|channel| channel.topic.as_str()).collect();
+    let mut choices = Choices::default();
+    let (map, why, preset) = match source {
+        Source::Map(map) => {
+            choices.told = true;
+            (map.clone(), "the signal map names it".to_owned(), None)
+        }
+        Source::Preset(preset) => (preset.map()?, format!("preset {preset}"), Some(*preset)),
+        Source::Detect if container.metadata.contains_key(VEHICLE_METADATA) => {
+            (Preset::PivotCal.map()?, "the log was written by pivot-cal".to_owned(), None)
+        }
+        Source::Detect => (SignalMap::default(), String::new(), None),
+    };
+    let mut map = map;
+    if !choices.told {
+        reference_path::instead_of_point(&mut map, &topics)?;
+    }
+    reference_path::is_named(&map)?;
+    for &signal in wanted {
+        if let Some(spec) = map.signals.get(&signal) {
+            let (is_plain, has_topic) = (series::is_plain(&spec.path), topics.contains(spec.path.topic.as_str()));
+            if is_plain && has_topic {
+                choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
+                continue;
+            }
+            let series = if choices.told { series::path(&spec.path, container, candidates) } else { None };
+            // one that leads nowhere is compiled all the same where that tells more than that the topic is missing
+            let telling = |leads: bool| leads || has_topic || (signal.is_required() && !is_plain);
+            if let Some((path, _)) = series.filter(|(_, leads)| telling(*leads)) {
+                let reason = format!("{why} as the series {}", spec.path);
+                choices.found.push(Choice { signal, spec: SignalSpec { path, ..spec.clone() }, reason, is_guess: false });
+                continue;
+            }
+            if choices.told && signal.is_required() {
+                return Err(no_topic(signal, &spec.path.topic, &topics));
+            }
+            if choices.told {
+                choices.notes.push(format!("{signal} is left out: the log has no topic {}", spec.path.topic));
+                continue;
+            }
+        }
+        let allowed = |candidate: &&Candidate| preset.is_none_or(|preset| preset.allows(signal, &candidate.schema));
+        // what a signal map leaves out is not looked for
+        let best = if choices.told { None } else { detect::best(signal, candidates.all().iter().filter(allowed)) };
+        if let Some((spec, reason, unit_named)) = best {
+            choices.found.push(Choice { signal, spec, reason, is_guess: !unit_named });
+            choices.guessed = true;
+        } else {
+            choices.missing.push(signal);
+        }
+    }
+    Ok(choices)
+}
+
+/// The candidates that come nearest to a signal, at most three.
+pub(crate) fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
+    let ranked = detect::ranked(signal, candidates.iter());
+    let mut paths: Vec<String> = ranked.iter().take(3).map(|scored| scored.candidate.path.to_string()).collect();
+    if paths.is_empty() {
+        let mut named: Vec<(usize, String)> = candidates
+            .iter()
+            .map(|candidate| {
+                let path = candidate.path.to_string();
+                let words = path.split(|c: char| !c.is_alphanumeric()).filter(|word| word.len() > 2);
+                let closest = words.map(|word| edits(word, signal.key())).min().unwrap_or(usize::MAX);
+                (closest, path)
+            })
+            .filter(|(closest, _)| *closest <= signal.key().len() / 2)
+            .collect();
+        named.sort();
+        paths = named.into_iter().take(3).map(|(_, path)| path).collect();
+    }
+    paths
+}
+
+fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
+    // of a series name only the front is the topic
+    let apart = |known: &str| {
+        let front = series::cuts(topic).skip(1).map(|(front, _)| edits(front, known)).filter(|edits| *edits <= known.len() / 4).min();
+        front.into_iter().chain([edits(topic, known)]).min().unwrap_or(usize::MAX)
+    };
+    let nearest = topics.iter().min_by_key(|known| apart(known)).filter(|known| apart(known) <= topic.len() / 2);
+    Error::NoTopic {
+        signal: signal.key(),
+        topic: topic.to_owned(),
+        nearest: nearest.map(|known| (*known).to_owned()).into_iter().collect(),
+        topics: topics.iter().map(|known| (*known).to_owned()).collect(),
+    }
+}
+
+/// The plans that read `choices`, one per channel; choice `i` fills column `i`.
+///
+/// # Errors
+/// A path that leads nowhere in every channel of its topic.
+pub(crate) fn plans(
+    choices: &mut Choices,
+    container: &Container,
+    samples: &BTreeMap<u16, Vec<u8>>,
+    wheel_radius_m: f64,
+) -> Result<BTreeMap<u16, ChannelPlan>> {
+    let mut plans = BTreeMap::new();
+    let mut problems: BTreeMap<usize, Error> = BTreeMap::new();
+    let mut served = BTreeSet::new();
+    for (id, channel) in &container.inventory.channels {
+        let wanted: Vec<(usize, &Choice)> =
+            choices.found.iter().enumerate().filter(|(_, choice)| choice.spec.path.topic == channel.topic).collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let schema = container.inventory.schema(channel).map(AsRef::as_ref);
+        let layout = match Layout::parse(&channel.message_encoding, schema) {
+            Ok(layout) => layout,
+            Err(source) => {
+                for (column, choice) in wanted {
+                    let error = || Error::Schema { signal: choice.signal.key(), topic: channel.topic.clone(), source: source.clone() };
+                    problems.entry(column).or_insert_with(error);
+                }
+                continue;
+            }
+        };
+        let good: Vec<(usize, &Choice)> = wanted
+            .into_iter()
+            .filter(|(column, choice)| match one(&layout, choice) {
+                Ok(()) => true,
+                Err(source) => {
+                    let path = choice.spec.path.to_string();
+                    problems.entry(*column).or_insert_with(|| Error::Path { signal: choice.signal.key(), path, source });
+                    false
+                }
+            })
+            .collect();
+        served.extend(good.iter().map(|(column, _)| *column));
+        if let Some(plan) = channel_plan(&layout, &good, samples.get(id).map(Vec::as_slice), wheel_radius_m) {
+            plans.insert(*id, plan);
+        }
+    }
+    for (column, error) in problems {
+        let choice = &choices.found[column];
+        if served.contains(&column) {
+            choices.notes.push(format!("{} has messages that cannot be used beside others that can: {error}", choice.spec.path.topic));
+        } else if choices.told || choice.signal.is_required() {
+            return Err(error);
+        } else {
+            choices.notes.push(format!("{} is left out: {error}", choice.signal));
+        }
+    }
+    Ok(plans)
+}
+
+/// Whether a choice leads to a value, or, for the reference of the lateral calibration, to a list of values.
+fn one(layout: &Layout, choice: &Choice) -> std::result::Result<(), PlanError> {
+    let path = &choice.spec.path;
+    if path.is_list() && !matches!(choice.signal, SignalName::ReferenceX | SignalName::ReferenceY) {
+        return Err(PlanError::ManyValues);
+    }
+    Plan::compile(layout, &[path]).map(|_| ()).map_err(|(_, source)| source)
+}
+
+fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u8]>, wheel_radius_m: f64) -> Option<ChannelPlan> {
+    let mut paths: Vec<MessagePath> = Vec::new();
+    let slot = |steps: &[Step], paths: &mut Vec<MessagePath>| {
+        paths.iter().position(|path| path.steps == steps).unwrap_or_else(|| {
+            paths.push(MessagePath::inside(steps.to_vec()));
+            paths.len() - 1
+        })
+    };
+    let mut values = Vec::new();
+    for (column, choice) in wanted {
+        let spec = &choice.spec;
+        let stamp = stamp::find(layout, spec.stamp.as_deref(), sample).and_then(|parts| {
+            let slots: Vec<usize> = parts.iter().map(|steps| slot(steps, &mut paths)).collect();
+            match slots[..] {
+                [seconds, nanoseconds] => Some(Stamp::Parts { seconds, nanoseconds }),
+                [single] => Some(Stamp::Single(single)),
+                _ => None,
+            }
+        });
+        let names = layout.names(&spec.path.steps);
+        values.push(Wanted {
+            column: *column,
+            slot: slot(&spec.path.steps, &mut paths),
+            stamp,
+            convert: Convert::new(choice.signal, spec, &names, wheel_radius_m),
+            list: spec.path.is_list(),
+        });
+    }
+    let references: Vec<&MessagePath> = paths.iter().collect();
+    Some(ChannelPlan { plan: Plan::compile(layout, &references).ok()?, values })
+}

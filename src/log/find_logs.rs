@@ -1,0 +1,115 @@
+//! Which logs are meant: files, folders of logs, rosbag2 folders, patterns.
+
+use crate::log::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// The recordings that `named` means, each as its files in order; inside a folder or a pattern by name.
+///
+/// A folder with a `metadata.yaml` is one rosbag2 recording, whose files are taken in the order that it lists; any other folder means
+/// the `.mcap` files in it, each a recording of its own. What is no file and no folder is a pattern such as `logs/*.mcap`, which may
+/// also mean folders.
+///
+/// # Errors
+/// The first of `named` that means nothing, with its text in front of the reason left to the caller.
+pub fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
+    if named.is_dir() {
+        let metadata = named.join("metadata.yaml");
+        return if metadata.is_file() { Ok(vec![bag(named, &metadata)?]) } else { Ok(each(folder(named)?)) };
+    }
+    let text = named.to_string_lossy();
+    if named.exists() || !text.contains(['*', '?', '[']) {
+        return Ok(vec![vec![named.to_owned()]]); // reading it tells if it is missing
+    }
+    let bad = |reason: String| Error::BadPattern { pattern: text.to_string(), reason };
+    let mut found = Vec::new();
+    for path in glob::glob(&text).map_err(|error| bad(error.to_string()))? {
+        found.push(path.map_err(|error| bad(error.to_string()))?);
+    }
+    if found.is_empty() {
+        return Err(Error::NoMatch { pattern: text.into_owned() });
+    }
+    found.sort();
+    let mut recordings = Vec::new();
+    for path in found {
+        // what is found exists: the name of a folder may look like a pattern itself, and is then taken as it is
+        recordings.extend(if path.is_dir() { find_logs(&path)? } else { vec![vec![path]] });
+    }
+    Ok(recordings)
+}
+
+fn each(files: Vec<PathBuf>) -> Vec<Vec<PathBuf>> {
+    files.into_iter().map(|file| vec![file]).collect()
+}
+
+fn folder(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(Error::Io)? {
+        let path = entry.map_err(Error::Io)?.path();
+        if path.is_file() && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    if found.is_empty() { Err(Error::NoLogs) } else { Ok(found) }
+}
+
+/// The files of a rosbag2 recording: the list `relative_file_paths` of its metadata, which is simple enough to be read by line.
+fn bag(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>> {
+    const LARGEST: u64 = 16 << 20;
+    if std::fs::metadata(metadata).map_err(Error::Io)?.len() > LARGEST {
+        return crate::log::find_logs::folder(folder);
+    }
+    let text = std::fs::read_to_string(metadata).map_err(Error::Io)?;
+    let mut files = Vec::new();
+    let mut lines = text.lines().skip_while(|line| line.trim() != "relative_file_paths:");
+    lines.next();
+    for line in lines {
+        let Some(file) = line.trim().strip_prefix("- ") else { break };
+        let file = file.trim().trim_matches(['"', '\'']);
+        // the name only: a recording does not reach outside its folder
+        let Some(name) = Path::new(file).file_name() else { continue };
+        let path = folder.join(name);
+        if !path.is_file() {
+            return Err(Error::MissingBagFile { file: file.to_owned() });
+        }
+        files.push(path);
+    }
+    if files.is_empty() { crate::log::find_logs::folder(folder) } else { Ok(files) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Each recording's files, joined by `+`.
+    fn names(found: &[Vec<PathBuf>]) -> Vec<String> {
+        let name = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
+        found.iter().map(|files| files.iter().map(name).collect::<Vec<_>>().join("+")).collect()
+    }
+
+    #[test]
+    fn a_folder_a_bag_and_a_pattern_mean_their_logs() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["bag_1.mcap", "bag_0.mcap", "bag_10.mcap", "notes.txt"] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+        }
+        assert_eq!(names(&find_logs(folder.path()).unwrap()), ["bag_0.mcap", "bag_1.mcap", "bag_10.mcap"]);
+        assert_eq!(names(&find_logs(&folder.path().join("bag_?.mcap")).unwrap()), ["bag_0.mcap", "bag_1.mcap"]);
+        assert!(matches!(find_logs(&folder.path().join("x*.mcap")), Err(Error::NoMatch { .. })));
+        let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_1.mcap\n    - bag_10.mcap\n  files:\n    - path: x\n";
+        std::fs::write(folder.path().join("metadata.yaml"), listed).unwrap();
+        assert_eq!(names(&find_logs(folder.path()).unwrap()), ["bag_1.mcap+bag_10.mcap"]);
+        let bag = folder.path().file_name().unwrap().to_str().unwrap();
+        let pattern = folder.path().parent().unwrap().join(format!("{}[{}]", &bag[..bag.len() - 1], &bag[bag.len() - 1..]));
+        assert_eq!(names(&find_logs(&pattern).unwrap()), ["bag_1.mcap+bag_10.mcap"]);
+        std::fs::remove_file(folder.path().join("bag_1.mcap")).unwrap();
+        assert!(matches!(find_logs(folder.path()), Err(Error::MissingBagFile { .. })));
+    }
+
+    #[test]
+    fn a_folder_without_logs_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(matches!(find_logs(folder.path()), Err(Error::NoLogs)));
+    }
+}

@@ -1,0 +1,132 @@
+//! A recording that its writer split into several files, read as one: a run that a file's border cuts is whole again.
+
+use crate::log::{Error, Result, Source, read};
+use crate::log::file::loss::Loss;
+use crate::log::find::infer_units;
+use crate::log::read::Part;
+use crate::log::recording::{Recording, Signal};
+use crate::log::signal_map::{SignalName, VehicleOverrides};
+use crate::map::LogRef;
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Reads the files of one recording, in their order, as one. A file without a signal that every log needs, or without any message, is
+/// left aside with a remark, as long as another one has it. The hash of several files is that of their hashes, one after the other in
+/// hexadecimal. `progress` as in [`crate::log::read`].
+///
+/// # Errors
+/// As [`crate::log::read`]; the first error, when no file can be used.
+pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+    let mut overrides = *overrides;
+    let mut whole: Option<Part> = None;
+    let mut aside = Vec::new();
+    let mut first_error = None;
+    for path in paths {
+        let next = match read::part(path, true, source, &overrides, progress) {
+            Ok(next) => next,
+            Err(error @ (Error::NoMessages { .. } | Error::NoValues { .. } | Error::NoTopic { .. } | Error::MissingSignal { .. }))
+                if paths.len() > 1 =>
+            {
+                let file = path.file_name().unwrap_or_default().to_string_lossy();
+                aside.push(format!("{file} is left aside: {error}"));
+                first_error.get_or_insert(error);
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        // one recording is of one vehicle, which its writer may have described once
+        let vehicle = next.recording.vehicle;
+        overrides = VehicleOverrides {
+            wheelbase_m: Some(vehicle.wheelbase_m),
+            wheel_radius_m: Some(vehicle.wheel_radius_m),
+            test_angle_deg: Some(vehicle.test_angle_deg),
+            torque_limit_nm: vehicle.torque_limit_nm,
+        };
+        match &mut whole {
+            None => whole = Some(next),
+            Some(whole) => whole.append(next),
+        }
+    }
+    let Some(mut whole) = whole else {
+        return Err(first_error.unwrap_or(Error::NoLogs));
+    };
+    if whole.files > 1 {
+        let hash = Sha256::digest(&whole.recording.source.sha256);
+        whole.recording.source.sha256 = hash.iter().fold(String::with_capacity(64), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        });
+    }
+    whole.recording.notes.extend(aside);
+    Ok(whole.finish())
+}
+
+impl Part {
+    /// Adds the next file of the same recording.
+    fn append(&mut self, next: Self) {
+        self.files += 1;
+        self.guessed |= next.guessed;
+        self.unnamed.extend(next.unnamed);
+        let (whole, next) = (&mut self.recording, next.recording);
+        let LogRef { sha256, file, bytes } = next.source;
+        whole.source.sha256 += &sha256;
+        whole.source.bytes += bytes;
+        let first = whole.source.file.split(" … ").next().unwrap_or_default();
+        whole.source.file = format!("{first} … {file}");
+        for name in SignalName::ALL {
+            let Some(more) = next.signals.get(name).filter(|signal| !signal.is_empty()) else { continue };
+            let mut signal = whole.signals.get(name).cloned().unwrap_or_default();
+            signal.append(more);
+            whole.signals.set(name, signal);
+        }
+        for origin in next.origins {
+            match whole.origins.iter_mut().find(|known| known.signal == origin.signal && known.path == origin.path) {
+                Some(known) => known.values += origin.values,
+                None => whole.origins.push(origin),
+            }
+        }
+        whole.loss.append(next.loss);
+        for note in next.notes {
+            if !whole.notes.contains(&note) {
+                whole.notes.push(note);
+            }
+        }
+    }
+
+    /// The recording, with what only the values tell corrected.
+    pub(crate) fn finish(self) -> Recording {
+        let mut recording = self.recording;
+        if self.guessed {
+            recording.notes.extend(infer_units::correct(&mut recording.signals, &recording.vehicle, &self.unnamed));
+        }
+        recording
+    }
+}
+
+impl Signal {
+    /// Adds values that were logged later; sorts them in where their stamps say otherwise.
+    fn append(&mut self, next: &Self) {
+        self.relative_to_gear |= next.relative_to_gear;
+        self.unsigned |= next.unsigned;
+        self.time_ns.extend(&next.time_ns);
+        self.value.extend(&next.value);
+        self.sort();
+    }
+}
+
+impl Loss {
+    /// Adds what was read and lost of the next file; places keep their position in their own file.
+    fn append(&mut self, next: Self) {
+        self.messages_read += next.messages_read;
+        self.messages_lost = self.messages_lost.zip(next.messages_lost).map(|(a, b)| a + b);
+        self.bytes_lost += next.bytes_lost;
+        self.places.extend(next.places);
+        for (topic, count) in next.broken_messages {
+            *self.broken_messages.entry(topic).or_default() += count;
+        }
+        for (signal, count) in next.not_finite {
+            *self.not_finite.entry(signal).or_default() += count;
+        }
+    }
+}

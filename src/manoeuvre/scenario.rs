@@ -1,0 +1,164 @@
+//! The manoeuvres: name, what it is, class, and what is driven.
+
+use crate::sim;
+use crate::guidance::path::PosePath;
+use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
+use crate::guidance::route::tracking::LawName;
+use crate::manoeuvre::{planned, polyline};
+use crate::manoeuvre::compensation::CompensationScenario;
+use crate::manoeuvre::drive::Moment;
+use crate::manoeuvre::planned::{Planned, PlannedTask};
+use crate::manoeuvre::polyline::DEMO_POINTS;
+use crate::manoeuvre::torque::ManoeuvreTorque;
+use crate::map::Gear;
+use crate::verify::{Error, Maps, Result};
+use crate::verify::metric::Values;
+use crate::verify::scenario::Class;
+use serde::Serialize;
+
+/// What a manoeuvre drives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A polyline with turns on the spot, its segments tracked by a law.
+    Polyline {
+        /// The law.
+        law: LawName,
+        /// The points [m].
+        points_m: Vec<[f64; 2]>,
+    },
+    /// A path with mounting errors, without and with compensation.
+    Compensation(CompensationScenario),
+    /// A path that is planned beforehand: parking, the U-turn.
+    Planned(PlannedTask),
+}
+
+/// One manoeuvre.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Manoeuvre {
+    /// Its name on the command line.
+    pub name: String,
+    /// What it is, for people.
+    pub what: String,
+    /// Class, by which limits are chosen.
+    pub class: Class,
+    /// What is driven.
+    pub kind: Kind,
+}
+
+/// What a manoeuvre is run with.
+#[derive(Debug, Clone)]
+pub(crate) struct Bench<'a> {
+    /// The map, with the compensation table if the folder has one.
+    pub(crate) maps: &'a Maps,
+    /// Torque for speed, acceleration and angle.
+    pub(crate) torque: ManoeuvreTorque<'a>,
+    /// Wheelbase [m].
+    pub(crate) wheelbase_m: f64,
+    /// The plan of a planned task, made once for all of its runs.
+    pub(crate) planned: Option<&'a Planned>,
+}
+
+impl Manoeuvre {
+    /// Every manoeuvre, in the order in which they are shown.
+    pub fn all() -> Vec<Self> {
+        let mut all: Vec<Self> = LawName::ALL
+            .into_iter()
+            .map(|law| Self {
+                name: format!("polyline-{}", law.name()),
+                what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
+                class: Class::Polyline,
+                kind: Kind::Polyline { law, points_m: DEMO_POINTS.to_vec() },
+            })
+            .collect();
+        for direction in Gear::ALL {
+            all.push(Self {
+                name: format!("lateral-{direction}"),
+                what: format!("mounting yaw 1.0° and steering zero 0.8° off, compensated, in {direction} gear"),
+                class: Class::Compensation,
+                kind: Kind::Compensation(CompensationScenario::new(direction)),
+            });
+        }
+        let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool, nose_in: bool| Self {
+            name: name.to_owned(),
+            what: what.to_owned(),
+            class: Class::Parking,
+            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right, nose_in }),
+        };
+        all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true, false));
+        all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false, false));
+        all.push(parking("parking-60", "backing into a slot slanted by 60° against the row", 60.0, true, false));
+        all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true, false));
+        all.push(parking("parking-nose-in", "forward into a slot slanted by 120° against the row", 120.0, true, true));
+        all.push(Self {
+            name: "u-turn".to_owned(),
+            what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
+            class: Class::UTurn,
+            kind: Kind::Planned(PlannedTask::UTurn),
+        });
+        all
+    }
+
+    /// The same along other points [m], if it is a polyline.
+    ///
+    /// # Errors
+    /// Points that are no path, with the nearest that would be.
+    pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
+        if let Kind::Polyline { law, points_m: own } = &mut self.kind {
+            let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+            self.what = format!("{} segments of one's own with turns on the spot, tracked by {}", plan.segments.len(), law.title());
+            *own = points_m.to_vec();
+        }
+        Ok(self)
+    }
+
+    /// Why it cannot be run, if it cannot.
+    pub(crate) fn hindrance(&self, maps: &Maps, plant: &sim::Settings) -> Option<String> {
+        let (map_m, plant_m) = (maps.table2.vehicle.wheelbase_m, plant.vehicle.wheelbase_m);
+        if (map_m - plant_m).abs() > 0.01 * plant_m {
+            return Some(format!(
+                "not tested: the map's vehicle has a wheelbase of {map_m} m, the simulated one {plant_m} m; name the map's vehicle with --vehicle"
+            ));
+        }
+        match &self.kind {
+            Kind::Polyline { .. } | Kind::Planned(_) => None,
+            Kind::Compensation(_) if maps.lateral.is_some() => None,
+            Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
+        }
+    }
+
+    /// The path that it should drive, for a log or a picture.
+    ///
+    /// # Errors
+    /// Points that are no path.
+    pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
+        match &self.kind {
+            Kind::Polyline { points_m, .. } => {
+                let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+                Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
+            }
+            Kind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
+            Kind::Planned(task) => Ok(task.plan(wheelbase_m)?.path),
+        }
+    }
+
+    /// Its plan, if it is a task that is planned beforehand.
+    pub(crate) fn plan(&self, wheelbase_m: f64) -> Result<Option<Planned>> {
+        match &self.kind {
+            Kind::Planned(task) => task.plan(wheelbase_m).map(Some),
+            Kind::Polyline { .. } | Kind::Compensation(_) => Ok(None),
+        }
+    }
+
+    /// Runs it on `plant`; `record` sees every period.
+    pub(crate) fn run(&self, bench: &Bench<'_>, plant: &sim::Settings, seed: u64, record: impl FnMut(&Moment)) -> Result<Values> {
+        match &self.kind {
+            Kind::Polyline { law, points_m } => polyline::run(bench, *law, points_m, plant, seed, record),
+            Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
+            Kind::Planned(task) => match bench.planned {
+                Some(planned) => planned::run(bench, planned, plant, seed, record),
+                None => planned::run(bench, &task.plan(bench.wheelbase_m)?, plant, seed, record),
+            },
+        }
+    }
+}

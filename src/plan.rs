@@ -1,0 +1,169 @@
+//! The campaign still to drive: which runs shrink the standard errors of the torque map most per second.
+//!
+//! Greedy A-optimal design (Fedorov 1972, *Theory of Optimal Experiments*; Chaloner & Verdinelli 1995, *Bayesian experimental design*): the
+//! information of a run is the Gram matrix of its whitened regressors, the very columns of the estimator, along the way that the fitted
+//! surface predicts; the criterion is the mean posterior variance of the torque over the table's cells. Everything comes from
+//! `table1.json`: the runs driven so far are simulated in the same way, and the penalties are those that the fit chose.
+
+mod drive;
+mod greedy;
+mod information;
+mod text;
+
+use crate::fit::{Error, Result};
+use crate::map::{Gear, Table1File};
+use greedy::Greedy;
+use information::{Information, Model};
+pub use drive::PlannedRun;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Turning the wheel to its angle before the first run [s].
+const STEER_S: f64 = 2.0;
+
+/// What a plan may spend.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanSettings {
+    /// Time of driving [s], with turning the wheel to its angle, spin-ups and stops. Default 300.
+    pub budget_s: f64,
+    /// Speeds of the cells whose torque is to be known [m/s], rising; by default those of Table 1 that were driven. Runs go a little faster
+    /// than the last. A speed of 0 is left out: no reading tells it.
+    pub speed_breaks_mps: Option<Vec<f64>>,
+    /// Torques of these cells [N·m], rising; by default those of Table 1. Levels lie between the first and the last, none above the
+    /// vehicle's limit.
+    pub torque_breaks_nm: Option<Vec<f64>>,
+}
+
+impl Default for PlanSettings {
+    fn default() -> Self {
+        Self { budget_s: 300.0, speed_breaks_mps: None, torque_breaks_nm: None }
+    }
+}
+
+/// A campaign still to drive, the most useful runs first.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plan {
+    /// What was asked for [s].
+    pub budget_s: f64,
+    /// What the runs are expected to take [s].
+    pub seconds: f64,
+    /// Number of runs, repeats counted.
+    pub runs: u32,
+    /// Root mean square over the cells of the torque's standard error [N·m]: now, ...
+    pub std_err_nm: f64,
+    /// ... and expected after the plan.
+    pub std_err_after_nm: f64,
+    /// The runs, by falling gain per second.
+    pub entries: Vec<PlanEntry>,
+}
+
+/// A run, and how often it is driven.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanEntry {
+    /// What is driven.
+    #[serde(flatten)]
+    pub run: PlannedRun,
+    /// How often.
+    pub repeats: u32,
+    /// Time of one run with everything around it [s].
+    pub seconds: f64,
+    /// What the first of these runs takes off the standard error, root mean square over the cells [N·m], ...
+    pub gain_nm: f64,
+    /// ... as share of what it was before that run [%], ...
+    pub gain_percent: f64,
+    /// ... and per second of driving [N·m/s].
+    pub gain_nm_per_s: f64,
+    /// Which cells gain most, and how well they are known before.
+    pub reason: String,
+}
+
+/// Plans the campaign still to drive after the one behind `file`.
+///
+/// # Errors
+/// A budget that is not positive or that no run fits, no tables, runs or tables that tell no motion.
+pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Plan> {
+    let model = Model::new(file, settings)?;
+    let runs: Vec<PlannedRun> = model.vehicles.iter().flat_map(|vehicle| vehicle.candidates(&model.levels_nm)).collect();
+    let candidates = informed(&model, &runs);
+    let covariance = model.covariance(file)?;
+    let cells = model.cells();
+    let mut greedy = Greedy::new(&model, &covariance, &candidates, &cells);
+    let std_err_nm = greedy.std_err_nm();
+    let mut left_s = settings.budget_s - STEER_S;
+    let mut picked: Vec<(usize, PlanEntry)> = Vec::new();
+    while let Some(best) = greedy.best(left_s) {
+        let (run, seconds, _) = &candidates[best];
+        let before = greedy.std_err_nm();
+        let reason = greedy.reason(best, &cells);
+        greedy.take(best);
+        let gain_nm = before - greedy.std_err_nm();
+        left_s -= seconds;
+        match picked.iter_mut().find(|(k, _)| *k == best) {
+            Some((_, entry)) => entry.repeats += 1,
+            None => picked.push((
+                best,
+                PlanEntry {
+                    run: *run,
+                    repeats: 1,
+                    seconds: (seconds * 100.0).round() / 100.0,
+                    gain_nm,
+                    gain_percent: 100.0 * gain_nm / before,
+                    gain_nm_per_s: gain_nm / seconds,
+                    reason,
+                },
+            )),
+        }
+    }
+    if picked.is_empty() {
+        return Err(Error::NoPlan { budget_s: settings.budget_s });
+    }
+    let entries: Vec<PlanEntry> = picked.into_iter().map(|(_, entry)| entry).collect();
+    Ok(Plan {
+        budget_s: settings.budget_s,
+        seconds: settings.budget_s - left_s,
+        runs: entries.iter().map(|e| e.repeats).sum(),
+        std_err_nm,
+        std_err_after_nm: greedy.std_err_nm(),
+        entries,
+    })
+}
+
+/// How well a cell's torque is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ExpectedCell {
+    /// Gear.
+    pub gear: Gear,
+    /// Speed [m/s].
+    pub speed_mps: f64,
+    /// Torque [N·m], gear frame.
+    pub torque_nm: f64,
+    /// Expected standard error [N·m].
+    pub std_err_nm: f64,
+}
+
+/// What the cells' standard errors are expected to be after `runs` were driven beside those behind `file`: by the same model as [`plan`].
+/// A run that the vehicle cannot drive tells nothing.
+///
+/// # Errors
+/// As [`plan`].
+pub fn expected(file: &Table1File, settings: &PlanSettings, runs: &[PlannedRun]) -> Result<Vec<ExpectedCell>> {
+    let model = Model::new(file, settings)?;
+    let informed = informed(&model, runs);
+    let cells = model.cells();
+    let mut greedy = Greedy::new(&model, &model.covariance(file)?, &informed, &cells);
+    for k in 0..informed.len() {
+        greedy.take(k);
+    }
+    let told = cells.iter().zip(greedy.std_errs_nm());
+    Ok(told.map(|(c, std_err_nm)| ExpectedCell { gear: c.gear, speed_mps: c.speed_mps, torque_nm: c.torque_nm, std_err_nm }).collect())
+}
+
+/// Runs with their time [s] and what they tell; those that cannot be driven are left out.
+fn informed(model: &Model, runs: &[PlannedRun]) -> Vec<(PlannedRun, f64, Information)> {
+    runs.par_iter()
+        .filter_map(|run| {
+            let driven = model.vehicles.iter().find(|v| v.gear == run.gear)?.drive(run)?;
+            Some((*run, driven.seconds, model.information(run.gear, &driven.parts, 1)))
+        })
+        .collect()
+}

@@ -1,0 +1,181 @@
+//! What is measured while a run goes on; the definitions are in `docs/controller.md`.
+
+use crate::sim;
+use crate::control::{Phase, Settings};
+use crate::map::Gear;
+use crate::sim::TrueState;
+use crate::units::RAD_PER_DEG;
+use crate::verify::metric::{Metric, Values};
+use crate::verify::run::{Bench, Moment};
+use crate::verify::scenario::{Expected, Scenario};
+
+/// Watches a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.
+pub(crate) struct Watch<'a> {
+    bench: &'a Bench<'a>,
+    settings: &'a Settings,
+    wheelbase_m: f64,
+    start: TrueState,
+    turn_rad: f64,
+    length_m: f64,
+    gear: Gear,
+    arc_m: f64,
+    heading_error_rad: f64,
+    overshoot_rad: f64,
+    drift_m: f64,
+    squares: f64,
+    largest_mps: f64,
+    driving_periods: f64,
+    saturated: f64,
+    outside: f64,
+    limit_nm: f64,
+    peak_accel_mps2: f64,
+    peak_jerk_mps3: f64,
+    start_jerk_mps3: f64,
+    means_mps: [f64; 2],
+    since_drive_s: Option<f64>,
+    standing_since_s: f64,
+    settling_s: f64,
+    begun_s: f64,
+    time_s: f64,
+    failed: bool,
+    drive_after_failure_nm: f64,
+    travel_after_failure_m: f64,
+}
+
+impl<'a> Watch<'a> {
+    pub(crate) fn new(bench: &'a Bench<'a>, settings: &'a Settings, plant: &sim::Settings) -> Self {
+        Self {
+            bench,
+            settings,
+            wheelbase_m: plant.vehicle.wheelbase_m,
+            start: TrueState::default(),
+            turn_rad: 0.0,
+            length_m: 0.0,
+            gear: Gear::Forward,
+            arc_m: 0.0,
+            heading_error_rad: 0.0,
+            overshoot_rad: 0.0,
+            drift_m: 0.0,
+            squares: 0.0,
+            largest_mps: 0.0,
+            driving_periods: 0.0,
+            saturated: 0.0,
+            outside: 0.0,
+            limit_nm: bench.torque_limit_nm.min(plant.drive.torque_limit_nm),
+            peak_accel_mps2: 0.0,
+            peak_jerk_mps3: 0.0,
+            start_jerk_mps3: 0.0,
+            means_mps: [0.0; 2],
+            since_drive_s: None,
+            standing_since_s: 0.0,
+            settling_s: 0.0,
+            begun_s: 0.0,
+            time_s: 0.0,
+            failed: false,
+            drive_after_failure_nm: 0.0,
+            travel_after_failure_m: 0.0,
+        }
+    }
+
+    /// A turn of `turn_rad` begins.
+    pub(crate) fn begin(&mut self, state: &TrueState, turn_rad: f64) {
+        let sin = (self.settings.planning.test_angle_rad).sin().abs();
+        (self.start, self.turn_rad, self.begun_s) = (*state, turn_rad, state.t_s);
+        self.length_m = self.wheelbase_m * turn_rad.abs() / sin;
+        self.arc_m = 0.0;
+        self.since_drive_s = None;
+        self.means_mps = [state.speed_mps; 2];
+    }
+
+    /// One period. `mean_mps`: mean of the true speed over the period that `moment` began.
+    pub(crate) fn see(&mut self, moment: &Moment, mean_mps: f64) {
+        let (state, command, period_s) = (&moment.state, &moment.command, self.bench.period_s);
+        if let Some(gear) = command.gear {
+            self.gear = gear;
+        }
+        let sign = self.gear.sign();
+        let accel = (mean_mps - self.means_mps[1]) / period_s;
+        let jerk = (mean_mps - 2.0 * self.means_mps[1] + self.means_mps[0]) / (period_s * period_s);
+        self.means_mps = [self.means_mps[1], mean_mps];
+        self.peak_accel_mps2 = self.peak_accel_mps2.max(accel.abs());
+        self.peak_jerk_mps3 = self.peak_jerk_mps3.max(jerk.abs());
+        if command.phase == Phase::Driving {
+            let since_s = self.since_drive_s.map_or(0.0, |s| s + period_s);
+            self.since_drive_s = Some(since_s);
+            if since_s <= 0.5 {
+                self.start_jerk_mps3 = self.start_jerk_mps3.max(jerk.abs());
+            }
+            let error_mps = sign * state.speed_mps - self.settings.planning.profile.speed_at(self.arc_m, self.length_m);
+            self.squares += error_mps * error_mps;
+            self.largest_mps = self.largest_mps.max(error_mps.abs());
+            self.driving_periods += 1.0;
+            if let Some(drive) = command.drive {
+                // 1e-6: an interpolated table value at its limit may miss it by its rounding
+                self.saturated += f64::from(u8::from(drive.torque_nm.abs() >= self.limit_nm - 1e-6));
+                self.outside += f64::from(u8::from(!self.bench.region.contains(self.gear, drive.speed_mps, drive.accel_mps2)));
+            }
+            self.drift_m = self.drift_m.max(self.drift(state));
+        } else if let Some(since_s) = self.since_drive_s.as_mut() {
+            *since_s += period_s;
+        }
+        if mean_mps.abs() > 1e-3 {
+            self.standing_since_s = self.since_drive_s.unwrap_or(0.0);
+        }
+        let turned_rad = (state.heading_rad - self.start.heading_rad) * self.turn_rad.signum();
+        if command.phase.is_active() || matches!(command.phase, Phase::Succeeded) {
+            self.overshoot_rad = self.overshoot_rad.max(turned_rad - self.turn_rad.abs());
+        }
+        if matches!(command.phase, Phase::Failed(_)) {
+            self.drive_after_failure_nm = self.drive_after_failure_nm.max(sign * command.torque_nm);
+            self.travel_after_failure_m += mean_mps.abs() * period_s;
+        }
+        self.arc_m += sign * mean_mps * period_s;
+    }
+
+    /// Distance of the reference point from its place on the circle that it should follow [m].
+    fn drift(&self, state: &TrueState) -> f64 {
+        let (sin, cos) = self.settings.planning.test_angle_rad.sin_cos();
+        let mirrored = self.gear == Gear::Forward && self.turn_rad < 0.0;
+        let to_centre_m = self.wheelbase_m * cos / sin * if mirrored { -1.0 } else { 1.0 };
+        let centre = |s: &TrueState| (s.x_m - s.heading_rad.sin() * to_centre_m, s.y_m + s.heading_rad.cos() * to_centre_m);
+        let ((x0, y0), (x, y)) = (centre(&self.start), centre(state));
+        f64::hypot(x - x0, y - y0)
+    }
+
+    /// The turn has ended.
+    pub(crate) fn end(&mut self, state: &TrueState, failed: bool) {
+        let turned_rad = state.heading_rad - self.start.heading_rad;
+        self.heading_error_rad = self.heading_error_rad.max((turned_rad - self.turn_rad).abs());
+        self.settling_s = self.settling_s.max(self.standing_since_s);
+        self.time_s += state.t_s - self.begun_s;
+        self.failed |= failed;
+    }
+
+    /// The metrics of the run.
+    pub(crate) fn values(&self, scenario: &Scenario) -> Values {
+        let mut values = Values::default();
+        values.set(Metric::PeakAccelMps2, self.peak_accel_mps2);
+        values.set(Metric::PeakJerkMps3, self.peak_jerk_mps3);
+        if self.failed {
+            values.set(Metric::DriveAfterFailureNm, self.drive_after_failure_nm);
+            values.set(Metric::TravelAfterFailureM, self.travel_after_failure_m);
+        } else {
+            values.set(Metric::TimeS, self.time_s);
+            values.set(Metric::SettlingTimeS, self.settling_s);
+        }
+        if scenario.expected == Expected::Success {
+            // a turn that failed has an error too: what is missing
+            values.set(Metric::HeadingErrorDeg, self.heading_error_rad / RAD_PER_DEG);
+            values.set(Metric::OvershootDeg, self.overshoot_rad / RAD_PER_DEG);
+        }
+        if self.driving_periods > 0.0 {
+            values.set(Metric::DriftM, self.drift_m);
+            values.set(Metric::SpeedRmsMps, (self.squares / self.driving_periods).sqrt());
+            values.set(Metric::SpeedMaxMps, self.largest_mps);
+            values.set(Metric::StartJerkMps3, self.start_jerk_mps3);
+            values.set(Metric::SaturatedShare, self.saturated / self.driving_periods);
+            values.set(Metric::OutsideShare, self.outside / self.driving_periods);
+        }
+        values
+    }
+}
