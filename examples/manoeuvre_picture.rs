@@ -6,7 +6,8 @@
 use pivot_cal::guidance::route::follower::Stage;
 use pivot_cal::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 use pivot_cal::manoeuvre::DEMO_POINTS;
-use pivot_cal::verify::{Manoeuvre, ManoeuvreMoment, Maps, Metric, Settings, replay_manoeuvre};
+use pivot_cal::manoeuvre::{Manoeuvre, ManoeuvreMoment, replay_manoeuvre};
+use pivot_cal::verify::{Maps, Metric, Settings};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;

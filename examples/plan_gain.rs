@@ -12,7 +12,8 @@ mod yardstick;
 
 use campaigns::{drive, in_order, shuffled};
 use pivot_cal::{fit, plan};
-use pivot_cal::fit::{ExpectedCell, PlanSettings, PlannedRun, expected, fit};
+use pivot_cal::fit::fit;
+use pivot_cal::plan::{ExpectedCell, PlanSettings, PlannedRun, expected};
 use pivot_cal::map::Table1File;
 use pivot_cal::record::{Campaign, RunGroup, Torques};
 use pivot_cal::sim::VehicleFile;

@@ -4,7 +4,8 @@
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
 use pivot_cal::manoeuvre::picture::picture;
-use pivot_cal::verify::{Kind, Manoeuvre, Maps, Metric, Settings, bundled_vehicle, known_maps, replay_manoeuvre};
+use pivot_cal::manoeuvre::{Kind, Manoeuvre, bundled_vehicle, replay_manoeuvre};
+use pivot_cal::verify::{Maps, Metric, Settings, known_maps};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {

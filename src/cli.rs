@@ -22,21 +22,14 @@ mod report;
 mod ui;
 mod verify;
 mod verify_text;
+pub(crate) mod outcome;
 
-use clap::{Args, Parser, Subcommand};
+use crate::cli::outcome::Outcome;
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 pub use ui::Ui;
-
-/// How a command that did not fail ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// Finished, and good.
-    Done,
-    /// Finished and written, but rejected: the exit status is 3.
-    Rejected,
-}
 
 /// Calibrate the torque map of a vehicle that pivots on its driven front wheel.
 #[derive(Debug, Parser)]
@@ -126,7 +119,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Export(arguments) => export::run(&arguments, ui),
         Command::Diff(arguments) => diff::run(&arguments, ui),
         Command::Plan(arguments) => plan::run(&arguments, ui),
-        Command::Completions(arguments) => completions::run(&arguments, ui),
+        Command::Completions(arguments) => completions::run(&arguments, Cli::command(), ui),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -15,7 +15,9 @@ mod number;
 mod provenance;
 mod rust;
 mod source;
+pub(crate) mod file;
 
+use crate::export::file::File;
 pub use error::{Error, Result};
 pub use number::Precision;
 pub use source::Source;
@@ -78,22 +80,5 @@ impl Format {
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-/// A file to be written.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct File {
-    /// Its name, without a folder.
-    pub name: String,
-    /// Its text.
-    pub text: String,
-    /// What a reader should know beyond the name: factors, what was left out.
-    pub note: Option<String>,
-}
-
-impl File {
-    fn new(name: impl Into<String>, text: String) -> Self {
-        Self { name: name.into(), text, note: None }
     }
 }

@@ -16,6 +16,7 @@ pub(crate) mod rounds;
 pub(crate) mod solve;
 pub(crate) mod surface;
 pub(crate) mod table1;
+pub(crate) mod calibration;
 
 pub use angles::angle_groups::fit_angles;
 pub use error::{Error, Result};

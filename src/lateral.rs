@@ -10,9 +10,11 @@ mod fit;
 mod isotonic;
 mod nearest;
 mod newey_west;
+mod settings;
 
 pub use bins::{Bin, LateralRun};
 pub use error::{Error, Result};
-pub use fit::{Report, Settings, Weighting, fit};
+pub use fit::{Report, fit};
+pub use settings::{Settings, Weighting};
 pub use isotonic::isotonic;
 pub use newey_west::{Mean, newey_west};

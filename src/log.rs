@@ -28,7 +28,7 @@ pub(crate) mod file;
 pub(crate) mod find;
 
 pub use error::{Error, Result};
-pub use extract::extractor::PlanError;
+pub use extract::plan_error::PlanError;
 pub use extract::fields::{FieldError, FieldReader};
 pub use file::loss::{Damage, Loss, Why};
 pub use find::presets::Preset;
@@ -38,7 +38,7 @@ pub use rate::{Rate, rate};
 pub use read::{read, read_bytes, read_lateral, read_lateral_bytes, read_signals};
 pub use recording::{Origin, Recording, Signal, Signals};
 pub use reference_path::ReferencePath;
-pub use schema::SchemaError;
+pub use schema::schema_error::SchemaError;
 pub use signal_map::{Code, SignalMap, SignalName, SignalSpec, VehicleOverrides};
 pub use split_bag::read_split;
 pub use survey::{Depth, Found, Missing, Survey, Topic, survey, survey_bytes};

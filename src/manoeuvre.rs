@@ -14,6 +14,7 @@ mod polyline;
 mod scenario;
 mod torque;
 mod traces;
+mod bench;
 
 pub use compensation::CompensationScenario;
 pub use drive::{Moment as ManoeuvreMoment, Mounting, Start, drive};

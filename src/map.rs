@@ -12,6 +12,7 @@ mod cell;
 mod csv_matrix;
 mod error;
 mod fit_traces;
+mod format;
 mod gear;
 mod json_text;
 mod lateral_table_file;
@@ -31,6 +32,8 @@ pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
 pub use error::{Error, Result};
 pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
+pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
+pub(crate) use format::expect_format;
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
 pub use plan_file::{PlanFile, PlannedRun, Proposal};
@@ -40,19 +43,3 @@ pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
 pub use torque_table::TorqueTable;
 pub use vehicle::Vehicle;
 pub(crate) use csv_matrix::decimal;
-pub(crate) use table1_file::expect_format;
-
-/// Version of the JSON artefacts that this library writes, and the only one that it reads.
-pub const FORMAT_VERSION: u32 = 1;
-
-/// What the `format` field of a `table1.json` says.
-pub const TABLE1_FORMAT: &str = table1_file::FORMAT;
-
-/// What the `format` field of a `lateral_table.json` says.
-pub const LATERAL_TABLE_FORMAT: &str = lateral_table_file::FORMAT;
-
-/// What the `format` field of a `table2.json` says.
-pub const TABLE2_FORMAT: &str = table2_file::FORMAT;
-
-/// What the `format` field of a `fit_traces.json` says.
-pub const FIT_TRACES_FORMAT: &str = fit_traces::FORMAT;

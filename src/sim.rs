@@ -26,13 +26,15 @@ mod traction;
 mod truth;
 mod vehicle_file;
 mod world;
+mod load;
 
 pub use crate::map::Gear;
 pub use drive::{Drive, DriveSettings, TorqueStep};
 pub use error::{Error, Result};
 pub use fault::Fault;
 pub use identified::{Direction, IdentifiedMotion, IdentifiedSettings};
-pub use motion::{Load, Motion, MotionSettings};
+pub use load::Load;
+pub use motion::{Motion, MotionSettings};
 pub use physical::PhysicalMotion;
 pub use plant::PhysicalSettings;
 pub use pose::{AngleTerms, Body, SpeedStep};

@@ -23,9 +23,9 @@ mod scenario;
 mod vehicle_log;
 mod verdict;
 mod run_metrics;
+mod bench;
 
 pub use closed_loop::{Bands, ClosedLoop, LawTraces, closed_loop};
-pub use crate::manoeuvre::{ErrorTrace, Kind, LateralRun, LoggedReference, Manoeuvre, ManoeuvreMoment, ManoeuvreTrace, ManoeuvreTraces, Mounting, Piece, bundled_vehicle, lateral_log, lateral_run, log_of_manoeuvre, manoeuvre_traces, replay_manoeuvre};
 pub use error::{Error, Result};
 pub use gate::{Check, Gate, Limit};
 pub use judge::{Settings, replay, verify, verify_watched};
@@ -38,6 +38,6 @@ pub use plant::Plant;
 pub use reference_maps::known_maps;
 pub use replayed::{ReplayedRun, replayed};
 pub use round_trip::{RoundTrip, RoundTripLimit, Worst, round_trip};
-pub use run::Moment;
+pub use bench::Moment;
 pub use scenario::{Class, Disturbance, Expected, Onset, Scenario};
 pub use verdict::{Comparison, ConventionalGains, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};

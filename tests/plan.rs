@@ -6,7 +6,7 @@
 mod yardstick;
 
 use pivot_cal::plan;
-use pivot_cal::fit::{Plan, PlanSettings, expected};
+use pivot_cal::plan::{Plan, PlanSettings, expected};
 use pivot_cal::map::{Gear, Table1File};
 use pivot_cal::record::{Campaign, End, record};
 use pivot_cal::sim::VehicleFile;

@@ -1,7 +1,8 @@
 //! `check MAP…`: judges maps, ours and foreign ones.
 
 use crate::check::{Finding, Report, Settings, Severity, check};
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use std::path::PathBuf;
 
 /// Findings of one rule that are listed without `-v`.

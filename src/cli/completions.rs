@@ -1,7 +1,7 @@
 //! `completions SHELL`: a script that completes commands and flags.
 
-use crate::cli::{Cli, Outcome, Ui};
-use clap::CommandFactory;
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 
 /// Arguments of `completions`.
 #[derive(Debug, clap::Args)]
@@ -11,9 +11,10 @@ pub(crate) struct Arguments {
     shell: clap_complete::Shell,
 }
 
-pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+/// Writes the script for `command`, the whole command line.
+pub(crate) fn run(arguments: &Arguments, mut command: clap::Command, ui: Ui) -> anyhow::Result<Outcome> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Cli::command(), "pivot-cal", &mut script);
+    clap_complete::generate(arguments.shell, &mut command, "pivot-cal", &mut script);
     ui.product(String::from_utf8(script)?);
     Ok(Outcome::Done)
 }

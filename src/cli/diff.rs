@@ -1,6 +1,7 @@
 //! `diff A B`: what changed between two maps.
 
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use crate::diff::{Comparison, MapDiff, Settings, Side, Verdict, compare, html};
 use crate::map::write_whole;
 use comfy_table::{CellAlignment, Table, presets};

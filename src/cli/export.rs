@@ -1,6 +1,7 @@
 //! `export`: the map in the forms that controllers and calibration tools load.
 
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use crate::export::{Format, Precision, Source};
 use crate::map::{sha256_hex, write_whole};
 use std::path::PathBuf;

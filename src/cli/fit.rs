@@ -1,6 +1,7 @@
 //! `fit LOG…`: Table 1 from logs.
 
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use crate::cli::angles::Choice;
 use crate::cli::breaks::Breaks;
 use crate::cli::logs::{LogArguments, survey};

@@ -1,9 +1,10 @@
 //! `plan`: the campaign still to drive after Table 1.
 
 use crate::plan;
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use crate::cli::breaks::Breaks;
-use crate::fit::{Plan, PlanSettings};
+use crate::plan::{Plan, PlanSettings};
 use crate::map::{PlanFile, SAME_ANGLE_DEG, Table1File, sha256_hex, write_whole};
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};

@@ -1,6 +1,7 @@
 //! `record`: a campaign on a simulated vehicle → an MCAP log.
 
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use crate::map::write_whole;
 use crate::record::{Campaign, record};
 use crate::sim::VehicleFile;

@@ -1,6 +1,7 @@
 //! `report`: the page that says whether to deploy a map.
 
-use crate::cli::{Outcome, Ui};
+use crate::cli::Ui;
+use crate::cli::outcome::Outcome;
 use crate::map::write_whole;
 use crate::report::{Inputs, Judgement, coverage_text, report};
 use std::path::{Path, PathBuf};

@@ -3,7 +3,8 @@
 //!
 //! Source: ASAM MCD-2 CDF V2.0, document type `MSRSW` (`cdf_v2.0.0.sl.dtd`).
 
-use crate::export::{File, Source, provenance};
+use crate::export::{Source, provenance};
+use crate::export::file::File;
 use crate::export::dcm::{constants, name, what};
 use crate::export::number::plain;
 use std::fmt::Write as _;

@@ -1,6 +1,7 @@
 //! `table2.json` as it is, with the JSON Schema that describes it.
 
-use crate::export::{File, Source};
+use crate::export::Source;
+use crate::export::file::File;
 
 /// The published schema.
 const SCHEMA: &str = include_str!("../../docs/schema/table2.schema.json");

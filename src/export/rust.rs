@@ -1,6 +1,7 @@
 //! A Rust module that needs `core` only: the same tables, look-up and checksum as the C source.
 
-use crate::export::{File, Precision, Source, provenance};
+use crate::export::{Precision, Source, provenance};
+use crate::export::file::File;
 use crate::export::c::sha256;
 use crate::export::crc::crc32;
 use crate::export::dcm::constants;

@@ -8,4 +8,6 @@ pub(crate) mod noise_likelihood;
 pub(crate) mod passes;
 pub(crate) mod regressors;
 pub(crate) mod segment;
+pub(crate) mod segmentation;
+pub(crate) mod log_data;
 

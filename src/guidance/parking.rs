@@ -8,26 +8,17 @@ mod check;
 mod entry;
 mod plan;
 mod scene;
+mod tolerance;
+pub(crate) mod start;
 
-pub use check::{Judgement, Tolerance, judge};
+use crate::guidance::parking::start::Start;
+pub use check::{Judgement, judge};
+pub use tolerance::Tolerance;
 pub use entry::{Entry, entry_circle};
 pub use plan::{Plan, Stage, StageSpan, plan};
 pub use scene::{Scene, Slot};
 
 use serde::Serialize;
-
-/// Where parking starts: the middle of the rear axle.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Start {
-    /// Along the row [m].
-    pub x_m: f64,
-    /// Away from the row's edge [m].
-    pub y_m: f64,
-    /// Heading [rad]; 0 along the row, the slot to the right.
-    pub heading_rad: f64,
-    /// Wheel angle [rad].
-    pub wheel_angle_rad: f64,
-}
 
 /// From a grid of starts: how many are usable, and how many of these end parked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]

@@ -15,3 +15,4 @@ pub mod rear_axle;
 pub mod segment_speed;
 pub mod tracking;
 pub mod turn_law;
+pub mod track;

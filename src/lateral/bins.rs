@@ -6,7 +6,7 @@
 //! way after a start or a standstill is left out: there the tracking law still draws the vehicle onto the path.
 
 use crate::lateral::{Error, Result};
-use crate::lateral::fit::Settings;
+use crate::lateral::settings::Settings;
 use crate::lateral::nearest::Nearest;
 use crate::log::{Recording, Signal, SignalName};
 use crate::units::{NS_PER_S, RAD_PER_DEG};

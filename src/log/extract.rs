@@ -6,4 +6,6 @@ pub(crate) mod extractor;
 pub(crate) mod fields;
 pub(crate) mod message_pass;
 pub(crate) mod stamp;
+pub(crate) mod value;
+pub(crate) mod plan_error;
 

@@ -7,7 +7,9 @@ pub(crate) mod container;
 pub(crate) mod input;
 pub(crate) mod loss;
 pub(crate) mod lz4;
+pub(crate) mod open;
 pub(crate) mod record;
 pub(crate) mod scan;
 pub(crate) mod summary;
+pub(crate) mod structure;
 

@@ -4,7 +4,9 @@ use crate::log::{Error, Result, Source};
 use crate::log::extract::message_pass;
 use crate::log::extract::column::Column;
 use crate::log::extract::message_pass::Gathered;
-use crate::log::file::container::{BlockKind, Container};
+use crate::log::file::open::open;
+use crate::log::file::container::Container;
+use crate::log::file::structure::BlockKind;
 use crate::log::file::input::Input;
 use crate::log::file::loss::{Damage, Loss, Why};
 use crate::log::find::resolve;
@@ -96,7 +98,7 @@ fn read_input(
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Part> {
-    let mut container = Container::open(input)?;
+    let mut container = open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding, and each is half of the progress
     let half = |bytes: u64| progress(if hashed { bytes.div_ceil(2) } else { bytes });

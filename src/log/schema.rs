@@ -5,12 +5,14 @@ mod idl;
 mod leaves;
 mod msg;
 mod shape;
+pub(crate) mod schema_error;
 
+use crate::log::schema::schema_error::SchemaError;
 pub(crate) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
 pub(crate) use leaves::{Leaf, LeafKind};
 pub(crate) use shape::{Kind, Names, Shape, Size, Structure};
 
-use crate::log::file::container::Schema;
+use crate::log::file::structure::Schema;
 use crate::log::path::Step;
 use std::sync::Arc;
 
@@ -24,21 +26,6 @@ pub(crate) enum Layout {
     Protobuf(Message),
     /// JSON describes itself.
     Json,
-}
-
-/// Why a channel cannot be decoded.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
-pub enum SchemaError {
-    #[error(
-        "messages in {message} with a schema in {schema} cannot be decoded; known: cdr with ros2msg or ros2idl, ros1 with ros1msg, protobuf, json"
-    )]
-    Unsupported { message: String, schema: String },
-    #[error("the channel has no schema, and its encoding {message} needs one")]
-    Missing { message: String },
-    #[error("the schema {name} cannot be read: {reason}")]
-    Broken { name: String, reason: String },
 }
 
 impl Layout {

@@ -2,6 +2,7 @@
 
 use crate::log::{Error, Result, Source};
 use crate::log::extract::message_pass;
+use crate::log::file::open::open;
 use crate::log::file::container::Container;
 use crate::log::file::input::Input;
 use crate::log::file::loss::Loss;
@@ -128,7 +129,7 @@ pub fn survey_bytes(bytes: Vec<u8>, name: &str, source: &Source, depth: Depth) -
 }
 
 fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<Survey> {
-    let mut container = Container::open(input)?;
+    let mut container = open(input)?;
     let mut samples = message_pass::explore(&mut container);
     let mut gathered = None;
     if depth == Depth::Everything && !container.is_listed() {
@@ -216,7 +217,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         library: container.library.clone(),
         profile: container.profile.clone(),
         indexed: container.indexed,
-        chunks: container.blocks.iter().filter(|block| block.kind != crate::log::file::container::BlockKind::Loose).count(),
+        chunks: container.blocks.iter().filter(|block| block.kind != crate::log::file::structure::BlockKind::Loose).count(),
         compression: compressions(&container),
         start_ns,
         end_ns,
@@ -236,7 +237,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
 fn compressions(container: &Container) -> Vec<String> {
     let mut found = BTreeSet::new();
     let mut head = Vec::new();
-    for block in container.blocks.iter().filter(|block| block.kind != crate::log::file::container::BlockKind::Loose).take(64) {
+    for block in container.blocks.iter().filter(|block| block.kind != crate::log::file::structure::BlockKind::Loose).take(64) {
         let length = CHUNK_HEADER.min(block.length as usize);
         if container.input.read_into(block.offset, length, &mut head).is_ok() {
             found.extend(ChunkHeader::parse(&head).map(|header| header.compression.name().to_owned()));

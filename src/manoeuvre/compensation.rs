@@ -10,7 +10,7 @@ use crate::guidance::route::path_position::{Leg, lateral_error_m};
 use crate::guidance::route::tracking::LawName;
 use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
 use crate::manoeuvre::lateral_run::{LegsDriver, follower_settings};
-use crate::manoeuvre::scenario::Bench;
+use crate::manoeuvre::bench::Bench;
 use crate::map::{Gear, LateralTableFile};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;

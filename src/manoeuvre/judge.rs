@@ -3,7 +3,8 @@
 use crate::sim;
 use crate::manoeuvre::drive::Moment;
 use crate::manoeuvre::planned::Planned;
-use crate::manoeuvre::scenario::{Bench, Manoeuvre};
+use crate::manoeuvre::bench::Bench;
+use crate::manoeuvre::scenario::Manoeuvre;
 use crate::manoeuvre::torque::ManoeuvreTorque;
 use crate::sim::VehicleFile;
 use crate::verify::{Maps, Result};

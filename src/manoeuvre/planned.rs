@@ -10,7 +10,7 @@ use crate::guidance::route::rear_axle::RearAxle;
 use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::guidance::route::tracking::TrackingSettings;
 use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
-use crate::manoeuvre::scenario::Bench;
+use crate::manoeuvre::bench::Bench;
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::metric::{Metric, Values};

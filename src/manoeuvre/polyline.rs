@@ -9,7 +9,7 @@ use crate::guidance::route::polyline_driver::PolylineDriver;
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::guidance::route::turn_law::TurnSettings;
 use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
-use crate::manoeuvre::scenario::Bench;
+use crate::manoeuvre::bench::Bench;
 use crate::sim::TrueState;
 use crate::verify::{Error, Result};
 use crate::verify::metric::{Metric, Values};

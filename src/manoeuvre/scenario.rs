@@ -1,5 +1,6 @@
 //! The manoeuvres: name, what it is, class, and what is driven.
 
+use crate::manoeuvre::bench::Bench;
 use crate::sim;
 use crate::guidance::path::PosePath;
 use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
@@ -9,7 +10,6 @@ use crate::manoeuvre::compensation::CompensationScenario;
 use crate::manoeuvre::drive::Moment;
 use crate::manoeuvre::planned::{Planned, PlannedTask};
 use crate::manoeuvre::polyline::DEMO_POINTS;
-use crate::manoeuvre::torque::ManoeuvreTorque;
 use crate::map::Gear;
 use crate::verify::{Error, Maps, Result};
 use crate::verify::metric::Values;
@@ -44,19 +44,6 @@ pub struct Manoeuvre {
     pub class: Class,
     /// What is driven.
     pub kind: Kind,
-}
-
-/// What a manoeuvre is run with.
-#[derive(Debug, Clone)]
-pub(crate) struct Bench<'a> {
-    /// The map, with the compensation table if the folder has one.
-    pub(crate) maps: &'a Maps,
-    /// Torque for speed, acceleration and angle.
-    pub(crate) torque: ManoeuvreTorque<'a>,
-    /// Wheelbase [m].
-    pub(crate) wheelbase_m: f64,
-    /// The plan of a planned task, made once for all of its runs.
-    pub(crate) planned: Option<&'a Planned>,
 }
 
 impl Manoeuvre {

@@ -129,7 +129,7 @@ impl TorqueSource for ManoeuvreTorque<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::verify::bundled_vehicle;
+    use crate::manoeuvre::bundled_vehicle;
     use super::*;
 
     #[test]

@@ -1,11 +1,8 @@
 //! `fit_traces.json`: what a fit saw along the runs, thinned out for people to look at. Nothing is computed from it.
 
+use crate::map::format::{FIT_TRACES_FORMAT, expect_format};
 use crate::map::{CsvRef, Gear, Result};
-use crate::map::table1_file::expect_format;
 use serde::{Deserialize, Serialize};
-
-/// What the `format` field of a `fit_traces.json` says.
-pub(crate) const FORMAT: &str = "pivot-cal/fit_traces";
 
 /// `fit_traces.json`: traces of the runs, residuals, and how likely other delays are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -108,7 +105,7 @@ impl FitTraces {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(serde_json::from_value(expect_format(text, FIT_TRACES_FORMAT)?)?)
     }
 
     /// The JSON text, indented, with arrays of numbers on one line and a final line end.

@@ -1,12 +1,9 @@
 //! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not tell.
 
+use crate::map::format::{LATERAL_TABLE_FORMAT, expect_format};
 use crate::map::{CsvRef, Error, LogRef, Result, Vehicle};
 use crate::map::csv_matrix::decimal;
-use crate::map::table1_file::expect_format;
 use serde::{Deserialize, Serialize};
-
-/// What the `format` field of a `lateral_table.json` says.
-pub(crate) const FORMAT: &str = "pivot-cal/lateral-table";
 
 /// `lateral_table.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -79,7 +76,7 @@ impl LateralTableFile {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing field, or a curve that is not monotone.
     pub fn from_json(text: &str) -> Result<Self> {
-        let file: Self = serde_json::from_value(expect_format(text, FORMAT)?)?;
+        let file: Self = serde_json::from_value(expect_format(text, LATERAL_TABLE_FORMAT)?)?;
         file.vehicle.checked()?;
         file.curve.check()?;
         if let Some((index, entry)) = file.entries.iter().enumerate().find(|(_, e)| !(e.angle_rad.is_finite() && e.error_m.is_finite())) {

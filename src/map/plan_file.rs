@@ -1,7 +1,7 @@
 //! `plan.json`: the runs that `pivot-cal plan` proposes after a Table 1, for the report. Nothing is computed from it.
 
-use crate::map::{FORMAT_VERSION, Gear, Result, json_text};
-use crate::map::table1_file::expect_format;
+use crate::map::format::{FORMAT_VERSION, expect_format};
+use crate::map::{Gear, Result, json_text};
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field of a `plan.json` says.

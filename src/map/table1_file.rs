@@ -1,10 +1,8 @@
 //! `table1.json`: Table 1 with everything that its CSV does not tell.
 
-use crate::map::{AccelTable, AngleFamily, Axis, CellStatus, Error, FORMAT_VERSION, Gear, Result, Vehicle};
+use crate::map::format::{FORMAT_VERSION, TABLE1_FORMAT, expect_format};
+use crate::map::{AccelTable, AngleFamily, Axis, CellStatus, Error, Gear, Result, Vehicle};
 use serde::{Deserialize, Serialize};
-
-/// What the `format` field of a `table1.json` says.
-pub(crate) const FORMAT: &str = "pivot-cal/table1";
 
 /// `table1.json`: one [`AccelMap`] per gear and wheel angle, and where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -266,7 +264,7 @@ impl Table1File {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field, or tables that [`AccelTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value = expect_format(text, FORMAT)?;
+        let value = expect_format(text, TABLE1_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;
         file.vehicle.checked()?;
         for map in &file.maps {
@@ -315,18 +313,4 @@ fn table_of(speed: &[f64], torque: &[f64], accel: &[Vec<f64>]) -> Result<AccelTa
     let speed = Axis::new(crate::map::accel_table::SPEED_AXIS, speed.to_vec())?;
     let torque = Axis::new(crate::map::accel_table::TORQUE_AXIS, torque.to_vec())?;
     AccelTable::new(speed, torque, accel.concat())
-}
-
-/// Parses JSON and checks its `format` and `format_version`.
-pub(crate) fn expect_format(text: &str, expected: &'static str) -> Result<serde_json::Value> {
-    let value: serde_json::Value = serde_json::from_str(text)?;
-    let found = value.get("format").and_then(serde_json::Value::as_str).unwrap_or("missing");
-    if found != expected {
-        return Err(Error::WrongFormat { found: found.to_owned(), expected });
-    }
-    let version = value.get("format_version").and_then(serde_json::Value::as_u64).unwrap_or(0);
-    if version != u64::from(FORMAT_VERSION) {
-        return Err(Error::UnknownVersion { found: version, known: FORMAT_VERSION });
-    }
-    Ok(value)
 }

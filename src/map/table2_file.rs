@@ -1,13 +1,10 @@
 //! `table2.json`: Table 2 with everything that its CSV does not tell.
 
+use crate::map::format::{TABLE2_FORMAT, expect_format};
 use crate::map::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle};
 use crate::map::accel_table::SPEED_AXIS;
-use crate::map::table1_file::expect_format;
 use crate::map::torque_table::ACCEL_AXIS;
 use serde::{Deserialize, Serialize};
-
-/// What the `format` field of a `table2.json` says.
-pub(crate) const FORMAT: &str = "pivot-cal/table2";
 
 /// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -111,7 +108,7 @@ impl Table2File {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field, or tables that [`TorqueTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value = expect_format(text, FORMAT)?;
+        let value = expect_format(text, TABLE2_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;
         file.vehicle.checked()?;
         for map in &file.maps {

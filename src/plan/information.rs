@@ -7,7 +7,7 @@ use crate::fit::noise::kalman::Noise;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::map::{DelayEstimate, Gear, Table1File};
-use crate::plan::PlanSettings;
+use crate::plan::settings::PlanSettings;
 use crate::plan::drive::{Part, READING_S, Vehicle};
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;

@@ -2,7 +2,8 @@
 
 use crate::map::{FitTraces, PlanFile, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
 use crate::report::{Error, Result};
-use crate::verify::{ClosedLoop, ManoeuvreTraces, Scenario, Verdict};
+use crate::manoeuvre::ManoeuvreTraces;
+use crate::verify::{ClosedLoop, Scenario, Verdict};
 use std::path::Path;
 
 /// The files that a report is made from. Only `table1.json` is needed.

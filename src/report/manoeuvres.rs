@@ -5,7 +5,8 @@ use crate::report::chart::{Chart, Line, Panel};
 use crate::report::overhead::overhead;
 use crate::report::section::Section;
 use crate::report::svg::{escaped, num};
-use crate::verify::{Check, Class, ErrorTrace, ManoeuvreTrace, ManoeuvreTraces, Metric, Status};
+use crate::manoeuvre::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces};
+use crate::verify::{Check, Class, Metric, Status};
 
 /// The manoeuvres as a section.
 pub(crate) fn manoeuvres(inputs: &Inputs) -> Section {

@@ -3,7 +3,7 @@
 use crate::map::Gear;
 use crate::report::scale::Scale;
 use crate::report::svg::{Svg, num};
-use crate::verify::{ManoeuvreTrace, Piece};
+use crate::manoeuvre::{ManoeuvreTrace, Piece};
 
 /// Room around the drawing [px].
 const LEFT: f64 = 50.0;

@@ -8,7 +8,7 @@
 
 use crate::map::{AccelTable, Gear, Table1File, Vehicle};
 use crate::sim::error::{Error, Result, within};
-use crate::sim::motion::Load;
+use crate::sim::load::Load;
 use crate::sim::pose::SpeedStep;
 use crate::sim::random::{Disturbance, Random, Stream};
 use crate::sim::surface::{Cell, Surface};

@@ -5,7 +5,7 @@
 
 use crate::map::Vehicle;
 use crate::sim::error::Result;
-use crate::sim::motion::{Load, runge_kutta};
+use crate::sim::load::{Load, runge_kutta};
 use crate::sim::plant::{AtAngle, Curve, PhysicalSettings, Plant, Way};
 use crate::sim::pose::{AngleTerms, SpeedStep};
 use crate::sim::random::{Disturbance, Random, Stream};

@@ -5,7 +5,8 @@
 use crate::sim::{AngleTerms, Gear};
 use crate::sim::drive::Drive;
 use crate::sim::error::{Error, Result};
-use crate::sim::motion::{Load, Motion};
+use crate::sim::load::Load;
+use crate::sim::motion::Motion;
 use crate::sim::settings::{Perturbation, Settings};
 use crate::units::RAD_PER_DEG;
 

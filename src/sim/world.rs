@@ -3,7 +3,8 @@
 use crate::sim::{Fault, Gear};
 use crate::sim::drive::Drive;
 use crate::sim::error::Result;
-use crate::sim::motion::{Load, Motion};
+use crate::sim::load::Load;
+use crate::sim::motion::Motion;
 use crate::sim::pose::{AngleTerms, Body};
 use crate::sim::sensors::{Scene, Sensors};
 use crate::sim::settings::Settings;

@@ -6,7 +6,8 @@ use crate::map::CellStatus;
 use crate::units::RAD_PER_DEG;
 use crate::verify::{Maps, Result};
 use crate::verify::metric::{Metric, Values};
-use crate::verify::run::{Bench, run};
+use crate::verify::bench::Bench;
+use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
 use rayon::prelude::*;
 

@@ -7,7 +7,7 @@ use crate::record::{LogWriter, Message, Odometry, Stamp};
 use crate::units::RAD_PER_DEG;
 use crate::verify::{Maps, Result};
 use crate::verify::judge::{Settings, replay};
-use crate::verify::run::Moment;
+use crate::verify::bench::Moment;
 use crate::verify::scenario::Scenario;
 use crate::verify::vehicle_log::{log_time_ns, write_vehicle};
 use std::fmt::Write as _;

@@ -1,42 +1,14 @@
 //! One run: a controller and a world in closed loop, and what is measured of it.
 
+use crate::verify::bench::{Bench, Moment};
 use crate::sim;
-use crate::control::{DriveLaw, Inputs, Outputs, Phase, PivotController, PivotRequest, Pose, Settings};
-use crate::sim::{Fault, Measurement, TrueState, World};
+use crate::control::{DriveLaw, Inputs, Phase, PivotController, PivotRequest, Pose, Settings};
+use crate::sim::{Fault, Measurement, World};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
-use crate::verify::measured_region::Region;
 use crate::verify::metric::{Metric, Values};
 use crate::verify::run_metrics::Watch;
 use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
-
-/// What a run needs to know of the vehicle under test.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bench<'a> {
-    /// Settings of the controller; the scenario's policy replaces theirs.
-    pub(crate) control: &'a Settings,
-    /// Control period [s].
-    pub(crate) period_s: f64,
-    /// Torque limit [N·m].
-    pub(crate) torque_limit_nm: f64,
-    /// Breakaway torque of the map [N·m].
-    pub(crate) breakaway_nm: f64,
-    /// Torque that holds half of the cruise speed, and torque that accelerates there as planned [N·m].
-    pub(crate) planned_nm: [f64; 2],
-    /// Where Table 2 was measured.
-    pub(crate) region: &'a Region,
-}
-
-/// One control period of a run, for a log or a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
-    /// The truth at the start of the period.
-    pub state: TrueState,
-    /// What the controller read.
-    pub seen: Measurement,
-    /// What it commanded.
-    pub command: Outputs,
-}
 
 /// Longest simulated time of one turn [s]: the controller's own time-outs come first.
 const LONGEST_S: f64 = 120.0;

@@ -6,7 +6,7 @@ use crate::map::Gear;
 use crate::sim::TrueState;
 use crate::units::RAD_PER_DEG;
 use crate::verify::metric::{Metric, Values};
-use crate::verify::run::{Bench, Moment};
+use crate::verify::bench::{Bench, Moment};
 use crate::verify::scenario::{Expected, Scenario};
 
 /// Watches a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.

@@ -11,10 +11,12 @@
 
 use crate::campaign::{AngleGroup, Grouped, Survey, Verdict, ledger};
 use crate::fit::{Error, Result, Settings, fit_traced};
-use crate::fit::angles::family::{draw_together, families};
+use crate::fit::angles::family::families;
+use crate::fit::angles::shrink_together::draw_together;
 use crate::fit::drive::torque_input::Choice;
 use crate::fit::known_calibration::KnownCalibration;
-use crate::fit::rounds::estimate::{Estimate, estimate};
+use crate::fit::rounds::estimate::Estimate;
+use crate::fit::rounds::search::estimate;
 use crate::fit::table1::angle_fit::Part;
 use crate::fit::table1::product::{Delays, Fit, actuator, diagnostics, plant_noise, same_vehicle, vehicle, witnesses};
 use crate::fit::table1::runs::{residual_rms_mps2, round};

@@ -12,8 +12,6 @@
 //! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
 
 
-pub(crate) use crate::fit::angles::shrink_together::draw_together;
-
 use crate::fit::Result;
 use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, Gear, LeftOutAngle, Side};
 use crate::units::RAD_PER_DEG;

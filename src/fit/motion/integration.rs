@@ -6,7 +6,8 @@
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::{Share, Torque};
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::motion::segment::{Calibration, Segment};
+use crate::fit::calibration::Calibration;
+use crate::fit::motion::segment::Segment;
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
 use rayon::prelude::*;

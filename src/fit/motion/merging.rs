@@ -6,7 +6,8 @@
 
 use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
 use crate::fit::drive::lagged_command::Share;
-use crate::fit::motion::segment::{Calibration, Segment};
+use crate::fit::calibration::Calibration;
+use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::{Noise, Reading};
 use rayon::prelude::*;
 

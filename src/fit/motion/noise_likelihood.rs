@@ -1,6 +1,6 @@
 //! The noise by maximum likelihood, bounded: with priors alone the time constant of the disturbance runs away on real logs.
 
-use crate::fit::motion::segment::{Segment, span_s};
+use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::{Noise, deviance, smooth};
 use rayon::prelude::*;
 
@@ -125,7 +125,7 @@ pub(crate) fn offset_spread(segments: &[Segment], residuals: &[Vec<f64>], noise:
     let offsets: Vec<f64> = segments
         .iter()
         .zip(residuals)
-        .filter(|(s, _)| span_s(s) > 0.5)
+        .filter(|(s, _)| s.span_s() > 0.5)
         .map(|(s, r)| smooth(r, &s.readings, s.start_s, &loose, s.start_std(&loose)).offset_mps2)
         .collect();
     let centre = crate::signal::median(&offsets);

@@ -5,7 +5,8 @@
 
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::Input;
-use crate::fit::motion::segment::{LogData, Segment};
+use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::{Noise, whiten};
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};

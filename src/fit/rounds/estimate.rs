@@ -1,14 +1,12 @@
 //! The estimate: speeds, torques and noise, surface and delays, each from the others, until the surface stands still.
 
-use crate::campaign::Survey;
-use crate::fit::{Result, Settings};
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::torque_input::Choice;
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::motion::segment::{Calibration, LogData, Segment};
+use crate::fit::calibration::Calibration;
+use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::Noise;
 use crate::fit::rounds::cross_validation::Validation;
-use crate::fit::rounds::search::Search;
 use crate::fit::solve::penalised_least_squares::System;
 use crate::fit::solve::shrinkage::Stacked;
 use crate::fit::surface::design::Design;
@@ -71,14 +69,4 @@ impl Estimate<'_> {
     pub(crate) fn lagged_commands(&self) -> Vec<EffectiveTorque> {
         (0..self.logs.len()).map(|k| self.lagged(k)).collect()
     }
-}
-
-/// Runs the estimator with the input that was chosen.
-///
-/// # Errors
-/// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
-pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Estimate<'a>> {
-    let mut search = Search::new(surveys, choice, settings)?;
-    search.delays()?;
-    search.surface()
 }

@@ -6,7 +6,11 @@ use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::Choice;
 use crate::fit::motion::passes::wide_speed;
-use crate::fit::motion::segment::{Calibration, Cuts, LogData, Segment, all_segments, span_s};
+use crate::fit::calibration::Calibration;
+use crate::fit::motion::log_data::Cuts;
+use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::segment::Segment;
+use crate::fit::motion::segmentation::all_segments;
 use crate::fit::noise::kalman::Noise;
 use crate::fit::rounds::delay_grid;
 use crate::fit::surface::lattice::Lattice;
@@ -50,7 +54,7 @@ impl<'a> Start<'a> {
         let noise = first_noise(&grains);
         let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(calibration.lag_s)).collect();
         let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
-        let seconds: f64 = segments.iter().map(span_s).sum();
+        let seconds: f64 = segments.iter().map(Segment::span_s).sum();
         if seconds < LEAST_MOTION_S {
             return Err(Error::TooLittle { seconds, needed_s: LEAST_MOTION_S });
         }
@@ -76,10 +80,20 @@ impl<'a> Start<'a> {
     }
 }
 
-/// What runs at other wheel angles have told stays as it is.
+/// Puts what runs at other wheel angles have shown of delays and encoder into `calibration`, whose logs are `logs`.
 pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &Settings) {
-    if let Some(known) = &settings.known {
-        known.hold(calibration, logs);
+    let Some(known) = &settings.known else { return };
+    for (dead_time_s, log) in calibration.dead_time_s.iter_mut().zip(logs) {
+        if let Some(known) = known.dead_time_s.get(&log.survey.track.source.sha256) {
+            *dead_time_s = *known;
+        }
+    }
+    if let Some(lag_s) = known.lag_s {
+        calibration.lag_s = lag_s;
+    }
+    if let Some((scale, delay_s)) = known.encoder {
+        calibration.encoder_scale = scale;
+        calibration.encoder_delay_s = delay_s;
     }
 }
 

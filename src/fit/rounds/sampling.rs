@@ -1,7 +1,7 @@
 //! Which stretches the first iterations look at: enough of every torque to find delays and noise, however long the logs are.
 
 use crate::campaign::Survey;
-use crate::fit::motion::segment::LogData;
+use crate::fit::motion::log_data::LogData;
 use crate::map::Gear;
 use std::collections::BTreeMap;
 

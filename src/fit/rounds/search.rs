@@ -14,7 +14,11 @@ use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::merging::{merged, spread};
 use crate::fit::motion::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
 use crate::fit::motion::regressors::{Free, nuisance};
-use crate::fit::motion::segment::{Calibration, Cuts, LogData, Segment, SoFar, all_segments};
+use crate::fit::calibration::Calibration;
+use crate::fit::motion::log_data::Cuts;
+use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::segment::Segment;
+use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::noise::kalman::Noise;
 use crate::fit::rounds::{cross_validation, sampling};
 use crate::fit::rounds::convergence::{damped, to_come};
@@ -46,6 +50,16 @@ const HALF_WAY_FROM: usize = 3;
 const ENCODER_ROUNDS: [usize; 2] = [1, 4];
 /// Rounds of the penalties' own iteration: while other things still move, and for good.
 const PENALTY_ROUNDS: [usize; 2] = [4, SETTLING_ROUNDS];
+
+/// Runs the estimator with the input that was chosen.
+///
+/// # Errors
+/// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
+pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Estimate<'a>> {
+    let mut search = Search::new(surveys, choice, settings)?;
+    search.delays()?;
+    search.surface()
+}
 
 /// The state from one round to the next.
 pub(crate) struct Search<'a> {

@@ -3,7 +3,8 @@
 use crate::campaign::{Survey, Verdict};
 use crate::fit::{Result, Settings};
 use crate::fit::drive::torque_input::Choice;
-use crate::fit::rounds::estimate::{Estimate, estimate};
+use crate::fit::rounds::estimate::Estimate;
+use crate::fit::rounds::search::estimate;
 use crate::fit::rounds::initial_guess::slow_rate_hz;
 use crate::fit::solve::monotone;
 use crate::fit::table1::runs::{Compared, RunFigures, disagreements, run_figures, simulate};

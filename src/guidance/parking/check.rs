@@ -1,39 +1,9 @@
 //! The checks of a parking path: nothing touched, no jump of the wheel or the curvature, the goal reached.
 
-use crate::guidance::{PosePath, Result};
-use crate::guidance::body::within;
+use crate::guidance::PosePath;
 use crate::guidance::look_ahead::largest_steps;
 use crate::guidance::parking::Scene;
 use serde::Serialize;
-
-/// What counts as parked.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Tolerance {
-    /// Distance from the goal [m]. Default 0.05.
-    pub position_m: f64,
-    /// Heading error [rad]. Default 1°.
-    pub heading_rad: f64,
-    /// Least distance of the body from anything [m]. Default 0.1: half of the safety distance is left to the drive.
-    pub clearance_m: f64,
-}
-
-impl Default for Tolerance {
-    fn default() -> Self {
-        Self { position_m: 0.05, heading_rad: 1.0_f64.to_radians(), clearance_m: 0.1 }
-    }
-}
-
-impl Tolerance {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// The first out of its range.
-    pub fn checked(self) -> Result<Self> {
-        within("tolerance.position_m", self.position_m, 1e-3, 1.0, "0.001 to 1")?;
-        within("tolerance.heading_rad", self.heading_rad, 1e-4, 0.5, "0.0001 to 0.5")?;
-        within("tolerance.clearance_m", self.clearance_m, 0.0, 5.0, "0 to 5").map(|()| self)
-    }
-}
 
 /// What the checks found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -2,7 +2,8 @@
 
 use crate::guidance::{Error, Point, PosePath, Result};
 use crate::guidance::look_ahead::{Follower, finite_start};
-use crate::guidance::parking::{Scene, Start};
+use crate::guidance::parking::Scene;
+use crate::guidance::parking::start::Start;
 use crate::guidance::parking::check::{Judgement, judge};
 use crate::guidance::parking::entry::{Entry, entry_circle};
 use crate::guidance::reference::{Reference, ahead};

@@ -3,7 +3,8 @@
 use crate::guidance::{BodyShape, Error, Point, Polygon, Result};
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
-use crate::guidance::parking::{Start, Tolerance};
+use crate::guidance::parking::Tolerance;
+use crate::guidance::parking::start::Start;
 use crate::map::Gear;
 use serde::Serialize;
 

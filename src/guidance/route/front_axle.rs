@@ -6,7 +6,7 @@
 //! ½·√(v/(k L)) in the linear case.
 
 use crate::control::numeric::atan;
-use crate::guidance::route::tracking::Track;
+use crate::guidance::route::track::Track;
 use serde::Serialize;
 
 /// Its settings.

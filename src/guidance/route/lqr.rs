@@ -5,7 +5,7 @@
 //! Moore (1990), *Optimal Control: Linear Quadratic Methods*, ch. 3; for path tracking Snider (2009), CMU-RI-TR-09-08, §4.
 
 use crate::control::numeric::atan;
-use crate::guidance::route::tracking::Track;
+use crate::guidance::route::track::Track;
 use serde::Serialize;
 
 /// Its settings.

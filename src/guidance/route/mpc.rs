@@ -13,7 +13,7 @@
 //! (2015), *Adaptive Restart for Accelerated Gradient Schemes*, Found. Comput. Math. 15 (the method).
 
 use crate::control::numeric::{atan, sin_cos, sqrt};
-use crate::guidance::route::tracking::Track;
+use crate::guidance::route::track::Track;
 use serde::Serialize;
 
 /// Steps of the horizon.
@@ -167,7 +167,7 @@ mod tests {
     use crate::control::messages::Pose;
     use crate::guidance::path::PathPose;
     use crate::guidance::route::path_position::Leg;
-    use crate::guidance::route::tracking::Limits;
+    use crate::guidance::route::track::Limits;
     use crate::map::Gear;
     use super::*;
     use clarabel::algebra::CscMatrix;

@@ -6,7 +6,7 @@
 
 use crate::control::numeric::{atan, atan2, sin_cos};
 use crate::guidance::route::path_position::hypot;
-use crate::guidance::route::tracking::Track;
+use crate::guidance::route::track::Track;
 use serde::Serialize;
 
 /// Its settings.

@@ -5,7 +5,7 @@
 //! *A Survey of Motion Planning and Control Techniques for Self-Driving Urban Vehicles*, IEEE T-IV 1(1), eq. (13), whose gains are k_θ|v| and k_e v.
 
 use crate::control::numeric::{atan, sin_cos};
-use crate::guidance::route::tracking::Track;
+use crate::guidance::route::track::Track;
 use serde::Serialize;
 
 /// Its settings.

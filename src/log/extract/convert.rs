@@ -1,6 +1,6 @@
 //! Raw values into SI, gears into −1, 0, +1, flags into 0 and 1.
 
-use crate::log::extract::extractor::Raw;
+use crate::log::extract::value::Raw;
 use crate::log::signal_map::{Code, SignalName, SignalSpec};
 
 /// How the values of one signal convert, for one channel.

@@ -1,9 +1,12 @@
 //! Single fields of single messages: what a compiled plan gives, for programs that have the payloads already.
 
-use crate::log::extract::extractor::{Plan, PlanError, Raw, Taken};
-use crate::log::file::container::Schema;
+use crate::log::extract::extractor::Plan;
+use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::value::{Raw, Taken};
+use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
-use crate::log::schema::{Layout, SchemaError};
+use crate::log::schema::Layout;
+use crate::log::schema::schema_error::SchemaError;
 
 /// Reads some fields of the messages of one schema, without building the messages.
 ///

@@ -1,6 +1,7 @@
 //! The time at which a value was true: the stamp inside the message, if it has one.
 
-use crate::log::extract::extractor::{Plan, Raw, Taken};
+use crate::log::extract::extractor::Plan;
+use crate::log::extract::value::{Raw, Taken};
 use crate::log::path::{MessagePath, Step};
 use crate::log::schema::Layout;
 

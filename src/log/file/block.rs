@@ -1,7 +1,8 @@
 //! The records of one block: read by position, decompressed within the allowed size, checked.
 
 use crate::log::file::lz4;
-use crate::log::file::container::{Block, BlockKind, Container};
+use crate::log::file::container::Container;
+use crate::log::file::structure::{Block, BlockKind};
 use crate::log::file::input::Input;
 use crate::log::file::loss::{Damage, Why};
 use crate::log::file::record::{ChunkHeader, Compression, MAX_CHUNK, PREFIX, prefix};

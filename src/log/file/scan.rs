@@ -1,6 +1,7 @@
 //! Scanning a stretch of the file at its top level, and finding the step again where it was lost.
 
-use crate::log::file::container::{Block, BlockKind, Container, is_small};
+use crate::log::file::container::{Container, is_small};
+use crate::log::file::structure::{Block, BlockKind};
 use crate::log::file::input::Input;
 use crate::log::file::loss::Why;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader, Compression, PREFIX, parse, prefix};

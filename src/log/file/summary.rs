@@ -1,7 +1,7 @@
 //! The summary at the end of a log, believed only as far as the file confirms it.
 
 use crate::log::file::channel_set::ChannelSets;
-use crate::log::file::container::{Block, BlockKind, Inventory};
+use crate::log::file::structure::{Block, BlockKind, Inventory};
 use crate::log::file::input::Input;
 use crate::log::file::loss::{Damage, Why};
 use crate::log::file::record::{FOOTER, MAGIC, PREFIX, Records, parse, prefix};

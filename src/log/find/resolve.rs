@@ -3,7 +3,8 @@
 use crate::log::{Error, Result, Source, reference_path};
 use crate::log::extract::stamp;
 use crate::log::extract::convert::Convert;
-use crate::log::extract::extractor::{Plan, PlanError};
+use crate::log::extract::extractor::Plan;
+use crate::log::extract::plan_error::PlanError;
 use crate::log::extract::message_pass::{ChannelPlan, Wanted};
 use crate::log::extract::stamp::Stamp;
 use crate::log::file::container::Container;

@@ -5,7 +5,8 @@
 //! (`/joint_states/front_drive_joint/velocity`), and a message of a single `data` is named by its topic alone. In what may follow
 //! an index, `data.3` is `data[3]`.
 
-use crate::log::extract::extractor::{Plan, Raw};
+use crate::log::extract::extractor::Plan;
+use crate::log::extract::value::Raw;
 use crate::log::file::container::Container;
 use crate::log::find::candidates::Candidates;
 use crate::log::path::{Compare, Literal, MessagePath, Step, Test};

@@ -4,7 +4,9 @@
 //! schema exhausts the stack. Source: OMG IDL 4.2, and <https://design.ros2.org/articles/idl_interface_definition.html>.
 
 mod parser;
+pub(crate) mod definition;
 
+use crate::log::schema::idl::definition::{Definition, Definitions, Named};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape, Size, Structure};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,41 +17,6 @@ use std::sync::Arc;
 /// What cannot be parsed, or the type that is missing.
 pub(crate) fn parse(name: &str, text: &str) -> Result<Arc<Structure>, String> {
     Builder { definitions: parser::read(text)?, built: BTreeMap::new() }.structure(&name.replace('/', "::"), 0)
-}
-
-/// What a text defines.
-struct Definitions {
-    /// Types by full name.
-    types: BTreeMap<String, Definition>,
-    /// Constants by the module that holds them.
-    constants: BTreeMap<String, Vec<(String, i64)>>,
-}
-
-/// A name or type as written.
-#[derive(Debug, Clone)]
-enum Named {
-    Scalar(Shape),
-    /// A defined type, and the scope in which it is named.
-    Type {
-        name: String,
-        scope: String,
-    },
-    Sequence(Box<Named>),
-}
-
-#[derive(Debug, Clone)]
-enum Definition {
-    Structure(Vec<Member>),
-    Alias(Named, Vec<usize>),
-    Enumeration,
-}
-
-#[derive(Debug, Clone)]
-struct Member {
-    name: String,
-    kind: Named,
-    /// Lengths of a fixed array, the outermost first.
-    lengths: Vec<usize>,
 }
 
 struct Builder {

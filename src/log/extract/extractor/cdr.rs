@@ -7,10 +7,14 @@
 mod compiler;
 mod shortcut;
 mod walk;
+pub(crate) mod operation;
+mod number;
 
-use crate::log::extract::extractor::{PlanError, Taken};
-use crate::log::extract::extractor::request_tree::{Check, Pick, Wish};
-use crate::log::schema::{Kind, Size, Structure};
+use crate::log::extract::extractor::cdr::operation::Operation;
+use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::value::Taken;
+use crate::log::extract::extractor::request_tree::Wish;
+use crate::log::schema::Structure;
 use walk::{Form, Walk};
 pub(crate) use shortcut::Shortcut;
 
@@ -18,55 +22,6 @@ pub(crate) use shortcut::Shortcut;
 #[derive(Debug)]
 pub(crate) struct Program {
     operations: Vec<Operation>,
-}
-
-#[derive(Debug)]
-enum Operation {
-    /// Skip `count` numbers of one size.
-    Skip {
-        size: usize,
-        count: usize,
-    },
-    SkipText {
-        wide: bool,
-    },
-    /// Skip an array of numbers with its count before it.
-    SkipNumbers {
-        size: usize,
-    },
-    SkipTexts {
-        size: Size,
-        wide: bool,
-    },
-    SkipMessages {
-        size: Size,
-        each: Vec<Operation>,
-    },
-    Take {
-        kind: Kind,
-        slot: usize,
-    },
-    TakeText {
-        slot: usize,
-    },
-    /// Elements of an array of numbers.
-    Numbers {
-        size: Size,
-        kind: Kind,
-        picks: Vec<(Pick, Vec<usize>)>,
-    },
-    /// Elements of an array of texts.
-    Texts {
-        size: Size,
-        picks: Vec<(Pick, Vec<usize>)>,
-    },
-    /// Elements of an array of messages: `skip` passes over one, each pick has its own program.
-    Messages {
-        size: Size,
-        skip: Vec<Operation>,
-        picks: Vec<(Pick, Vec<Operation>)>,
-    },
-    Check(Check),
 }
 
 /// The first four bytes of a CDR payload say how it is written; the last two of them do not matter here.
@@ -123,26 +78,12 @@ impl Program {
     }
 }
 
-impl Operation {
-    fn is_wanted(&self) -> bool {
-        !matches!(
-            self,
-            Self::Skip { .. } | Self::SkipText { .. } | Self::SkipNumbers { .. } | Self::SkipTexts { .. } | Self::SkipMessages { .. }
-        )
-    }
-}
-
-/// The element that an index means, if the array has it.
-pub(crate) fn position(index: i64, count: usize) -> Option<usize> {
-    let index = if index < 0 { index + count as i64 } else { index };
-    usize::try_from(index).ok().filter(|index| *index < count)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::log::extract::extractor::{Plan, Raw, Taken};
-    use crate::log::file::container::Schema;
+    use crate::log::extract::extractor::Plan;
+    use crate::log::extract::value::{Raw, Taken};
+    use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;
 

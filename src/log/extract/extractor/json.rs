@@ -1,7 +1,7 @@
 //! JSON payloads: the text is parsed once, and everything that is not wanted is passed over without being built.
 
-use crate::log::extract::extractor::{Raw, Taken};
-use crate::log::extract::extractor::cdr::position;
+use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Check, Element, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};

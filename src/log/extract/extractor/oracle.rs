@@ -1,8 +1,9 @@
 //! Plans against dynamic decoders that other people wrote: the same payload must give the same values.
 #![allow(clippy::unwrap_used)]
 
-use crate::log::extract::extractor::{Plan, Raw, Taken};
-use crate::log::file::container::Schema;
+use crate::log::extract::extractor::Plan;
+use crate::log::extract::value::{Raw, Taken};
+use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
 use proptest::prelude::*;

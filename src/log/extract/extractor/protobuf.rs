@@ -8,16 +8,15 @@
 mod tests;
 mod wire;
 
-use crate::log::extract::extractor::{PlanError, Raw, Taken};
-use crate::log::extract::extractor::cdr::position;
+use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Check, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use crate::log::schema::{Message, ProtobufField, ProtobufKind as Kind};
-use wire::{Wire, array, next, varint};
+use wire::{MAX_DEPTH, Wire, array, next, varint};
 use prost_types::field_descriptor_proto::Type;
 
-/// Groups and messages within each other at most.
-const MAX_DEPTH: usize = 64;
 
 /// A compiled walk over a message type.
 #[derive(Debug)]

@@ -27,8 +27,10 @@ impl Pick {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::log::extract::extractor::{Plan, PlanError, Taken};
-    use crate::log::file::container::Schema;
+    use crate::log::extract::extractor::Plan;
+    use crate::log::extract::plan_error::PlanError;
+    use crate::log::extract::value::Taken;
+    use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;
     use super::*;

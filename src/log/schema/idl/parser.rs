@@ -1,6 +1,6 @@
 //! The text of a definition into what it defines.
 
-use crate::log::schema::idl::{Definition, Definitions, Member, Named};
+use crate::log::schema::idl::definition::{Definition, Definitions, Member, Named};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape};
 use std::collections::BTreeMap;
 

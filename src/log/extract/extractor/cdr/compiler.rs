@@ -1,7 +1,7 @@
 //! From a schema and what is wanted of it to the operations of a program.
 
-use crate::log::extract::extractor::PlanError;
-use crate::log::extract::extractor::cdr::Operation;
+use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::request_tree::{Element, Pick, Wish};
 use crate::log::schema::{Shape, Size, Structure};
 

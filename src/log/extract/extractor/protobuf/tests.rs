@@ -1,10 +1,12 @@
 //! Fields of every kind, described by hand, against the dynamic decoder.
 #![allow(clippy::unwrap_used)]
 
-use crate::log::extract::extractor::{Plan, Raw, Taken};
-use crate::log::file::container::Schema;
+use crate::log::extract::extractor::Plan;
+use crate::log::extract::value::{Raw, Taken};
+use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
-use crate::log::schema::{Layout, SchemaError};
+use crate::log::schema::Layout;
+use crate::log::schema::schema_error::SchemaError;
 use prost::Message as _;
 use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, Value};
 use prost_types::field_descriptor_proto::{Label, Type};

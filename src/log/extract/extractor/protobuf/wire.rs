@@ -2,7 +2,8 @@
 //!
 //! Source: <https://protobuf.dev/programming-guides/encoding>.
 
-use crate::log::extract::extractor::protobuf::MAX_DEPTH;
+/// Groups and messages within each other at most.
+pub(crate) const MAX_DEPTH: usize = 64;
 
 /// A field as it stands on the wire.
 #[derive(Debug, Clone, Copy)]

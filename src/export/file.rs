@@ -1,0 +1,18 @@
+//! A file of an export.
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Its name, without a folder.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+    /// What a reader should know beyond the name: factors, what was left out.
+    pub note: Option<String>,
+}
+
+impl File {
+    fn new(name: impl Into<String>, text: String) -> Self {
+        Self { name: name.into(), text, note: None }
+    }
+}

@@ -1,0 +1,75 @@
+//! One log as the estimator sees it, and what is left out of it.
+
+use crate::campaign::{Survey, Verdict};
+use crate::fit::calibration::Calibration;
+use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::step_timing::StepTiming;
+use crate::fit::drive::torque_input::Input;
+use crate::fit::noise::kalman::Reading;
+use crate::map::Gear;
+use crate::signal::Series;
+use std::collections::BTreeSet;
+
+/// What is left out of one log.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Cuts {
+    /// Intervals [s], each with its verdict.
+    pub(crate) intervals: Vec<(f64, f64, Verdict)>,
+    /// Single readings: (witness, sample).
+    pub(crate) readings: BTreeSet<(u8, u32)>,
+}
+
+/// One log as the estimator sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct LogData<'a> {
+    pub(crate) survey: &'a Survey,
+    /// The command [N·m], where it changes.
+    pub(crate) command: Series,
+    /// Where its effective torque comes from.
+    pub(crate) input: Input,
+    /// How well the steps of its command are known in time.
+    pub(crate) timing: StepTiming,
+    /// Outliers among the yaw readings.
+    pub(crate) yaw_outliers: Vec<bool>,
+    pub(crate) cuts: Cuts,
+    /// Whether a start from rest may be taken as v = 0 at breakaway.
+    pub(crate) may_anchor: bool,
+    /// Which of the survey's stretches take part.
+    pub(crate) chosen: Vec<bool>,
+}
+
+impl LogData<'_> {
+    /// The effective torque; the lag counts for a command only.
+    pub(crate) fn torque(&self, lag_s: f64) -> EffectiveTorque {
+        self.input.torque(&self.survey.track, &self.command, lag_s)
+    }
+
+    /// Readings of encoder and yaw rate in an interval, in order of time and in the gear's frame.
+    pub(crate) fn readings(&self, gear: Gear, from_s: f64, to_s: f64, calibration: &Calibration) -> Vec<Reading> {
+        let track = &self.survey.track;
+        let encoder = &track.encoder_mps;
+        let mut readings: Vec<Reading> = encoder
+            .range(from_s + calibration.encoder_delay_s, to_s)
+            .filter(|&k| !matches!(self.survey.verdicts[k], Verdict::Outlier))
+            .map(|k| {
+                let speed_mps = gear.sign() * encoder.value[k] / calibration.encoder_scale;
+                Reading::single(encoder.t_s[k] - calibration.encoder_delay_s, speed_mps, 0, k as u32)
+            })
+            .collect();
+        if let Some(yaw) = &track.yaw_speed_mps {
+            readings.extend(yaw.range(from_s, to_s).filter(|&k| !self.yaw_outliers[k]).map(|k| {
+                let speed_mps = gear.sign() * (yaw.value[k] - self.survey.yaw_bias_mps);
+                Reading::single(yaw.t_s[k], speed_mps, 1, k as u32)
+            }));
+        }
+        readings.retain(|r| !self.cuts.readings.contains(&(r.witness, r.sample)));
+        readings.sort_by(|a, b| a.t_s.total_cmp(&b.t_s).then(a.witness.cmp(&b.witness)));
+        readings
+    }
+
+    /// Mean speed over the 60 ms around `t_s`, gear frame.
+    pub(crate) fn mean_speed(&self, gear: Gear, t_s: f64, calibration: &Calibration) -> Option<f64> {
+        let readings = self.readings(gear, t_s - 0.04, t_s + 0.02, calibration);
+        (!readings.is_empty()).then(|| readings.iter().map(|r| r.speed_mps).sum::<f64>() / readings.len() as f64)
+    }
+}

@@ -1,0 +1,223 @@
+//! From the stretches of a survey to segments of readings: where a resting wheel breaks away, where it comes to rest again, and what is cut
+//! out between.
+
+use crate::campaign::Stretch;
+use crate::fit::calibration::Calibration;
+use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
+use crate::fit::drive::torque_input::Input;
+use crate::fit::motion::expected_stop::readings_before_stop;
+use crate::fit::motion::integration::Course;
+use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::segment::Segment;
+use crate::fit::noise::kalman::{Noise, Reading, UNKNOWN_SPEED_MPS};
+use crate::fit::surface::lattice::LatticeSurface;
+use crate::map::Gear;
+
+/// Surfaces and noise as found so far.
+#[derive(Clone, Copy)]
+pub(crate) struct SoFar<'a> {
+    /// Forward, reverse.
+    pub(crate) surfaces: &'a [LatticeSurface; 2],
+    pub(crate) noise: &'a Noise,
+}
+
+impl<'a> SoFar<'a> {
+    fn surface(&self, gear: Gear) -> &'a LatticeSurface {
+        &self.surfaces[usize::from(gear == Gear::Reverse)]
+    }
+}
+
+/// Fewest readings of a segment.
+const FEWEST_READINGS: usize = 8;
+/// Shortest segment [s].
+const SHORTEST_S: f64 = 0.08;
+/// Speed at breakaway above which a start is not believed to start from 0 [m/s].
+const BELIEVABLE_START_MPS: f64 = 0.03;
+/// Standard deviation of the speed at breakaway [m/s].
+const ANCHOR_MPS: f64 = 3e-3;
+/// Standard deviation of the time at which a step takes effect, beyond the log's dead time: jitter and sampling [s].
+const STEP_TIMING_S: f64 = 2e-3;
+
+/// The segments of all logs.
+///
+/// What was found so far says when a resting wheel breaks away and when it comes to rest; without it starts are not anchored, and stops are
+/// where the survey has them. `transients` are left out, unless the stretch starts from rest there.
+pub(crate) fn all_segments(
+    logs: &[LogData],
+    calibration: &Calibration,
+    lagged: &[EffectiveTorque],
+    so_far: Option<SoFar>,
+    transients: &[Vec<(f64, f64)>],
+) -> Vec<Segment> {
+    let of_log = |(number, log)| OfLog { number, log, calibration, lagged: &lagged[number], so_far }.segments(&transients[number]);
+    logs.iter().enumerate().flat_map(of_log).collect()
+}
+
+/// The log whose stretches become segments.
+struct OfLog<'a> {
+    number: usize,
+    log: &'a LogData<'a>,
+    calibration: &'a Calibration,
+    lagged: &'a EffectiveTorque,
+    so_far: Option<SoFar<'a>>,
+}
+
+/// Where a wheel starts from rest, and how well that is known.
+struct Breakaway {
+    t_s: f64,
+    start_std_mps: f64,
+}
+
+impl OfLog<'_> {
+    fn segments(&self, transients: &[(f64, f64)]) -> Vec<Segment> {
+        let (condemned, gaps) = (self.condemned(), self.gaps());
+        let mut cursor = self.lagged.cursor();
+        let mut segments = Vec::new();
+        for (run, stretch) in self.log.survey.stretches.iter().enumerate().filter(|(run, _)| self.log.chosen[*run]) {
+            let breakaway = self.breakaway(stretch, &gaps, &mut cursor);
+            let to_s = if self.so_far.is_some() { stretch.stopped_s.unwrap_or(stretch.to_s) } else { stretch.to_s };
+            let mut whole = self.whole(run, stretch, breakaway.as_ref(), to_s);
+            self.end_at_the_stop(&mut whole, stretch);
+            let mut cuts: Vec<(f64, f64)> = near(&condemned, whole.start_s, to_s).to_vec();
+            cuts.extend(near(&gaps, whole.start_s, to_s));
+            // what follows the first step of a start from rest is anchored, and worth keeping
+            cuts.extend(near(transients, whole.start_s, to_s).iter().filter(|c| !(whole.anchored && c.0 <= whole.start_s + 0.02)));
+            let readings = std::mem::take(&mut whole.readings);
+            split(&readings, &cuts, &whole, &mut segments);
+        }
+        segments
+    }
+
+    /// The cut intervals, with ends that rise.
+    fn condemned(&self) -> Vec<(f64, f64)> {
+        let mut intervals: Vec<(f64, f64)> = self.log.cuts.intervals.iter().map(|c| (c.0, c.1)).collect();
+        intervals.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for k in 1..intervals.len() {
+            intervals[k].1 = intervals[k].1.max(intervals[k - 1].1);
+        }
+        intervals
+    }
+
+    /// Where the effective torque is not known, on the clock of the readings.
+    fn gaps(&self) -> Vec<(f64, f64)> {
+        let dead_time_s = self.dead_time_s();
+        self.lagged.gaps().iter().map(|gap| (gap.0 + dead_time_s, gap.1 + dead_time_s)).collect()
+    }
+
+    fn dead_time_s(&self) -> f64 {
+        self.calibration.dead_time_s[self.number]
+    }
+
+    /// When a wheel at rest breaks away: as the torque passes what holds it; `None` where the stretch does not start from rest or nothing
+    /// says when.
+    fn breakaway(&self, stretch: &Stretch, gaps: &[(f64, f64)], cursor: &mut TorqueCursor) -> Option<Breakaway> {
+        let surface = self.so_far?.surface(stretch.gear);
+        if !stretch.from_rest || !self.log.may_anchor {
+            return None;
+        }
+        let threshold = surface.zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
+        let mut torque = |t: f64| stretch.gear.sign() * cursor.at(t - self.dead_time_s()).torque_nm;
+        let t_s = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, &mut torque)?;
+        let believable = near(gaps, t_s, t_s).is_empty()
+            && self.log.mean_speed(stretch.gear, t_s, self.calibration).is_none_or(|v| v < BELIEVABLE_START_MPS);
+        believable.then(|| {
+            // a step known to 2 ms only is a speed known to 2 ms × the acceleration it leads to
+            let accel = surface.accel_mps2(0.0, torque(t_s + 0.2)).max(0.0);
+            Breakaway { t_s, start_std_mps: ANCHOR_MPS.hypot(STEP_TIMING_S * accel) }
+        })
+    }
+
+    /// A stretch with all its readings up to `to_s`, uncut.
+    fn whole(&self, run: usize, stretch: &Stretch, breakaway: Option<&Breakaway>, to_s: f64) -> Segment {
+        let (start_s, start_std_mps) = breakaway.map_or((stretch.from_s, UNKNOWN_SPEED_MPS), |b| (b.t_s, b.start_std_mps));
+        let mut readings = self.log.readings(stretch.gear, start_s, to_s, self.calibration);
+        if let Some(so_far) = self.so_far
+            && self.log.input == Input::Command
+        {
+            let surface = so_far.surface(stretch.gear);
+            let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.lag_s);
+            self.log.timing.tell(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
+        }
+        Segment { log: self.number, run, gear: stretch.gear, start_s, anchored: breakaway.is_some(), start_std_mps, readings }
+    }
+
+    /// Leaves out what follows the stop, where the stretch comes to rest.
+    fn end_at_the_stop(&self, whole: &mut Segment, stretch: &Stretch) {
+        let Some(so_far) = self.so_far.filter(|_| stretch.stopped_s.is_some()) else { return };
+        let course = Course::new(whole, self.lagged, self.dead_time_s());
+        // where a surface that is wrong expects none, the survey's stop stands
+        let before = readings_before_stop(&course, so_far.surface(stretch.gear), so_far.noise, FEWEST_READINGS);
+        let surveyed = whole.readings.partition_point(|r| r.t_s <= stretch.to_s);
+        whole.readings.truncate(before.unwrap_or(surveyed));
+    }
+}
+
+/// The intervals that touch a stretch: both starts and ends rise.
+fn near(intervals: &[(f64, f64)], from_s: f64, to_s: f64) -> &[(f64, f64)] {
+    let first = intervals.partition_point(|c| c.1 < from_s);
+    let last = intervals.partition_point(|c| c.0 <= to_s);
+    &intervals[first..last.max(first)]
+}
+
+/// First time in an interval at which a rising torque passes `threshold`, to a millisecond.
+fn first_crossing(from_s: f64, to_s: f64, threshold: f64, mut torque: impl FnMut(f64) -> f64) -> Option<f64> {
+    let steps = ((to_s - from_s) / 1e-3) as usize;
+    let mut before = torque(from_s);
+    for k in 1..=steps {
+        let t = from_s + k as f64 * 1e-3;
+        let now = torque(t);
+        if before <= threshold && now > threshold {
+            return Some(t - 1e-3 * (now - threshold) / (now - before).max(1e-12));
+        }
+        before = now;
+    }
+    None
+}
+
+/// Splits readings at cuts and gaps into segments like `model`; what follows a cut is not anchored.
+fn split(readings: &[Reading], cuts: &[(f64, f64)], model: &Segment, segments: &mut Vec<Segment>) {
+    let inside = |t: f64| cuts.iter().any(|(from, to)| t >= *from && t <= *to);
+    let between = |a: f64, b: f64| cuts.iter().any(|(from, to)| *from > a && *to < b);
+    let mut current = Segment { readings: Vec::new(), ..model.clone() };
+    let mut whole = true;
+    let mut close = |current: &mut Segment| {
+        let next = Segment { anchored: false, start_std_mps: UNKNOWN_SPEED_MPS, ..model.clone() };
+        let done = std::mem::replace(current, next);
+        if let (Some(first), Some(last)) = (done.readings.first(), done.readings.last())
+            && done.readings.len() >= FEWEST_READINGS
+            && last.t_s - first.t_s >= SHORTEST_S
+        {
+            let start_s = if done.anchored { done.start_s } else { first.t_s };
+            segments.push(Segment { start_s, ..done });
+        }
+    };
+    for reading in readings {
+        let last = current.readings.last().map_or(if whole { model.start_s } else { reading.t_s }, |r| r.t_s);
+        let broken = reading.t_s - last > 0.15 || between(last, reading.t_s);
+        if broken || inside(reading.t_s) {
+            close(&mut current);
+            whole = false;
+        }
+        if !inside(reading.t_s) {
+            current.readings.push(*reading);
+        }
+    }
+    close(&mut current);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
+        let readings: Vec<Reading> = (0..100u32).map(|k| Reading::single(f64::from(k) * 0.01, 0.1, 1, k)).collect();
+        let model =
+            Segment { log: 0, run: 0, gear: Gear::Forward, start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
+        let mut segments = Vec::new();
+        split(&readings, &[(0.405, 0.505)], &model, &mut segments);
+        assert_eq!(segments.len(), 2);
+        assert!(segments[0].anchored && (segments[0].start_s + 0.005).abs() < 1e-12 && segments[0].readings.len() == 41);
+        assert!(!segments[1].anchored && (segments[1].start_s - 0.51).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,16 @@
+//! Where a vehicle starts to park.
+
+use serde::Serialize;
+
+/// Where parking starts: the middle of the rear axle.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Start {
+    /// Along the row [m].
+    pub x_m: f64,
+    /// Away from the row's edge [m].
+    pub y_m: f64,
+    /// Heading [rad]; 0 along the row, the slot to the right.
+    pub heading_rad: f64,
+    /// Wheel angle [rad].
+    pub wheel_angle_rad: f64,
+}

@@ -1,0 +1,39 @@
+//! What an IDL text defines.
+
+use crate::log::schema::shape::{Shape, Structure};
+use std::collections::BTreeMap;
+
+/// What a text defines.
+pub(crate) struct Definitions {
+    /// Types by full name.
+    types: BTreeMap<String, Definition>,
+    /// Constants by the module that holds them.
+    constants: BTreeMap<String, Vec<(String, i64)>>,
+}
+
+/// A name or type as written.
+#[derive(Debug, Clone)]
+pub(crate) enum Named {
+    Scalar(Shape),
+    /// A defined type, and the scope in which it is named.
+    Type {
+        name: String,
+        scope: String,
+    },
+    Sequence(Box<Named>),
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum Definition {
+    Structure(Vec<Member>),
+    Alias(Named, Vec<usize>),
+    Enumeration,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Member {
+    name: String,
+    kind: Named,
+    /// Lengths of a fixed array, the outermost first.
+    lengths: Vec<usize>,
+}
