@@ -1,6 +1,8 @@
 //! What the controller costs: a look-up, a control period, a whole pivot simulated (with its ratio to real time), a verdict.
 
-use pivot_cal::control::{Inputs, OutsidePolicy, PivotController, Pose, Settings as Control, Tables, TorqueMap, WaypointLaw, WaypointLawSettings};
+use pivot_cal::control::{
+    Inputs, OutsidePolicy, PivotController, Pose, Settings as Control, Tables, TorqueMap, WaypointLaw, WaypointLawSettings,
+};
 use pivot_cal::map::{Gear, Vehicle};
 use pivot_cal::sim::{PhysicalSettings, Settings as World};
 use pivot_cal::verify::{Maps, Scenario, Settings, known_maps, replay};

@@ -7,7 +7,9 @@
 #![allow(clippy::print_stdout)] // the table is what this program is for
 
 use pivot_cal::guidance::BodyShape;
-use pivot_cal::guidance::u_turn::{Answer, Finding, Hypothesis, Lane, Method, PublishedCase, Settings, Turn, YAW_RATE_RAD_S, drive, largest_difference_m};
+use pivot_cal::guidance::u_turn::{
+    Answer, Finding, Hypothesis, Lane, Method, PublishedCase, Settings, Turn, YAW_RATE_RAD_S, drive, largest_difference_m,
+};
 use std::error::Error;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;

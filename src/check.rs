@@ -5,11 +5,11 @@
 //! Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
 mod finding;
+pub mod foreign;
 mod foreign_rules;
 mod grid_rules;
 mod own;
 mod point_rules;
-pub mod foreign;
 
 pub use finding::{Count, Finding, Report, Rule, Severity};
 

@@ -15,6 +15,7 @@ mod inspect_runs;
 mod invert;
 mod lateral;
 mod logs;
+pub(crate) mod outcome;
 mod plan;
 mod points;
 mod record;
@@ -22,7 +23,6 @@ mod report;
 mod ui;
 mod verify;
 mod verify_text;
-pub(crate) mod outcome;
 
 use crate::cli::outcome::Outcome;
 use clap::{Args, CommandFactory, Parser, Subcommand};

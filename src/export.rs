@@ -10,12 +10,12 @@ mod cdfx;
 mod crc;
 mod dcm;
 mod error;
+pub(crate) mod file;
 mod json;
 mod number;
 mod provenance;
 mod rust;
 mod source;
-pub(crate) mod file;
 
 use crate::export::file::File;
 pub use error::{Error, Result};

@@ -5,18 +5,18 @@
 //! whitened by a Kalman filter; the surface a(v, τ) is a penalised lattice whose smoothness the data choose; dead time and lag are
 //! estimated with it. A drive that a lag does not explain is followed by its torque feedback instead.
 
+pub(crate) mod angles;
+pub(crate) mod calibration;
+pub(crate) mod drive;
 mod error;
 mod known_calibration;
-mod settings;
-pub(crate) mod angles;
-pub(crate) mod drive;
 pub(crate) mod motion;
 pub(crate) mod noise;
 pub(crate) mod rounds;
+mod settings;
 pub(crate) mod solve;
 pub(crate) mod surface;
 pub(crate) mod table1;
-pub(crate) mod calibration;
 
 pub use angles::angle_groups::fit_angles;
 pub use error::{Error, Result};

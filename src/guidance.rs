@@ -8,9 +8,9 @@ pub mod look_ahead;
 pub mod parking;
 pub mod path;
 pub mod reference;
+pub mod route;
 pub mod torque_source;
 pub mod u_turn;
-pub mod route;
 
 pub use body::BodyShape;
 pub use error::{Error, Result};

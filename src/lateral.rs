@@ -15,6 +15,6 @@ mod settings;
 pub use bins::{Bin, LateralRun};
 pub use error::{Error, Result};
 pub use fit::{Report, fit};
-pub use settings::{Settings, Weighting};
 pub use isotonic::isotonic;
 pub use newey_west::{Mean, newey_west};
+pub use settings::{Settings, Weighting};

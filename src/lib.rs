@@ -14,15 +14,19 @@
 //! `control`, `fit`, `invert` and `lateral`, `campaign`, `signal`, `log`, `map`, `units`.
 
 pub mod campaign;
+pub mod check;
 pub mod cli;
 pub mod control;
 pub mod diff;
 pub mod export;
 pub mod fit;
+pub mod guidance;
 pub mod invert;
 pub mod lateral;
 pub mod log;
+pub mod manoeuvre;
 pub mod map;
+pub mod plan;
 pub mod record;
 pub mod report;
 pub mod signal;
@@ -30,7 +34,3 @@ pub mod sim;
 mod spelling;
 pub mod units;
 pub mod verify;
-pub mod check;
-pub mod guidance;
-pub mod manoeuvre;
-pub mod plan;

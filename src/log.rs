@@ -12,24 +12,24 @@
 //! ```
 
 mod error;
-mod find_logs;
-mod split_bag;
-mod path;
-mod reference_path;
-mod rate;
-mod read;
-mod recording;
-mod schema;
-mod signal_map;
-mod survey;
-mod vehicle;
 pub(crate) mod extract;
 pub(crate) mod file;
 pub(crate) mod find;
+mod find_logs;
+mod path;
+mod rate;
+mod read;
+mod recording;
+mod reference_path;
+mod schema;
+mod signal_map;
+mod split_bag;
+mod survey;
+mod vehicle;
 
 pub use error::{Error, Result};
-pub use extract::plan_error::PlanError;
 pub use extract::fields::{FieldError, FieldReader};
+pub use extract::plan_error::PlanError;
 pub use file::loss::{Damage, Loss, Why};
 pub use find::presets::Preset;
 pub use find_logs::find_logs;

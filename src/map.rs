@@ -4,7 +4,7 @@
 //! order, finiteness and shape, and [`Table1File`] and [`Table2File`], the JSON artefacts with everything that a table alone does not tell.
 
 mod accel_maps;
-mod accel_table;
+pub(crate) mod accel_table;
 mod angle_family;
 pub mod angle_lookup;
 mod axis;
@@ -21,7 +21,7 @@ mod plan_file;
 mod save;
 mod table1_file;
 mod table2_file;
-mod torque_table;
+pub(crate) mod torque_table;
 mod vehicle;
 
 pub use accel_maps::{AccelAtAngle, AccelMaps};
@@ -30,16 +30,19 @@ pub use angle_family::{AngleFamily, LeftOutAngle, SAME_ANGLE_DEG, Side, csv_name
 pub use axis::Axis;
 pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
+pub(crate) use csv_matrix::decimal;
 pub use error::{Error, Result};
 pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
-pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
 pub(crate) use format::expect_format;
+pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
 pub use plan_file::{PlanFile, PlannedRun, Proposal};
 pub use save::{sha256_hex, write_whole};
-pub use table1_file::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface, Table1File, Units, Witness};
+pub use table1_file::{
+    AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
+    Table1File, Units, Witness,
+};
 pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
 pub use torque_table::TorqueTable;
 pub use vehicle::Vehicle;
-pub(crate) use csv_matrix::decimal;

@@ -8,17 +8,17 @@
 mod drive;
 mod greedy;
 mod information;
+mod settings;
 mod text;
-pub(crate) mod settings;
 
-use crate::plan::settings::PlanSettings;
 use crate::fit::{Error, Result};
 use crate::map::{Gear, Table1File};
+pub use drive::PlannedRun;
 use greedy::Greedy;
 use information::{Information, Model};
-pub use drive::PlannedRun;
 use rayon::prelude::*;
 use serde::Serialize;
+pub use settings::PlanSettings;
 
 /// Turning the wheel to its angle before the first run [s].
 const STEER_S: f64 = 2.0;

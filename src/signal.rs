@@ -8,15 +8,15 @@ mod error;
 mod new_values;
 mod noise;
 mod resolve;
-mod standstill;
 mod series;
+mod standstill;
 mod track;
 
 pub use align::Alignment;
 pub use error::{Error, Result};
 pub use new_values::new_values_only;
+pub(crate) use noise::median_of_few;
 pub use noise::{hampel, median, noise_std, quantum};
 pub use series::{Series, SeriesCursor};
 pub use standstill::RestDetector;
 pub use track::Track;
-pub(crate) use noise::median_of_few;

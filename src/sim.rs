@@ -6,18 +6,19 @@
 //!
 //! Everything random comes from one seed through one stream per source ([`Stream`]), so that results depend on nothing else.
 
-mod pose;
-mod sensor_timing;
 mod drive;
 mod error;
 mod fault;
 mod identified;
+mod load;
 mod motion;
 mod physical;
 mod plant;
+mod pose;
 mod random;
 mod replay;
 mod sensor_settings;
+mod sensor_timing;
 mod sensors;
 mod settings;
 mod steering;
@@ -26,7 +27,6 @@ mod traction;
 mod truth;
 mod vehicle_file;
 mod world;
-mod load;
 
 pub use crate::map::Gear;
 pub use drive::{Drive, DriveSettings, TorqueStep};

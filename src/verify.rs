@@ -4,27 +4,28 @@
 //! driven by the bundled controller on the plant that Table 1 identified, as it is and perturbed (Monte Carlo); failures are provoked; every
 //! measured cell makes the round trip Table 1 → Table 2 → Table 1; and other laws drive beside the map. A gate of documented limits decides.
 
+mod bench;
 mod closed_loop;
-mod perturbations;
 mod error;
 mod gate;
-mod judge;
-mod reference_maps;
+pub(crate) mod judge;
 mod laws;
 mod log;
 mod maps;
-mod metric;
-mod plant;
 mod measured_region;
+pub(crate) mod metric;
+pub(crate) mod perturbations;
+mod plant;
+mod reference_maps;
 mod replayed;
 mod round_trip;
 mod run;
-mod scenario;
-mod vehicle_log;
-mod verdict;
 mod run_metrics;
-mod bench;
+pub(crate) mod scenario;
+pub(crate) mod vehicle_log;
+pub(crate) mod verdict;
 
+pub use bench::Moment;
 pub use closed_loop::{Bands, ClosedLoop, LawTraces, closed_loop};
 pub use error::{Error, Result};
 pub use gate::{Check, Gate, Limit};
@@ -38,6 +39,5 @@ pub use plant::Plant;
 pub use reference_maps::known_maps;
 pub use replayed::{ReplayedRun, replayed};
 pub use round_trip::{RoundTrip, RoundTripLimit, Worst, round_trip};
-pub use bench::Moment;
 pub use scenario::{Class, Disturbance, Expected, Onset, Scenario};
 pub use verdict::{Comparison, ConventionalGains, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};

@@ -5,9 +5,8 @@
 #[path = "../examples/plan_gain/yardstick.rs"]
 mod yardstick;
 
-use pivot_cal::plan;
-use pivot_cal::plan::{Plan, PlanSettings, expected};
 use pivot_cal::map::{Gear, Table1File};
+use pivot_cal::plan::{Plan, PlanSettings, expected, plan};
 use pivot_cal::record::{Campaign, End, record};
 use pivot_cal::sim::VehicleFile;
 use pivot_cal::verify::known_maps;

@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use pivot_cal::invert::{Settings, ZeroRow, invert};
-use pivot_cal::map::{AccelMap, Actuator, Breakaway, CellStatus, CsvRef, DelayEstimate, FORMAT_VERSION, Gear, PlantNoise, Stage1Report, Surface, TABLE1_FORMAT, Table1File, Units, Vehicle};
+use pivot_cal::map::{
+    AccelMap, Actuator, Breakaway, CellStatus, CsvRef, DelayEstimate, FORMAT_VERSION, Gear, PlantNoise, Stage1Report, Surface,
+    TABLE1_FORMAT, Table1File, Units, Vehicle,
+};
 use proptest::prelude::*;
 
 /// A rising surface: acceleration falls with speed and rises with torque, each by random steps.

@@ -174,8 +174,8 @@ fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<Run>
 
 #[cfg(test)]
 mod tests {
-    use crate::map::{LogRef, Vehicle};
     use super::*;
+    use crate::map::{LogRef, Vehicle};
 
     /// Runs of one second: (wheel angle at its start and end [°], torque), each followed by a second at rest.
     fn track(runs: &[(f64, f64, f64)]) -> Track {

@@ -1,8 +1,8 @@
 //! The survey of one log: a verdict on every sample, the stretches that a fit may use, the runs.
 
-use crate::campaign::{Error, Result, Settings, Verdict, gates, ledger, sample_seconds, slip};
 use crate::campaign::gates::within;
 use crate::campaign::hold::{Hold, holds};
+use crate::campaign::{Error, Result, Settings, Verdict, gates, ledger, sample_seconds, slip};
 use crate::map::Gear;
 use crate::signal::{Alignment, RestDetector, Series, Track};
 use crate::units::RAD_PER_DEG;

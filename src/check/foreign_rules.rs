@@ -1,9 +1,9 @@
 //! Rules of Autoware's, Apollo's and long-form maps.
 
-use crate::check::{Finding, Map, Report, Rule, Settings, Severity};
 use crate::check::foreign::{CsvLine, Grid, Pedal, Points, cells_of_csv, grid_of_autoware, points_of_apollo, points_of_long_csv};
 use crate::check::grid_rules::{Along, Judged, Meaning, misread};
 use crate::check::point_rules::{SignRule, judge};
+use crate::check::{Finding, Map, Report, Rule, Settings, Severity};
 
 impl Map<'_> {
     pub(crate) fn apollo(&self, text: &str) -> Report {

@@ -1,7 +1,7 @@
 //! Rules of a matrix with breaks.
 
-use crate::check::{Finding, Rule, Settings, Severity};
 use crate::check::foreign::{Grid, Misread, MisreadKind};
+use crate::check::{Finding, Rule, Settings, Severity};
 
 /// Along which axis something lies or changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! Rules of our own maps: `table1.json`, `table2.json` and the CSV files beside them.
 
-use crate::check::{Finding, Map, Report, Rule, Settings, Severity};
 use crate::check::foreign::{CsvLine, Grid};
 use crate::check::grid_rules::{Along, Judged, Meaning, misread};
-use crate::map::{FORMAT_VERSION, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, sha256_hex};
+use crate::check::{Finding, Map, Report, Rule, Settings, Severity};
 use crate::map::accel_table::{SPEED_AXIS, TORQUE_AXIS};
 use crate::map::torque_table::ACCEL_AXIS;
+use crate::map::{FORMAT_VERSION, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, sha256_hex};
 use serde_json::Value;
 
 /// Which table a file holds.

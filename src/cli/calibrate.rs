@@ -1,7 +1,7 @@
 //! `calibrate LOG…`: fit, invert, verify and report in one go, with one summary at the end.
 
-use crate::cli::{Ui, fit, invert, report, verify, verify_text};
 use crate::cli::outcome::Outcome;
+use crate::cli::{Ui, fit, invert, report, verify, verify_text};
 use crate::invert::ZeroRow;
 use serde_json::json;
 

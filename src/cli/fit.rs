@@ -1,10 +1,10 @@
 //! `fit LOG…`: Table 1 from logs.
 
 use crate::cli::Ui;
-use crate::cli::outcome::Outcome;
 use crate::cli::angles::Choice;
 use crate::cli::breaks::Breaks;
 use crate::cli::logs::{LogArguments, survey};
+use crate::cli::outcome::Outcome;
 use crate::fit::{Fit, Settings, fit_angles, fit_traced};
 use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, write_whole};
 use anyhow::Context;

@@ -1,8 +1,8 @@
 //! `inspect LOG…`: what is in the logs, and which signals are found.
 
-use crate::log;
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
+use crate::log;
 use crate::log::{Depth, Preset, Source, Survey, VehicleOverrides};
 use anyhow::Context as _;
 use std::fmt::Write as _;

@@ -1,8 +1,8 @@
 //! `invert`: Table 2 from Table 1.
 
 use crate::cli::Ui;
-use crate::cli::outcome::Outcome;
 use crate::cli::breaks::Breaks;
+use crate::cli::outcome::Outcome;
 use crate::invert::{Inversion, Settings, ZeroRow, invert};
 use crate::map::{CsvRef, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex, write_whole};
 use anyhow::{Context, bail};

@@ -1,16 +1,16 @@
 //! `lateral`: runs of the lateral calibration on a simulated vehicle, and the compensation table from logs.
 
 use crate::cli::Ui;
-use crate::cli::outcome::Outcome;
 use crate::cli::logs::LogArguments;
+use crate::cli::outcome::Outcome;
 use crate::guidance::route::follower::Stage;
 use crate::guidance::route::tracking::LawName;
 use crate::lateral::{Settings, Weighting, fit};
 use crate::log::{Recording, SignalName, find_logs, read_lateral};
+use crate::manoeuvre::{LateralRun, LoggedReference, Mounting, lateral_log};
 use crate::map::{LateralTableFile, write_whole};
 use crate::sim::VehicleFile;
 use crate::units::RAD_PER_DEG;
-use crate::manoeuvre::{LateralRun, LoggedReference, Mounting, lateral_log};
 use anyhow::{Context, bail};
 use comfy_table::{ContentArrangement, Table, presets};
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 /// How a command that did not fail ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// Finished, and good.
     Done,
     /// Finished and written, but rejected: the exit status is 3.

@@ -1,11 +1,10 @@
 //! `plan`: the campaign still to drive after Table 1.
 
-use crate::plan;
 use crate::cli::Ui;
-use crate::cli::outcome::Outcome;
 use crate::cli::breaks::Breaks;
-use crate::plan::{Plan, PlanSettings};
+use crate::cli::outcome::Outcome;
 use crate::map::{PlanFile, SAME_ANGLE_DEG, Table1File, sha256_hex, write_whole};
+pub(crate) use crate::plan::{Plan, PlanSettings};
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
@@ -59,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
         torque_breaks_nm: arguments.torque_breaks.clone().map(|b| b.0),
     };
-    let plan = plan(&file, &settings).with_context(|| path.display().to_string())?;
+    let plan = crate::plan::plan(&file, &settings).with_context(|| path.display().to_string())?;
     // for the report
     let for_page = PlanFile::new(sha256_hex(text.as_bytes()), serde_json::to_value(&plan)?)?;
     if let Err(error) = write_whole(&arguments.maps.join("plan.json"), for_page.to_json()?.as_bytes()) {

@@ -1,15 +1,17 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
-use crate::cli::{Ui, points};
-use crate::cli::outcome::Outcome;
 use crate::cli::logs::LogArguments;
+use crate::cli::outcome::Outcome;
 use crate::cli::verify_text::{new_table, show};
+use crate::cli::{Ui, points};
 use crate::log::Preset;
+use crate::manoeuvre::{Manoeuvre, log_of_manoeuvre, manoeuvre_traces};
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
-use crate::manoeuvre::{Manoeuvre, log_of_manoeuvre, manoeuvre_traces};
-use crate::verify::{Class, Error, Gate, Maps, ReplayedRun, Scenario, Settings, Status, Verdict, closed_loop, log_of, replayed, verify_watched};
+use crate::verify::{
+    Class, Error, Gate, Maps, ReplayedRun, Scenario, Settings, Status, Verdict, closed_loop, log_of, replayed, verify_watched,
+};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 

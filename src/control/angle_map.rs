@@ -4,8 +4,8 @@
 //! ([`AngleTerms`]), and the two torques are weighted by how near their angles are. At a measured angle the answer is its table's.
 
 use crate::control::numeric::sin_cos;
-use crate::map::{Gear, TorqueTable, lookup};
 use crate::map::angle_lookup::{AngleTerms, Between, between};
+use crate::map::{Gear, TorqueTable, lookup};
 use crate::units::RAD_PER_DEG;
 
 /// Table 2 of a gear at one wheel angle.
@@ -108,8 +108,8 @@ impl AngleTables<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::map::Axis;
     use super::*;
+    use crate::map::Axis;
     use proptest::prelude::*;
 
     const TERMS: AngleTerms = AngleTerms { inertia: [20.0, -8.0], speed_mps: &[0.0, 1.0], friction_nm: [&[4.0, 9.0], &[2.0, 2.0], &[]] };

@@ -10,8 +10,8 @@
 //! Forward and reverse have a compensation each: an error of the navigation's yaw acts with the opposite sign in reverse, one of the steering's
 //! zero does not.
 
-use crate::control::{Error, Result};
 use crate::control::numeric::sqrt;
+use crate::control::{Error, Result};
 use crate::map::Gear;
 use crate::units::RAD_PER_DEG;
 use serde::Serialize;

@@ -1,11 +1,11 @@
 //! The controller of a pivot: planning, lateral and longitudinal with their messages, one step per control period.
 
-use crate::control::{Error, Result};
 use crate::control::drive_law::DriveLaw;
 use crate::control::lateral::{Lateral, LateralSettings};
 use crate::control::longitudinal::{Longitudinal, LongitudinalSettings};
 use crate::control::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
 use crate::control::planning::PlanningSettings;
+use crate::control::{Error, Result};
 use serde::Serialize;
 
 /// Settings of the three modules; the drive law has its own.

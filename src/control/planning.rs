@@ -3,10 +3,10 @@
 //! With the wheel at δ the vehicle turns about a point on the rear axle's line, L/tan δ to the left of its middle: at δ = ±90° about the middle
 //! itself. The front wheel runs on a circle of radius L/|sin δ|; a turn of Δθ is an arc of L·|Δθ|/|sin δ|.
 
-use crate::control::{Error, Profile, Result};
 use crate::control::messages::{Direction, PivotRequest, Pose};
 use crate::control::numeric::sin_cos;
 use crate::control::waypoints::{MAX_WAYPOINTS, Path, Waypoint};
+use crate::control::{Error, Profile, Result};
 use crate::map::Gear;
 use crate::units::RAD_PER_DEG;
 use core::f64::consts::TAU;

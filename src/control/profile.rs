@@ -3,8 +3,8 @@
 //! `v(s)² = min(v₀² + 2·a·s, v_c², 2·d·(S − s))`: from the start speed v₀ with acceleration a, cruise at `v_c`, down to 0 at the end S with
 //! deceleration d. The smallest of the three is the trapezoid, and the triangle where the cruise speed is not reached.
 
-use crate::control::{Error, Result};
 use crate::control::numeric::sqrt;
+use crate::control::{Error, Result};
 use serde::Serialize;
 
 /// Speeds and accelerations of the plan.

@@ -88,8 +88,8 @@ impl TorqueMap for ConstantGain {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::map::Axis;
     use super::*;
+    use crate::map::Axis;
     use proptest::prelude::*;
 
     fn table() -> TorqueTable {

@@ -9,10 +9,10 @@
 //! Source of the rules: Apollo's longitudinal controller, which looks the command up over (speed, acceleration), takes it as throttle when
 //! it is not negative and as brake otherwise, and clamps outside the table.
 
-use crate::export::{Error, Result, Source, provenance};
-use crate::export::file::File;
 use crate::export::autoware::rounded;
+use crate::export::file::File;
 use crate::export::number::plain;
+use crate::export::{Error, Result, Source, provenance};
 use crate::map::TorqueTable;
 use std::fmt::Write as _;
 

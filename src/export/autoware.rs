@@ -7,9 +7,9 @@
 //! Source of the rules: `raw_vehicle_cmd_converter` of Autoware Universe. All rows have one length, of at least two cells; in every column
 //! acceleration rises strictly with the accel pedal and falls strictly with the brake pedal. A speed outside is clamped by the loader.
 
-use crate::export::{Error, Result, Source};
 use crate::export::file::File;
 use crate::export::number::plain;
+use crate::export::{Error, Result, Source};
 use crate::map::{AccelTable, Gear};
 
 const FORMAT: &str = "autoware";

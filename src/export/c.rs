@@ -1,10 +1,10 @@
 //! One header and one source in C99: const tables, look-up with the library's policy, checksum, provenance.
 
-use crate::export::{Precision, Source, provenance};
-use crate::export::file::File;
 use crate::export::crc::crc32;
 use crate::export::dcm::constants;
+use crate::export::file::File;
 use crate::export::number::plain;
+use crate::export::{Precision, Source, provenance};
 use crate::map::{Gear, TorqueTable};
 use std::fmt::Write as _;
 

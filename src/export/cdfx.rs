@@ -3,10 +3,10 @@
 //!
 //! Source: ASAM MCD-2 CDF V2.0, document type `MSRSW` (`cdf_v2.0.0.sl.dtd`).
 
-use crate::export::{Source, provenance};
-use crate::export::file::File;
 use crate::export::dcm::{constants, name, what};
+use crate::export::file::File;
 use crate::export::number::plain;
+use crate::export::{Source, provenance};
 use std::fmt::Write as _;
 
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>

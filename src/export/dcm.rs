@@ -1,9 +1,9 @@
 //! DCM 2.0 (data conservation format of calibration tools): one `KENNFELD` per gear with axes and units, and the drive's constants as
 //! `FESTWERT`. X is the desired acceleration, Y the speed.
 
-use crate::export::{Source, provenance};
 use crate::export::file::File;
 use crate::export::number::plain;
+use crate::export::{Source, provenance};
 use crate::map::Gear;
 use std::fmt::Write as _;
 

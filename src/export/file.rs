@@ -12,7 +12,7 @@ pub struct File {
 }
 
 impl File {
-    fn new(name: impl Into<String>, text: String) -> Self {
+    pub(crate) fn new(name: impl Into<String>, text: String) -> Self {
         Self { name: name.into(), text, note: None }
     }
 }

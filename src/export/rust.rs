@@ -1,11 +1,11 @@
 //! A Rust module that needs `core` only: the same tables, look-up and checksum as the C source.
 
-use crate::export::{Precision, Source, provenance};
-use crate::export::file::File;
 use crate::export::c::sha256;
 use crate::export::crc::crc32;
 use crate::export::dcm::constants;
+use crate::export::file::File;
 use crate::export::number::plain;
+use crate::export::{Precision, Source, provenance};
 use crate::map::{Gear, TorqueTable};
 
 const MODULE: &str = include_str!("template/pivot_map.rs.in");

@@ -3,4 +3,3 @@
 pub(crate) mod angle_groups;
 pub(crate) mod family;
 pub(crate) mod shrink_together;
-

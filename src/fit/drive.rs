@@ -7,4 +7,3 @@ pub(crate) mod measured_torque;
 pub(crate) mod settled_holds;
 pub(crate) mod step_timing;
 pub(crate) mod torque_input;
-

@@ -2,6 +2,7 @@
 
 pub(crate) mod expected_stop;
 pub(crate) mod integration;
+pub(crate) mod log_data;
 pub(crate) mod lookup_speeds;
 pub(crate) mod merging;
 pub(crate) mod noise_likelihood;
@@ -9,5 +10,3 @@ pub(crate) mod passes;
 pub(crate) mod regressors;
 pub(crate) mod segment;
 pub(crate) mod segmentation;
-pub(crate) mod log_data;
-

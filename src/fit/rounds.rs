@@ -8,4 +8,3 @@ pub(crate) mod initial_guess;
 pub(crate) mod outliers;
 pub(crate) mod sampling;
 pub(crate) mod search;
-

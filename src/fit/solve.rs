@@ -5,4 +5,3 @@ pub(crate) mod normal_equations;
 pub(crate) mod penalised_least_squares;
 pub(crate) mod shrinkage;
 pub(crate) mod stribeck_speed;
-

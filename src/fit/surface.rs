@@ -3,4 +3,3 @@
 pub(crate) mod design;
 pub(crate) mod lattice;
 pub(crate) mod spline;
-

@@ -8,4 +8,3 @@ pub(crate) mod soundness;
 pub(crate) mod standard_errors;
 pub(crate) mod tables;
 pub(crate) mod traces;
-

@@ -1,8 +1,8 @@
 //! The vehicle's outline: a rectangle that moves with the middle of the rear axle.
 
-use crate::guidance::{Error, Result};
 use crate::guidance::geometry::{Point, Polygon};
 use crate::guidance::path::PathPose;
+use crate::guidance::{Error, Result};
 use serde::Serialize;
 
 /// Outline of the vehicle.

@@ -11,11 +11,11 @@
 //! no more than a given change per step, within its limit, and the vehicle goes one step of fixed length along its own circle.
 //! Source: Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm* (CMU-RI-TR-92-01).
 
-use crate::guidance::{Error, Result};
 use crate::guidance::body::within;
 use crate::guidance::geometry::Point;
 use crate::guidance::path::{PathPose, PosePath};
 use crate::guidance::reference::{Reference, ahead};
+use crate::guidance::{Error, Result};
 use crate::map::Gear;
 use serde::Serialize;
 

@@ -8,15 +8,15 @@ mod check;
 mod entry;
 mod plan;
 mod scene;
-mod tolerance;
 pub(crate) mod start;
+mod tolerance;
 
-use crate::guidance::parking::start::Start;
+pub(crate) use crate::guidance::parking::start::Start;
 pub use check::{Judgement, judge};
-pub use tolerance::Tolerance;
 pub use entry::{Entry, entry_circle};
 pub use plan::{Plan, Stage, StageSpan, plan};
 pub use scene::{Scene, Slot};
+pub use tolerance::Tolerance;
 
 use serde::Serialize;
 

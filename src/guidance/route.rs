@@ -13,6 +13,6 @@ pub mod polyline_driver;
 pub mod pure_pursuit;
 pub mod rear_axle;
 pub mod segment_speed;
+pub mod track;
 pub mod tracking;
 pub mod turn_law;
-pub mod track;

@@ -11,7 +11,9 @@ mod search;
 mod track;
 
 pub use model::{Car, Method, Segment, State, integrate};
-pub use published::{ANSWERS, Answer, Finding, Hypothesis, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, YAW_RATE_RAD_S, entry_speed_mps};
+pub use published::{
+    ANSWERS, Answer, Finding, Hypothesis, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, YAW_RATE_RAD_S, entry_speed_mps,
+};
 pub use scene::{Lane, Margins, Scene};
 pub use search::{Found, Ranges, search};
 pub use track::{Settings, Track, Turn, drive, largest_difference_m};

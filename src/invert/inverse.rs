@@ -76,8 +76,8 @@ fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::map::Axis;
     use super::*;
+    use crate::map::Axis;
 
     fn surface() -> AccelTable {
         let speed = Axis::new("speed_mps", vec![0.0, 0.5, 1.0]).unwrap();

@@ -1,9 +1,12 @@
 //! What an inversion gives: `table2.json` and its CSVs.
 
-use crate::invert::{Error, Result, Settings, ZeroRow, breaks, optimal};
 use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
-use crate::map::{AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units, csv_name, sha256_hex};
+use crate::invert::{Error, Result, Settings, ZeroRow, breaks, optimal};
+use crate::map::{
+    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units,
+    csv_name, sha256_hex,
+};
 
 /// Table 2 with its files.
 #[derive(Debug, Clone)]

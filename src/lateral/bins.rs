@@ -5,9 +5,9 @@
 //! The way is that of the matched point along its path, so that runs of one task can be compared piece by piece. What lies within the settling
 //! way after a start or a standstill is left out: there the tracking law still draws the vehicle onto the path.
 
-use crate::lateral::{Error, Result};
-use crate::lateral::settings::Settings;
 use crate::lateral::nearest::Nearest;
+use crate::lateral::settings::Settings;
+use crate::lateral::{Error, Result};
 use crate::log::{Recording, Signal, SignalName};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
 use std::collections::BTreeMap;

@@ -1,12 +1,14 @@
 //! From runs to the compensation table: differences to the base, standard errors, what is dropped, the monotone curve.
 
-use crate::lateral::settings::{Settings, Weighting};
-use crate::lateral::{Error, Result};
 use crate::lateral::bins::{Bin, LateralRun};
 use crate::lateral::isotonic::isotonic;
 use crate::lateral::newey_west::{Mean, newey_west};
+use crate::lateral::settings::{Settings, Weighting};
+use crate::lateral::{Error, Result};
 use crate::log::Recording;
-use crate::map::{CsvRef, FORMAT_VERSION, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, LateralTableFile, LogRef, sha256_hex};
+use crate::map::{
+    CsvRef, FORMAT_VERSION, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, LateralTableFile, LogRef, sha256_hex,
+};
 use serde::Serialize;
 
 /// What happened.
@@ -185,9 +187,9 @@ fn curve(entries: &[LateralEntry]) -> Result<(LateralCurve, f64)> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::log::{Loss, Signal, SignalName, Signals};
     use crate::map::Vehicle;
-    use super::*;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64;
     use std::collections::BTreeMap;

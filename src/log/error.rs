@@ -1,8 +1,8 @@
 //! What can be wrong with a log or a signal map. The file's name is added by the caller.
 
-use crate::map;
 use crate::log::extract::plan_error::PlanError;
 use crate::log::schema::schema_error::SchemaError;
+use crate::map;
 use crate::units::{Dimension, UnknownUnit};
 
 /// Result of this room.

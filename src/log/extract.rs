@@ -5,7 +5,6 @@ pub(crate) mod convert;
 pub(crate) mod extractor;
 pub(crate) mod fields;
 pub(crate) mod message_pass;
+pub(crate) mod plan_error;
 pub(crate) mod stamp;
 pub(crate) mod value;
-pub(crate) mod plan_error;
-

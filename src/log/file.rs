@@ -10,6 +10,5 @@ pub(crate) mod lz4;
 pub(crate) mod open;
 pub(crate) mod record;
 pub(crate) mod scan;
-pub(crate) mod summary;
 pub(crate) mod structure;
-
+pub(crate) mod summary;

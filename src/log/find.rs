@@ -6,4 +6,3 @@ pub(crate) mod infer_units;
 pub(crate) mod presets;
 pub(crate) mod resolve;
 pub(crate) mod series;
-

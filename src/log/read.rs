@@ -1,20 +1,20 @@
 //! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
 
-use crate::log::{Error, Result, Source};
-use crate::log::extract::message_pass;
 use crate::log::extract::column::Column;
+use crate::log::extract::message_pass;
 use crate::log::extract::message_pass::Gathered;
-use crate::log::file::open::open;
 use crate::log::file::container::Container;
-use crate::log::file::structure::BlockKind;
 use crate::log::file::input::Input;
 use crate::log::file::loss::{Damage, Loss, Why};
-use crate::log::find::resolve;
+use crate::log::file::open::open;
+use crate::log::file::structure::BlockKind;
 use crate::log::find::candidates::Candidates;
+use crate::log::find::resolve;
 use crate::log::find::resolve::Choices;
 use crate::log::recording::{Origin, Recording, Signals};
 use crate::log::reference_path::{Lists, polylines};
 use crate::log::signal_map::{SignalName, VehicleOverrides};
+use crate::log::{Error, Result, Source};
 use crate::map::LogRef;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 //! `reference_x = { path = "/path.poses[:].pose.position.x" }` and `reference_y` alike give one polyline per message. A path that is published
 //! again and again unchanged is kept once.
 
-use crate::log::{Error, Result};
 use crate::log::signal_map::{SignalMap, SignalName};
+use crate::log::{Error, Result};
 use std::collections::BTreeSet;
 
 /// A polyline of one message; in force from its time on until the next.

@@ -4,8 +4,8 @@ mod descriptor;
 mod idl;
 mod leaves;
 mod msg;
-mod shape;
 pub(crate) mod schema_error;
+mod shape;
 
 use crate::log::schema::schema_error::SchemaError;
 pub(crate) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};

@@ -1,7 +1,7 @@
 //! The signal map: which message path is which signal, in which unit. Read from `signals.toml`.
 
-use crate::log::{Error, Result};
 use crate::log::path::{MessagePath, Step};
+use crate::log::{Error, Result};
 use crate::spelling::edits;
 use crate::units::{Dimension, Unit};
 use serde::{Deserialize, Serialize};

@@ -1,11 +1,11 @@
 //! A recording that its writer split into several files, read as one: a run that a file's border cuts is whole again.
 
-use crate::log::{Error, Result, Source, read};
 use crate::log::file::loss::Loss;
 use crate::log::find::infer_units;
 use crate::log::read::Part;
 use crate::log::recording::{Recording, Signal};
 use crate::log::signal_map::{SignalName, VehicleOverrides};
+use crate::log::{Error, Result, Source, read};
 use crate::map::LogRef;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;

@@ -1,17 +1,17 @@
 //! What is in a log: topics, time span, and where the signals are. Answers from the summary when that is enough.
 
-use crate::log::{Error, Result, Source};
 use crate::log::extract::message_pass;
-use crate::log::file::open::open;
 use crate::log::file::container::Container;
 use crate::log::file::input::Input;
 use crate::log::file::loss::Loss;
+use crate::log::file::open::open;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader};
-use crate::log::find::resolve;
 use crate::log::find::candidates::Candidates;
+use crate::log::find::resolve;
 use crate::log::rate::{Rate, rate};
 use crate::log::read::loss;
 use crate::log::signal_map::SignalName;
+use crate::log::{Error, Result, Source};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

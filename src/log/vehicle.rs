@@ -1,7 +1,7 @@
 //! The vehicle of a log: from the command line, the signal map, or the log's own metadata, in this order.
 
-use crate::log::{Error, Result};
 use crate::log::signal_map::VehicleOverrides;
+use crate::log::{Error, Result};
 use crate::map::Vehicle;
 use std::collections::BTreeMap;
 

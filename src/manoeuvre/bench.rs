@@ -1,6 +1,5 @@
 //! What a manoeuvre is driven with.
 
-use crate::manoeuvre::planned;
 use crate::manoeuvre::planned::Planned;
 use crate::manoeuvre::torque::ManoeuvreTorque;
 use crate::verify::Maps;

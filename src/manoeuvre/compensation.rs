@@ -1,17 +1,17 @@
 //! The compensation scenario: a path driven with mounting errors, once without and once with the run-time law, on the same noise.
 
-use crate::sim;
-use crate::control::{Inputs, Pose};
 use crate::control::lateral_compensation::{CompensationEntry, CompensationSettings, CompensationTable, LateralCompensation};
+use crate::control::{Inputs, Pose};
 use crate::guidance::path::PosePath;
 use crate::guidance::route::clothoid_path::{Piece, course};
 use crate::guidance::route::follower::{DriveCommand, Stage};
 use crate::guidance::route::path_position::{Leg, lateral_error_m};
 use crate::guidance::route::tracking::LawName;
+use crate::manoeuvre::bench::Bench;
 use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
 use crate::manoeuvre::lateral_run::{LegsDriver, follower_settings};
-use crate::manoeuvre::bench::Bench;
 use crate::map::{Gear, LateralTableFile};
+use crate::sim;
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::metric::{Metric, Values};

@@ -1,8 +1,8 @@
 //! The closed loop of a manoeuvre: read, command, let the world go on, once a control period.
 
-use crate::sim;
 use crate::control::{Inputs, Pose};
 use crate::guidance::route::follower::{DriveCommand, Stage};
+use crate::sim;
 use crate::sim::{Measurement, TrueState, World};
 use crate::verify::Result;
 

@@ -1,17 +1,17 @@
 //! Runs the manoeuvres, nominal and perturbed, and applies the gate.
 
-use crate::sim;
+use crate::manoeuvre::bench::Bench;
 use crate::manoeuvre::drive::Moment;
 use crate::manoeuvre::planned::Planned;
-use crate::manoeuvre::bench::Bench;
 use crate::manoeuvre::scenario::Manoeuvre;
 use crate::manoeuvre::torque::ManoeuvreTorque;
+use crate::sim;
 use crate::sim::VehicleFile;
-use crate::verify::{Maps, Result};
 use crate::verify::judge::Settings;
 use crate::verify::metric::{Metric, Summary, Values};
 use crate::verify::perturbations::draws;
 use crate::verify::verdict::{ScenarioVerdict, Status};
+use crate::verify::{Maps, Result};
 use rayon::prelude::*;
 
 /// The bundled scrubber, on which manoeuvres are driven unless told otherwise.

@@ -1,6 +1,5 @@
 //! A path driven by a tracking law with a fixed compensation angle, as a run of the lateral calibration, and its log.
 
-use crate::sim;
 use crate::control::Inputs;
 use crate::guidance::path::PosePath;
 use crate::guidance::route::clothoid_path::{course, lateral_task};
@@ -11,6 +10,7 @@ use crate::guidance::torque_source::TorqueSource;
 use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
 use crate::manoeuvre::log::Log;
 use crate::manoeuvre::torque::ExactTorque;
+use crate::sim;
 use crate::verify::Result;
 
 /// One run.

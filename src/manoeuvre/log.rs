@@ -7,8 +7,8 @@ use crate::manoeuvre::judge::replay;
 use crate::manoeuvre::scenario::Manoeuvre;
 use crate::map::Vehicle;
 use crate::record::{LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
-use crate::verify::{Maps, Result};
 use crate::verify::vehicle_log::{START_NS, log_time_ns, write_vehicle};
+use crate::verify::{Maps, Result};
 
 /// A log under construction.
 pub(crate) struct Log {

@@ -1,16 +1,16 @@
 //! Parking and the U-turn in closed loop: the planned path is driven leg by leg, and the body's true distance from everything is watched.
 
-use crate::sim;
 use crate::control::{Inputs, Pose};
-use crate::guidance::{BodyShape, Point, Polygon, PosePath, parking, u_turn};
 use crate::guidance::look_ahead::largest_steps;
 use crate::guidance::route::follower::{DriveCommand, Follower, FollowerSettings, Stage};
 use crate::guidance::route::path_position::{Leg, Offset};
 use crate::guidance::route::rear_axle::RearAxle;
 use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::guidance::route::tracking::TrackingSettings;
-use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
+use crate::guidance::{BodyShape, Point, Polygon, PosePath, parking, u_turn};
 use crate::manoeuvre::bench::Bench;
+use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
+use crate::sim;
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::metric::{Metric, Values};
@@ -229,9 +229,9 @@ pub(crate) fn run(
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::manoeuvre::{Kind, Manoeuvre, bundled_vehicle, replay_manoeuvre};
     use crate::verify::{Maps, Settings, known_maps};
-    use super::*;
 
     #[test]
     fn every_planned_manoeuvre_ends_where_it_should_and_touches_nothing() {

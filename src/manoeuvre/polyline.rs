@@ -1,6 +1,5 @@
 //! The polyline scenario: eight segments that need every case of the plan, driven by each tracking law.
 
-use crate::sim;
 use crate::control::Pose;
 use crate::guidance::route::follower::{FollowerSettings, Stage};
 use crate::guidance::route::path_position::{Leg, Offset};
@@ -8,11 +7,12 @@ use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 use crate::guidance::route::polyline_driver::PolylineDriver;
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::guidance::route::turn_law::TurnSettings;
-use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
 use crate::manoeuvre::bench::Bench;
+use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
+use crate::sim;
 use crate::sim::TrueState;
-use crate::verify::{Error, Result};
 use crate::verify::metric::{Metric, Values};
+use crate::verify::{Error, Result};
 
 /// The corners [m]: a left turn of 90°, a right one, a bend of 3° without a stop, a short segment in reverse (half/half), and corners sharper
 /// than 90°, which are left in reverse.

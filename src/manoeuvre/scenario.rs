@@ -1,19 +1,19 @@
 //! The manoeuvres: name, what it is, class, and what is driven.
 
-use crate::manoeuvre::bench::Bench;
-use crate::sim;
 use crate::guidance::path::PosePath;
 use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 use crate::guidance::route::tracking::LawName;
-use crate::manoeuvre::{planned, polyline};
+use crate::manoeuvre::bench::Bench;
 use crate::manoeuvre::compensation::CompensationScenario;
 use crate::manoeuvre::drive::Moment;
 use crate::manoeuvre::planned::{Planned, PlannedTask};
 use crate::manoeuvre::polyline::DEMO_POINTS;
+use crate::manoeuvre::{planned, polyline};
 use crate::map::Gear;
-use crate::verify::{Error, Maps, Result};
+use crate::sim;
 use crate::verify::metric::Values;
 use crate::verify::scenario::Class;
+use crate::verify::{Error, Maps, Result};
 use serde::Serialize;
 
 /// What a manoeuvre drives.

@@ -1,10 +1,10 @@
 //! Torque for a manoeuvre: the maps under test over the wheel angle; with the map of one angle alone, that one where the wheel is at its
 //! angle, and the exact inverse of the physical plant elsewhere.
 
-use crate::sim;
 use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueMap};
 use crate::guidance::torque_source::TorqueSource;
 use crate::map::{Gear, SAME_ANGLE_DEG, Side};
+use crate::sim;
 use crate::sim::{MotionSettings, Truth};
 use crate::units::RAD_PER_DEG;
 use crate::verify::{Maps, Result};
@@ -129,8 +129,8 @@ impl TorqueSource for ManoeuvreTorque<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::manoeuvre::bundled_vehicle;
     use super::*;
+    use crate::manoeuvre::bundled_vehicle;
 
     #[test]
     fn the_exact_torque_gives_the_acceleration_at_every_angle_in_both_directions() {

@@ -13,10 +13,10 @@ use crate::manoeuvre::judge::{replay, replay_planned};
 use crate::manoeuvre::scenario::{Kind, Manoeuvre};
 use crate::map::{FORMAT_VERSION, Gear, expect_format};
 use crate::units::RAD_PER_DEG;
-use crate::verify::{Maps, Result};
 use crate::verify::judge::Settings;
 use crate::verify::scenario::Class;
 use crate::verify::verdict::{ScenarioVerdict, Status, Verdict};
+use crate::verify::{Maps, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -3,8 +3,8 @@
 //! Between two measured angles both tables are asked for the same torque, each answer is carried to the angle in between by inertia and
 //! friction ([`AngleFamily`]), and the two are weighted by how near they are. At a measured angle the answer is its table's.
 
-use crate::map::{AccelMap, AccelTable, AngleFamily, Axis, Gear, Result, SAME_ANGLE_DEG, Side};
 use crate::map::angle_lookup::{Between, between};
+use crate::map::{AccelMap, AccelTable, AngleFamily, Axis, Gear, Result, SAME_ANGLE_DEG, Side};
 use crate::units::RAD_PER_DEG;
 
 /// An acceleration at a wheel angle.

@@ -1,8 +1,8 @@
 //! What the maps of one gear at several wheel angles have in common, and what changes with the angle: the `families` of `table1.json` and
 //! `table2.json`, and the names of the maps' files.
 
-use crate::map::{Error, Gear, Result};
 use crate::map::angle_lookup::AngleTerms;
+use crate::map::{Error, Gear, Result};
 use serde::{Deserialize, Serialize};
 
 /// Two wheel angles nearer than this are the same one [°].

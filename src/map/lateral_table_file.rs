@@ -1,8 +1,8 @@
 //! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not tell.
 
+use crate::map::csv_matrix::decimal;
 use crate::map::format::{LATERAL_TABLE_FORMAT, expect_format};
 use crate::map::{CsvRef, Error, LogRef, Result, Vehicle};
-use crate::map::csv_matrix::decimal;
 use serde::{Deserialize, Serialize};
 
 /// `lateral_table.json`.

@@ -1,7 +1,7 @@
 //! `table1.json`: Table 1 with everything that its CSV does not tell.
 
-use crate::map::format::{FORMAT_VERSION, TABLE1_FORMAT, expect_format};
-use crate::map::{AccelTable, AngleFamily, Axis, CellStatus, Error, Gear, Result, Vehicle};
+use crate::map::format::{TABLE1_FORMAT, expect_format};
+use crate::map::{AccelTable, AngleFamily, Axis, CellStatus, Gear, Result, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// `table1.json`: one [`AccelMap`] per gear and wheel angle, and where they come from.

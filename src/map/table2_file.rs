@@ -1,9 +1,9 @@
 //! `table2.json`: Table 2 with everything that its CSV does not tell.
 
-use crate::map::format::{TABLE2_FORMAT, expect_format};
-use crate::map::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle};
 use crate::map::accel_table::SPEED_AXIS;
+use crate::map::format::{TABLE2_FORMAT, expect_format};
 use crate::map::torque_table::ACCEL_AXIS;
+use crate::map::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.

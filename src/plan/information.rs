@@ -1,14 +1,14 @@
 //! What runs tell of the surface's coefficients.
 
-use crate::fit::{Error, Result, Settings};
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::regressors::{Free, nuisance, whitened_sums};
 use crate::fit::noise::kalman::Noise;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
+use crate::fit::{Error, Result, Settings};
 use crate::map::{DelayEstimate, Gear, Table1File};
-use crate::plan::settings::PlanSettings;
 use crate::plan::drive::{Part, READING_S, Vehicle};
+use crate::plan::settings::PlanSettings;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;

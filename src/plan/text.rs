@@ -1,7 +1,7 @@
 //! The plan as a campaign file that `record` reads.
 
-use crate::plan::{Plan, PlanEntry};
 use crate::plan::drive::{PAUSE_S, PlannedRun, STALL_S};
+use crate::plan::{Plan, PlanEntry};
 use std::fmt::Write;
 
 impl Plan {

@@ -1,9 +1,9 @@
 //! The campaign plan: a TOML list of groups of runs, unrolled into single runs.
 
-use crate::sim;
 use crate::map::Gear;
 use crate::record::error::{Error, Result};
 use crate::record::event::Event;
+use crate::sim;
 use crate::sim::{Random, Stream, Timing};
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,9 @@
 //!
 //! Messages are kept until the end and written in the order of their log times, so that the bytes depend on nothing but what was written.
 
-use crate::record::schema;
 use crate::record::error::{Error, Result};
 use crate::record::message::Message;
+use crate::record::schema;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 

@@ -69,8 +69,8 @@ pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::record::runner::End;
     use super::*;
+    use crate::record::runner::End;
 
     const VEHICLE: &str = "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.12\n";
 

@@ -93,10 +93,10 @@ pub fn coverage_text(map: &AccelMap) -> String {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::map::{Gear, Vehicle};
     use crate::sim::{PhysicalSettings, Settings as World};
     use crate::verify::known_maps;
-    use super::*;
 
     #[test]
     fn the_terminal_shows_one_character_per_cell_and_the_highest_torque_first() {

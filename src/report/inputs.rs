@@ -1,8 +1,8 @@
 //! What a folder of maps holds, and whether its files belong together.
 
+use crate::manoeuvre::ManoeuvreTraces;
 use crate::map::{FitTraces, PlanFile, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
 use crate::report::{Error, Result};
-use crate::manoeuvre::ManoeuvreTraces;
 use crate::verify::{ClosedLoop, Scenario, Verdict};
 use std::path::Path;
 

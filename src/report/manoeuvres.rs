@@ -1,11 +1,11 @@
 //! Manoeuvres: each as a picture with its figures; of the lateral compensation the error before and after.
 
+use crate::manoeuvre::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces};
 use crate::report::Inputs;
 use crate::report::chart::{Chart, Line, Panel};
 use crate::report::overhead::overhead;
 use crate::report::section::Section;
 use crate::report::svg::{escaped, num};
-use crate::manoeuvre::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces};
 use crate::verify::{Check, Class, Metric, Status};
 
 /// The manoeuvres as a section.

@@ -1,9 +1,9 @@
 //! A manoeuvre seen from above: obstacles, outlines of the vehicle along the way, the path by direction of travel, the driven path over it.
 
+use crate::manoeuvre::{ManoeuvreTrace, Piece};
 use crate::map::Gear;
 use crate::report::scale::Scale;
 use crate::report::svg::{Svg, num};
-use crate::manoeuvre::{ManoeuvreTrace, Piece};
 
 /// Room around the drawing [px].
 const LEFT: f64 = 50.0;

@@ -1,9 +1,11 @@
 //! The page put together, and the figures as files.
 
-use crate::report::{Inputs, Result, closed_loop, coverage, delay, friction, manoeuvres, next, provenance, residuals, round_trip, runs, summary, tables};
 use crate::report::scale::Colours;
 use crate::report::section::Section;
 use crate::report::svg::{PATTERNS, STYLE, escaped};
+use crate::report::{
+    Inputs, Result, closed_loop, coverage, delay, friction, manoeuvres, next, provenance, residuals, round_trip, runs, summary, tables,
+};
 use serde_json::json;
 use std::fmt::Write as _;
 

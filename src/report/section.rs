@@ -1,8 +1,8 @@
 //! A section of the page: its text, its figures, and what the script needs to know of them.
 
-use crate::report::html;
 use crate::report::chart::Chart;
 use crate::report::heat::Heat;
+use crate::report::html;
 use crate::report::svg::{Svg, escaped};
 use serde_json::Value;
 use std::fmt::Write as _;

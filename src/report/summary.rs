@@ -1,7 +1,7 @@
 //! The head of the page: the verdict, the three figures behind it, and what a reader should know.
 
-use crate::report::{Inputs, Judgement};
 use crate::report::svg::{escaped, num};
+use crate::report::{Inputs, Judgement};
 use crate::verify::{Class, Metric, Statistic, Status, Verdict};
 use std::fmt::Write as _;
 

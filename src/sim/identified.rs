@@ -268,9 +268,9 @@ impl IdentifiedMotion {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::map::Axis;
     use crate::sim::drive::TorqueStep;
-    use super::*;
 
     /// a = (τ − 8 − 5 v)/13, linear, so that bilinear interpolation is exact.
     pub(crate) fn linear() -> Direction {

@@ -1,10 +1,10 @@
 //! Motion: effective torque → front-wheel speed, either by the physics of a vehicle or by a fitted Table 1.
 
-use crate::sim::load::Load;
 use crate::map::Vehicle;
 use crate::sim::AngleTerms;
 use crate::sim::error::Result;
 use crate::sim::identified::{IdentifiedMotion, IdentifiedSettings};
+use crate::sim::load::Load;
 use crate::sim::physical::PhysicalMotion;
 use crate::sim::plant::PhysicalSettings;
 use crate::sim::pose::SpeedStep;

@@ -176,8 +176,8 @@ impl PhysicalMotion {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::sim::drive::TorqueStep;
     use super::*;
+    use crate::sim::drive::TorqueStep;
 
     const STEP_S: f64 = 1e-3;
 

@@ -2,12 +2,12 @@
 //!
 //! Nothing corrects the simulated speed on the way, so that an error of the map shows as a drift: the hardest test of a fit.
 
-use crate::sim::{AngleTerms, Gear};
 use crate::sim::drive::Drive;
 use crate::sim::error::{Error, Result};
 use crate::sim::load::Load;
 use crate::sim::motion::Motion;
 use crate::sim::settings::{Perturbation, Settings};
+use crate::sim::{AngleTerms, Gear};
 use crate::units::RAD_PER_DEG;
 
 /// A recorded run, gear frame; the slices are equally long and their times increase.
@@ -108,9 +108,9 @@ fn compared(first: usize, simulated: Vec<f64>, recorded: &[f64]) -> Replay {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::map::{AccelTable, Axis, Vehicle};
     use crate::sim::{Command, Direction, IdentifiedSettings, MotionSettings, PhysicalSettings, SensorSettings, Truth, World};
-    use super::*;
 
     fn vehicle() -> Vehicle {
         Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }

@@ -164,8 +164,8 @@ impl Sensors {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::sim::{EncoderSettings, Timing};
     use super::*;
+    use crate::sim::{EncoderSettings, Timing};
 
     fn readings(settings: &SensorSettings, speed_mps: f64) -> Vec<f64> {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };

@@ -151,9 +151,9 @@ impl Perturbation {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::map::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, Gear, PlantNoise, Surface, Table1File};
     use crate::sim::{Command, SensorSettings, World};
-    use super::*;
     use std::f64::consts::FRAC_PI_2;
 
     /// A fit that found a = (τ − 8)/13 forward and nothing in reverse.

@@ -1,6 +1,5 @@
 //! The world loop: command → drive → traction → motion → body → sensors, one fixed step at a time.
 
-use crate::sim::{Fault, Gear};
 use crate::sim::drive::Drive;
 use crate::sim::error::Result;
 use crate::sim::load::Load;
@@ -10,6 +9,7 @@ use crate::sim::sensors::{Scene, Sensors};
 use crate::sim::settings::Settings;
 use crate::sim::steering::Steering;
 use crate::sim::traction::Traction;
+use crate::sim::{Fault, Gear};
 
 /// Standard gravity [m/s²]. Source: ISO 80000-3.
 const GRAVITY_MPS2: f64 = 9.806_65;
@@ -331,9 +331,9 @@ impl World {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::map::Vehicle;
     use crate::sim::PhysicalSettings;
-    use super::*;
     use std::f64::consts::FRAC_PI_2;
 
     fn settings() -> Settings {

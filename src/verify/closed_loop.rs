@@ -4,15 +4,15 @@
 use crate::control::{DriveLaw, HeadingLaw, HeadingLawSettings, Phase, SpeedLoopSettings};
 use crate::map::{FORMAT_VERSION, expect_format};
 use crate::units::RAD_PER_DEG;
-use crate::verify::{Maps, Result};
+use crate::verify::bench::Moment;
 use crate::verify::judge::{COMPARED, Settings, Stage};
 use crate::verify::laws::{constant_gain, map_law};
 use crate::verify::metric::quantile;
 use crate::verify::perturbations::draws;
-use crate::verify::bench::Moment;
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
 use crate::verify::verdict::{Comparison, Verdict};
+use crate::verify::{Maps, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! The gate: which limits a map has to keep, and why. The default is `data/gate.toml`.
 
-use crate::verify::{Error, Result};
 use crate::verify::metric::{Metric, Statistic, Summary};
 use crate::verify::round_trip::RoundTripLimit;
 use crate::verify::scenario::Class;
+use crate::verify::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 const DEFAULT: &str = include_str!("../../data/gate.toml");

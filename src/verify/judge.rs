@@ -1,10 +1,9 @@
 //! Runs the scenarios and the comparison, applies the gate, and puts the verdict together.
 
-use crate::{control, manoeuvre, sim};
 use crate::control::{DriveLaw, HeadingLaw, PivotRequest, TorqueMap as _, WaypointLaw, WaypointLawSettings};
 use crate::manoeuvre::{Manoeuvre, ManoeuvreTorque};
 use crate::map::{FORMAT_VERSION, Gear};
-use crate::verify::{Maps, Result};
+use crate::verify::bench::{Bench, Moment};
 use crate::verify::gate::Gate;
 use crate::verify::laws::{constant_gain, law_settings, map_law, test_angle_rad, tuned_heading_law, tuning_runs};
 use crate::verify::measured_region::Region;
@@ -12,10 +11,11 @@ use crate::verify::metric::{Metric, Statistic, Summary, Values};
 use crate::verify::perturbations::{Spread, draws};
 use crate::verify::plant::Plant;
 use crate::verify::round_trip::{RoundTrip, round_trip};
-use crate::verify::bench::{Bench, Moment};
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
 use crate::verify::verdict::{Comparison, FORMAT, LawSummary, PlantSummary, ScenarioVerdict, Status, Verdict};
+use crate::verify::{Maps, Result};
+use crate::{control, manoeuvre, sim};
 use rayon::prelude::*;
 
 /// How a map is verified.

@@ -1,14 +1,16 @@
 //! The laws that are run: the map under test, and beside it what it is compared with.
 
-use crate::sim;
-use crate::control::{ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings};
+use crate::control::{
+    ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
+};
 use crate::map::CellStatus;
+use crate::sim;
 use crate::units::RAD_PER_DEG;
-use crate::verify::{Maps, Result};
-use crate::verify::metric::{Metric, Values};
 use crate::verify::bench::Bench;
+use crate::verify::metric::{Metric, Values};
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
+use crate::verify::{Maps, Result};
 use rayon::prelude::*;
 
 /// The law of the map under test.

@@ -5,11 +5,11 @@ use crate::control::{AngleStatus, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
 use crate::record::{LogWriter, Message, Odometry, Stamp};
 use crate::units::RAD_PER_DEG;
-use crate::verify::{Maps, Result};
-use crate::verify::judge::{Settings, replay};
 use crate::verify::bench::Moment;
+use crate::verify::judge::{Settings, replay};
 use crate::verify::scenario::Scenario;
 use crate::verify::vehicle_log::{log_time_ns, write_vehicle};
+use crate::verify::{Maps, Result};
 use std::fmt::Write as _;
 
 /// The bytes of an MCAP file with the nominal run of `scenario`.

@@ -107,8 +107,8 @@ fn physical_table(truth: &Truth, gear: Gear, vehicle: &Vehicle, limit_nm: f64) -
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::sim::PhysicalSettings;
     use super::*;
+    use crate::sim::PhysicalSettings;
 
     #[test]
     fn the_inverse_of_the_exact_map_gives_the_acceleration_back() {

@@ -1,7 +1,10 @@
 //! The maps that a perfect campaign would give of a vehicle whose physics is known: for examples, benchmarks and tests.
 
 use crate::control::TorqueMap as _;
-use crate::map::{AccelMap, AccelTable, Actuator, Axis, Breakaway, CellStatus, CsvRef, DeadBand, DelayEstimate, FORMAT_VERSION, Gear, PlantNoise, RoundTrip, Stage1Report, Surface, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units, sha256_hex};
+use crate::map::{
+    AccelMap, AccelTable, Actuator, Axis, Breakaway, CellStatus, CsvRef, DeadBand, DelayEstimate, FORMAT_VERSION, Gear, PlantNoise,
+    RoundTrip, Stage1Report, Surface, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units, sha256_hex,
+};
 use crate::sim::Settings;
 use crate::verify::Result;
 use crate::verify::plant::{Plant, torque_for};

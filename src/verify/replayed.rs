@@ -3,9 +3,9 @@
 //! In: the survey of a log, best of runs that the fit has not seen, and `table1.json`. Out: per run the recorded against the simulated speed,
 //! R² = 1 − SSE/SST and root mean square. The speed is the encoder's, taken back by its delay and scale as the fit found them.
 
-use crate::sim;
 use crate::campaign::{Stretch, Survey};
 use crate::map::{Gear, Table1File};
+use crate::sim;
 use crate::sim::RecordedRun;
 use crate::verify::Result;
 use serde::{Deserialize, Serialize};

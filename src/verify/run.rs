@@ -1,11 +1,11 @@
 //! One run: a controller and a world in closed loop, and what is measured of it.
 
-use crate::verify::bench::{Bench, Moment};
+use crate::control::{DriveLaw, Inputs, Phase, PivotController, PivotRequest, Pose};
 use crate::sim;
-use crate::control::{DriveLaw, Inputs, Phase, PivotController, PivotRequest, Pose, Settings};
 use crate::sim::{Fault, Measurement, World};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
+use crate::verify::bench::{Bench, Moment};
 use crate::verify::metric::{Metric, Values};
 use crate::verify::run_metrics::Watch;
 use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};

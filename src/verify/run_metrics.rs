@@ -1,12 +1,12 @@
 //! What is measured while a run goes on; the definitions are in `docs/controller.md`.
 
-use crate::sim;
 use crate::control::{Phase, Settings};
 use crate::map::Gear;
+use crate::sim;
 use crate::sim::TrueState;
 use crate::units::RAD_PER_DEG;
-use crate::verify::metric::{Metric, Values};
 use crate::verify::bench::{Bench, Moment};
+use crate::verify::metric::{Metric, Values};
 use crate::verify::scenario::{Expected, Scenario};
 
 /// Watches a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.

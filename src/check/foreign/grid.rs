@@ -99,8 +99,8 @@ impl Grid {
 
 #[cfg(test)]
 mod tests {
-    use crate::check::foreign::cells_of_csv;
     use super::*;
+    use crate::check::foreign::cells_of_csv;
 
     #[test]
     fn every_unreadable_cell_is_told_and_the_others_are_kept() {

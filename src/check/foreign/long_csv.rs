@@ -55,8 +55,8 @@ pub fn points_of_long_csv(cells: &[CsvLine]) -> (Points, Vec<Misread>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::check::foreign::cells_of_csv;
     use super::*;
+    use crate::check::foreign::cells_of_csv;
 
     #[test]
     fn columns_are_found_by_name_whatever_their_order_and_unit() {

@@ -10,7 +10,6 @@
 //! allow (`family`).
 
 use crate::campaign::{AngleGroup, Grouped, Survey, Verdict, ledger};
-use crate::fit::{Error, Result, Settings, fit_traced};
 use crate::fit::angles::family::families;
 use crate::fit::angles::shrink_together::draw_together;
 use crate::fit::drive::torque_input::Choice;
@@ -22,6 +21,7 @@ use crate::fit::table1::product::{Delays, Fit, actuator, diagnostics, plant_nois
 use crate::fit::table1::runs::{residual_rms_mps2, round};
 use crate::fit::table1::soundness::coverage;
 use crate::fit::table1::traces::traces;
+use crate::fit::{Error, Result, Settings, fit_traced};
 use crate::map::{AccelMap, FORMAT_VERSION, FitTraces, LogRef, RunRow, SAME_ANGLE_DEG, Stage1Report, TABLE1_FORMAT, Table1File, Units};
 use crate::units::RAD_PER_DEG;
 use std::collections::BTreeMap;

@@ -11,7 +11,6 @@
 //!
 //! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
 
-
 use crate::fit::Result;
 use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, Gear, LeftOutAngle, Side};
 use crate::units::RAD_PER_DEG;
@@ -39,9 +38,9 @@ pub(crate) struct Family {
     /// What files tell.
     pub(crate) told: AngleFamily,
     /// Number of terms of the friction.
-    terms: usize,
+    pub(crate) terms: usize,
     /// τ, the standard deviation of the departures of measured angles from the family [N·m]; absent where angles are too few to tell.
-    spread_nm: Option<f64>,
+    pub(crate) spread_nm: Option<f64>,
 }
 
 /// The families of maps at several angles, by gear and side; a side with one angle has none.

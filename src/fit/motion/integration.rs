@@ -3,10 +3,10 @@
 //! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms while its last twentieth is to come, 20 ms
 //! while it stands, and never across a reading.
 
+use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::{Share, Torque};
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::calibration::Calibration;
 use crate::fit::motion::segment::Segment;
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;

@@ -4,9 +4,9 @@
 //! acceleration: over a quarter of a second a hundredth, (25 ms / 250 ms)², of what all of them tell. Within some three lags after a step
 //! of the torque readings stay apart. (45 ms cost 5 % of the accuracy in campaigns of 15 and 60 minutes.)
 
+use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
 use crate::fit::drive::lagged_command::Share;
-use crate::fit::calibration::Calibration;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::{Noise, Reading};
 use rayon::prelude::*;
@@ -82,9 +82,9 @@ pub(crate) fn spread(values: &[f64], merged: &[Reading], readings: &[Reading]) -
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::fit::drive::lagged_command::LaggedCommand;
     use crate::signal::Series;
-    use super::*;
 
     #[test]
     fn readings_merge_to_their_weighted_mean_but_not_while_the_torque_moves() {

@@ -164,13 +164,13 @@ pub(crate) fn total(folds: &[[Gram; 2]]) -> [Gram; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::fit::drive::effective_torque::EffectiveTorque;
     use crate::fit::drive::lagged_command::LaggedCommand;
     use crate::fit::motion::expected_stop::readings_before_stop;
     use crate::fit::noise::kalman::{Reading, whiten};
     use crate::fit::surface::lattice::Lattice;
     use crate::signal::Series;
-    use super::*;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
@@ -297,6 +297,14 @@ mod tests {
         // what speeds up has none before it
         let faster: Vec<f64> = (1..=80).map(|k| PERIOD_S * 0.5 * f64::from(k)).collect();
         let segment = segment(&faster, false);
-        assert_eq!(readings_before_stop(&Course::new(&segment, &crate::fit::motion::passes::tests::torque(20.0), 0.0), &crate::fit::motion::passes::tests::surface(0.0), &NOISE, 8), None);
+        assert_eq!(
+            readings_before_stop(
+                &Course::new(&segment, &crate::fit::motion::passes::tests::torque(20.0), 0.0),
+                &crate::fit::motion::passes::tests::surface(0.0),
+                &NOISE,
+                8
+            ),
+            None
+        );
     }
 }

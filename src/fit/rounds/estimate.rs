@@ -1,9 +1,9 @@
 //! The estimate: speeds, torques and noise, surface and delays, each from the others, until the surface stands still.
 
-use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::Noise;
 use crate::fit::rounds::cross_validation::Validation;

@@ -1,19 +1,19 @@
 //! Before the first round: what the logs hold, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
 
 use crate::campaign::Survey;
-use crate::fit::{Error, Result, Settings};
+use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::Choice;
-use crate::fit::motion::passes::wide_speed;
-use crate::fit::calibration::Calibration;
 use crate::fit::motion::log_data::Cuts;
 use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
 use crate::fit::noise::kalman::Noise;
 use crate::fit::rounds::delay_grid;
 use crate::fit::surface::lattice::Lattice;
+use crate::fit::{Error, Result, Settings};
 use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
 use rayon::prelude::*;

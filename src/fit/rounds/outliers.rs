@@ -1,12 +1,12 @@
 //! Readings and stretches that do not belong: spikes, slip that no second witness shows, pushes by hand.
 
 use crate::campaign::Verdict;
+use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::integration::courses;
-use crate::fit::motion::passes::Pass;
-use crate::fit::calibration::Calibration;
 use crate::fit::motion::log_data::Cuts;
 use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::passes::Pass;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::noise::kalman::Noise;
@@ -129,9 +129,9 @@ fn join(cuts: &mut Cuts) {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::fit::noise::kalman::Reading;
     use crate::map::Gear;
-    use super::*;
 
     fn segment(n: u32) -> Segment {
         let readings = (0..n).map(|k| Reading::single(f64::from(k) * 0.01, 0.0, 1, k)).collect();

@@ -5,33 +5,33 @@
 //! whitened sums, solves them with penalties chosen by the data, and moves on to the new surface and calibration.
 
 use crate::campaign::Survey;
-use crate::fit::{Error, Result, Settings};
+use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::{Choice, Input};
-use crate::fit::motion::noise_likelihood;
 use crate::fit::motion::integration::{Course, courses, courses_again};
-use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::motion::merging::{merged, spread};
-use crate::fit::motion::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
-use crate::fit::motion::regressors::{Free, nuisance};
-use crate::fit::calibration::Calibration;
 use crate::fit::motion::log_data::Cuts;
 use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::lookup_speeds::Speeds;
+use crate::fit::motion::merging::{merged, spread};
+use crate::fit::motion::noise_likelihood;
+use crate::fit::motion::passes::{Along, Pass, smoothed_speeds, total, wide_speeds};
+use crate::fit::motion::regressors::{Free, nuisance};
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::noise::kalman::Noise;
-use crate::fit::rounds::{cross_validation, sampling};
 use crate::fit::rounds::convergence::{damped, to_come};
 use crate::fit::rounds::cross_validation::Validation;
 use crate::fit::rounds::estimate::{CalibrationErrors, Estimate};
 use crate::fit::rounds::initial_guess::{Start, hold_known};
 use crate::fit::rounds::outliers::Judge;
-use crate::fit::solve::stribeck_speed;
+use crate::fit::rounds::{cross_validation, sampling};
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System, nuisance_prior_std};
 use crate::fit::solve::shrinkage::Stacked;
+use crate::fit::solve::stribeck_speed;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
+use crate::fit::{Error, Result, Settings};
 use crate::map::Gear;
 
 /// Movement of the surface below which it stands still [m/s², root mean square].

@@ -1,16 +1,16 @@
 //! One fit at one wheel angle: the estimate, its surface made monotone, its tables, and what speaks against them.
 
 use crate::campaign::{Survey, Verdict};
-use crate::fit::{Result, Settings};
 use crate::fit::drive::torque_input::Choice;
 use crate::fit::rounds::estimate::Estimate;
-use crate::fit::rounds::search::estimate;
 use crate::fit::rounds::initial_guess::slow_rate_hz;
+use crate::fit::rounds::search::estimate;
 use crate::fit::solve::monotone;
 use crate::fit::table1::runs::{Compared, RunFigures, disagreements, run_figures, simulate};
 use crate::fit::table1::soundness::objections;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::table1::tables::{UsedSample, accel_map, used_samples, verdicts};
+use crate::fit::{Result, Settings};
 use crate::map::{AccelMap, Gear};
 
 /// What a fit at one wheel angle gives.

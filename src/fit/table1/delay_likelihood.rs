@@ -8,8 +8,8 @@
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::Input;
 use crate::fit::motion::integration::Course;
-use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::whiten;
 use crate::fit::rounds::estimate::Estimate;

@@ -1,7 +1,6 @@
 //! What a fit gives: `table1.json`, its CSVs, and the verdict on every sample.
 
 use crate::campaign::{Survey, Verdict, ledger};
-use crate::fit::{Error, Result, Settings};
 use crate::fit::drive::torque_input::Choice;
 use crate::fit::rounds::cross_validation::Comparison;
 use crate::fit::rounds::estimate::Estimate;
@@ -10,7 +9,11 @@ use crate::fit::table1::angle_fit::Part;
 use crate::fit::table1::runs::{Compared, residual_rms_mps2, round};
 use crate::fit::table1::soundness::coverage;
 use crate::fit::table1::traces::traces;
-use crate::map::{AccelMap, Actuator, DelayEstimate, FORMAT_VERSION, FitTraces, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle, Witness};
+use crate::fit::{Error, Result, Settings};
+use crate::map::{
+    AccelMap, Actuator, DelayEstimate, FORMAT_VERSION, FitTraces, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
+    Vehicle, Witness,
+};
 use crate::signal::median;
 
 /// Table 1 with its files.

@@ -1,9 +1,9 @@
 //! The surface on the grid that people asked for, with what is known of every cell.
 
 use crate::campaign::Verdict;
-use crate::fit::{Result, Settings};
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
+use crate::fit::{Result, Settings};
 use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 

@@ -8,7 +8,9 @@ use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::delay_likelihood;
 use crate::fit::table1::product::Fit;
 use crate::fit::table1::runs::{Compared, round};
-use crate::map::{AccelMap, Axis, CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace, sha256_hex};
+use crate::map::{
+    AccelMap, Axis, CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace, sha256_hex,
+};
 use crate::units::RAD_PER_DEG;
 
 /// Traces kept: a page of more is read by nobody.

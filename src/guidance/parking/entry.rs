@@ -13,8 +13,8 @@
 //! R = c − √(2 (a − b)(y₁ − b)) or more, with a half the slot's width, b = W/2 + d, c = a + y₁ − b. Without an obstacle on the right, the
 //! vehicle's own smallest circle is the entry circle.
 
-use crate::guidance::{Error, Result};
 use crate::guidance::parking::Scene;
+use crate::guidance::{Error, Result};
 use serde::Serialize;
 
 /// An entry circle.
@@ -116,8 +116,8 @@ fn smallest(scene: &Scene) -> Option<Entry> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::guidance::parking::scene::usual_scene;
     use super::*;
+    use crate::guidance::parking::scene::usual_scene;
 
     #[test]
     fn at_a_right_angle_the_search_finds_the_closed_form() {

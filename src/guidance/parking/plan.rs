@@ -1,12 +1,12 @@
 //! The plan: straight in where the start allows it; else start and adjust on the first line, enter on the circle, shuffle on the axis. In reverse, or nose in.
 
-use crate::guidance::{Error, Point, PosePath, Result};
 use crate::guidance::look_ahead::{Follower, finite_start};
 use crate::guidance::parking::Scene;
-use crate::guidance::parking::start::Start;
 use crate::guidance::parking::check::{Judgement, judge};
 use crate::guidance::parking::entry::{Entry, entry_circle};
+use crate::guidance::parking::start::Start;
 use crate::guidance::reference::{Reference, ahead};
+use crate::guidance::{Error, Point, PosePath, Result};
 use crate::map::Gear;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -285,9 +285,9 @@ fn finish(scene: &Scene, follower: Follower, mut stages: Vec<StageSpan>, entry: 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::guidance::parking::{Success, success};
-    use crate::guidance::parking::scene::usual_scene as scene;
     use super::*;
+    use crate::guidance::parking::scene::usual_scene as scene;
+    use crate::guidance::parking::{Success, success};
     use proptest::prelude::*;
 
     /// Starts on a grid beside the row, askew by up to `askew_deg`.

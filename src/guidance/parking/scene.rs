@@ -1,10 +1,10 @@
 //! The slot, what stands around it, and where the vehicle should stand in the end.
 
-use crate::guidance::{BodyShape, Error, Point, Polygon, Result};
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
 use crate::guidance::parking::Tolerance;
 use crate::guidance::parking::start::Start;
+use crate::guidance::{BodyShape, Error, Point, Polygon, Result};
 use crate::map::Gear;
 use serde::Serialize;
 

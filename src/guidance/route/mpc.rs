@@ -164,12 +164,12 @@ pub(crate) fn program(settings: &MpcSettings, track: &Track<'_>, last: f64) -> P
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::control::messages::Pose;
     use crate::guidance::path::PathPose;
     use crate::guidance::route::path_position::Leg;
     use crate::guidance::route::track::Limits;
     use crate::map::Gear;
-    use super::*;
     use clarabel::algebra::CscMatrix;
     use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 

@@ -5,8 +5,8 @@
 //! is split half/half: one half accelerates as planned, the other decelerates as planned, and the smaller of both holds; it peaks in the middle
 //! if both distances are equal, and nowhere is the acceleration larger than on a long segment.
 
-use crate::control::{Error, Result};
 use crate::control::numeric::sqrt;
+use crate::control::{Error, Result};
 use serde::Serialize;
 
 /// Speeds [m/s] and distances [m] of a segment, front wheel.

@@ -3,12 +3,12 @@
 //! In: [`Track`], one period as the direction of travel sees it. Out: the wheel angle in that frame. Every law is a pure step without
 //! allocation; which law tracks is a choice ([`TrackingSettings`]).
 
-use crate::guidance::route::track::Track;
 use crate::guidance::route::front_axle::FrontAxle;
 use crate::guidance::route::lqr::Lqr;
 use crate::guidance::route::mpc::{Mpc, MpcSettings};
 use crate::guidance::route::pure_pursuit::PurePursuit;
 use crate::guidance::route::rear_axle::RearAxle;
+use crate::guidance::route::track::Track;
 use serde::{Deserialize, Serialize};
 
 /// Which law tracks, by name.

@@ -8,8 +8,8 @@
 //! steps with the rates at the start of the step; the classical Runge-Kutta method is of fourth order. A segment's last step is shortened to end
 //! where the segment does. Source: Rajamani, *Vehicle Dynamics and Control*, 2nd ed., §2.2; Hairer, Nørsett & Wanner, *Solving ODEs I*, §II.1.
 
-use crate::guidance::{BodyShape, Result};
 use crate::guidance::body::within;
+use crate::guidance::{BodyShape, Result};
 use serde::Serialize;
 
 /// A vehicle with a limited front wheel.

@@ -3,11 +3,11 @@
 //! The vehicle's dimensions are not published. [`PublishedCase::findings`] computes every answer for a body, so that the dimensions can be inferred
 //! (`examples/u_turn_inference.rs`); what cannot be met is told, not forced.
 
-use crate::guidance::{BodyShape, Result};
 use crate::guidance::geometry::{Point, Polygon};
 use crate::guidance::u_turn::model::Car;
 use crate::guidance::u_turn::scene::{Lane, Scene, beyond_m};
 use crate::guidance::u_turn::track::{Settings, Track, Turn, drive};
+use crate::guidance::{BodyShape, Result};
 use serde::Serialize;
 
 /// The yaw rate that both published pairs of entry speed and curvature have in common [rad/s]: 1.63·0.205 = 0.3342, 1.585·0.21 = 0.3329.

@@ -3,11 +3,11 @@
 //! The track of a speed and a wheel rate is one and the same for every run-up, only further on; so each pair is driven once and moved along. The
 //! pairs form a grid, which is then drawn together around the best, several times.
 
-use crate::guidance::{Error, Result};
 use crate::guidance::body::within;
 use crate::guidance::u_turn::model::Car;
 use crate::guidance::u_turn::scene::{Margins, Scene};
 use crate::guidance::u_turn::track::{Settings, Track, Turn, drive};
+use crate::guidance::{Error, Result};
 use serde::Serialize;
 
 /// What may be chosen.
@@ -152,9 +152,9 @@ fn best_shift(scene: &Scene, track: &Track, most_m: f64) -> (f64, Margins) {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::guidance::{BodyShape, Point, Polygon};
-    use crate::guidance::u_turn::PublishedCase;
     use super::*;
+    use crate::guidance::u_turn::PublishedCase;
+    use crate::guidance::{BodyShape, Point, Polygon};
     use proptest::prelude::*;
 
     fn aisle(right_m: f64) -> (Car, Scene, Ranges, Settings) {

@@ -1,9 +1,9 @@
 //! One U-turn: the run-up, the three phases that turn the heading by exactly 180°, and the track that comes of them.
 
-use crate::guidance::{Error, PathPose, PosePath, Result};
 use crate::guidance::body::within;
 use crate::guidance::geometry::Polygon;
 use crate::guidance::u_turn::model::{Car, Method, Segment, State, integrate};
+use crate::guidance::{Error, PathPose, PosePath, Result};
 use crate::map::Gear;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -246,8 +246,8 @@ pub fn largest_difference_m(one: &Track, other: &Track) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::guidance::BodyShape;
     use super::*;
+    use crate::guidance::BodyShape;
 
     fn car() -> Car {
         Car { body: BodyShape::usual(2.1), steering_ratio: 16.0, steering_limit_rad: 470.0_f64.to_radians() }

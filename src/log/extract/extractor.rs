@@ -4,16 +4,18 @@
 //! the message.
 
 mod cdr;
+mod index;
 mod json;
 #[cfg(test)]
 mod oracle;
 mod protobuf;
-mod slice;
 mod request_tree;
-mod index;
+mod slice;
+pub(crate) mod taken;
 
+use crate::log::extract::extractor::taken::Taken;
 use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::value::Raw;
 use crate::log::path::{MessagePath, Step};
 use crate::log::schema::Layout;
 use request_tree::Wishes;

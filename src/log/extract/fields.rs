@@ -1,8 +1,9 @@
 //! Single fields of single messages: what a compiled plan gives, for programs that have the payloads already.
 
 use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::taken::Taken;
 use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::value::Raw;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;

@@ -6,13 +6,14 @@
 use crate::log::extract::column::Column;
 use crate::log::extract::convert::Convert;
 use crate::log::extract::extractor::Plan;
-use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::extractor::taken::Taken;
 use crate::log::extract::stamp::Stamp;
+use crate::log::extract::value::Raw;
 use crate::log::file::block::{Scratch, load, lost};
 use crate::log::file::container::Container;
-use crate::log::file::structure::{Block, BlockKind, Inventory};
 use crate::log::file::loss::{Damage, Why};
 use crate::log::file::record::{Message, PREFIX, Records, parse};
+use crate::log::file::structure::{Block, BlockKind, Inventory};
 use mcap::records::op;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,7 +1,8 @@
 //! The time at which a value was true: the stamp inside the message, if it has one.
 
 use crate::log::extract::extractor::Plan;
-use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::value::Raw;
 use crate::log::path::{MessagePath, Step};
 use crate::log::schema::Layout;
 

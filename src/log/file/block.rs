@@ -1,11 +1,11 @@
 //! The records of one block: read by position, decompressed within the allowed size, checked.
 
-use crate::log::file::lz4;
 use crate::log::file::container::Container;
-use crate::log::file::structure::{Block, BlockKind};
 use crate::log::file::input::Input;
 use crate::log::file::loss::{Damage, Why};
+use crate::log::file::lz4;
 use crate::log::file::record::{ChunkHeader, Compression, MAX_CHUNK, PREFIX, prefix};
+use crate::log::file::structure::{Block, BlockKind};
 use mcap::records::op;
 use std::collections::BTreeMap;
 use std::io::Read;

@@ -3,13 +3,11 @@
 //! With a sound summary the chunks are known at once and only the gaps between them are scanned; otherwise the whole file is scanned at
 //! its top level. Either way the result is a list of [`Block`]s, read later in parallel.
 
-use crate::log::file::structure::{Block, Inventory};
-use crate::log::{Error, Result};
-use crate::log::file::{scan, summary};
 use crate::log::file::channel_set::{ChannelSet, ChannelSets};
 use crate::log::file::input::Input;
 use crate::log::file::loss::{Damage, Why};
-use crate::log::file::record::{MAGIC, MAX_SMALL, PREFIX};
+use crate::log::file::record::MAX_SMALL;
+use crate::log::file::structure::{Block, Inventory};
 use mcap::records::{Record, Statistics};
 use std::collections::BTreeMap;
 use std::sync::Arc;

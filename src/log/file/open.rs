@@ -16,67 +16,67 @@ use std::sync::Arc;
 /// # Errors
 /// A log that is empty or no MCAP file at all.
 pub(crate) fn open(input: Input) -> Result<Container> {
-        let length = input.length();
-        if length == 0 {
-            return Err(Error::Empty);
+    let length = input.length();
+    if length == 0 {
+        return Err(Error::Empty);
+    }
+    let mut start = vec![0; length.min(16) as usize];
+    input.read_at(0, &mut start).map_err(Error::Io)?;
+    if !start.starts_with(MAGIC) {
+        return Err(Error::NotMcap { hint: foreign(&start) });
+    }
+    let mut container = Container {
+        input: Arc::new(input),
+        library: String::new(),
+        profile: String::new(),
+        inventory: Inventory::default(),
+        blocks: Vec::new(),
+        sets: ChannelSets::default(),
+        statistics: None,
+        metadata: BTreeMap::new(),
+        attachments: 0,
+        indexed: false,
+        data_end: None,
+        footer: false,
+        damage: Vec::new(),
+    };
+    match summary::read(&container.input) {
+        Ok(Some(found)) if found.covers_messages() => {
+            container.inventory = found.inventory;
+            container.statistics = found.statistics;
+            container.indexed = true;
+            let mut at = MAGIC.len() as u64;
+            for (block, index_length) in found.chunks {
+                let start = block.offset - PREFIX;
+                scan::run(&mut container, at, start);
+                let end = block.offset + block.length;
+                at = end.saturating_add(index_length);
+                container.blocks.push(block);
+                // an index length that does not lead to the next chunk is not believed: the records behind the chunk are walked
+                if at > found.start || !scan::is_record(&container.input, at, found.start) {
+                    at = end;
+                }
+            }
+            scan::run(&mut container, at, found.start);
         }
-        let mut start = vec![0; length.min(16) as usize];
-        input.read_at(0, &mut start).map_err(Error::Io)?;
-        if !start.starts_with(MAGIC) {
-            return Err(Error::NotMcap { hint: foreign(&start) });
-        }
-        let mut container = Container {
-            input: Arc::new(input),
-            library: String::new(),
-            profile: String::new(),
-            inventory: Inventory::default(),
-            blocks: Vec::new(),
-            sets: ChannelSets::default(),
-            statistics: None,
-            metadata: BTreeMap::new(),
-            attachments: 0,
-            indexed: false,
-            data_end: None,
-            footer: false,
-            damage: Vec::new(),
-        };
-        match summary::read(&container.input) {
-            Ok(Some(found)) if found.covers_messages() => {
-                container.inventory = found.inventory;
+        Ok(found) => {
+            if let Some(found) = found {
                 container.statistics = found.statistics;
-                container.indexed = true;
-                let mut at = MAGIC.len() as u64;
-                for (block, index_length) in found.chunks {
-                    let start = block.offset - PREFIX;
-                    scan::run(&mut container, at, start);
-                    let end = block.offset + block.length;
-                    at = end.saturating_add(index_length);
-                    container.blocks.push(block);
-                    // an index length that does not lead to the next chunk is not believed: the records behind the chunk are walked
-                    if at > found.start || !scan::is_record(&container.input, at, found.start) {
-                        at = end;
-                    }
-                }
-                scan::run(&mut container, at, found.start);
+                container.inventory = found.inventory;
             }
-            Ok(found) => {
-                if let Some(found) = found {
-                    container.statistics = found.statistics;
-                    container.inventory = found.inventory;
-                }
-                scan::run(&mut container, MAGIC.len() as u64, length);
-            }
-            Err(damage) => {
-                container.damage.push(damage);
-                scan::run(&mut container, MAGIC.len() as u64, length);
-            }
+            scan::run(&mut container, MAGIC.len() as u64, length);
         }
-        if !container.indexed && !container.footer && container.damage.iter().all(|damage| damage.why != Why::Truncated) {
-            container.damaged(length, 0, Why::Truncated);
+        Err(damage) => {
+            container.damage.push(damage);
+            scan::run(&mut container, MAGIC.len() as u64, length);
         }
-        container.blocks.sort_by_key(|block| block.offset);
-        container.damage.sort_by_key(|damage| damage.offset);
-        Ok(container)
+    }
+    if !container.indexed && !container.footer && container.damage.iter().all(|damage| damage.why != Why::Truncated) {
+        container.damaged(length, 0, Why::Truncated);
+    }
+    container.blocks.sort_by_key(|block| block.offset);
+    container.damage.sort_by_key(|damage| damage.offset);
+    Ok(container)
 }
 
 /// What a file that is no MCAP probably is, and what helps.

@@ -1,10 +1,10 @@
 //! Scanning a stretch of the file at its top level, and finding the step again where it was lost.
 
 use crate::log::file::container::{Container, is_small};
-use crate::log::file::structure::{Block, BlockKind};
 use crate::log::file::input::Input;
 use crate::log::file::loss::Why;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader, Compression, PREFIX, parse, prefix};
+use crate::log::file::structure::{Block, BlockKind};
 use mcap::records::op;
 use std::collections::BTreeSet;
 

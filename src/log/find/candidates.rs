@@ -1,7 +1,8 @@
 //! Every single value that the messages of a log hold, as a path that a signal map could name.
 
 use crate::log::extract::extractor::Plan;
-use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::value::Raw;
 use crate::log::file::container::Container;
 use crate::log::path::{MessagePath, Step, quoted};
 use crate::log::schema::{Layout, Leaf, LeafKind, Names};

@@ -1,7 +1,7 @@
 //! Signal maps for common vehicles.
 
-use crate::log::{Error, Result};
 use crate::log::signal_map::{SignalMap, SignalName};
+use crate::log::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
 

@@ -1,20 +1,20 @@
 //! From a signal map, a preset or nothing to plans: which signal is read from which path, and why.
 
-use crate::log::{Error, Result, Source, reference_path};
-use crate::log::extract::stamp;
 use crate::log::extract::convert::Convert;
 use crate::log::extract::extractor::Plan;
-use crate::log::extract::plan_error::PlanError;
 use crate::log::extract::message_pass::{ChannelPlan, Wanted};
+use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::stamp;
 use crate::log::extract::stamp::Stamp;
 use crate::log::file::container::Container;
-use crate::log::find::{detect, series};
 use crate::log::find::candidates::{Candidate, Candidates};
 use crate::log::find::presets::Preset;
+use crate::log::find::{detect, series};
 use crate::log::path::{MessagePath, Step};
 use crate::log::schema::Layout;
 use crate::log::signal_map::{SignalMap, SignalName, SignalSpec};
 use crate::log::vehicle::VEHICLE_METADATA;
+use crate::log::{Error, Result, Source, reference_path};
 use crate::spelling::edits;
 use std::collections::{BTreeMap, BTreeSet};
 

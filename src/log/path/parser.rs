@@ -1,7 +1,7 @@
 //! A message path from its text.
 
-use crate::log::{Error, Result};
 use crate::log::path::{Compare, Literal, MessagePath, Step, Test};
+use crate::log::{Error, Result};
 use std::str::FromStr;
 
 /// Steps of one path at most.

@@ -3,8 +3,8 @@
 //! Only what ROS 2 generates is understood; unions, maps and bit sets are an error. Parsed without recursion into the text, so that no
 //! schema exhausts the stack. Source: OMG IDL 4.2, and <https://design.ros2.org/articles/idl_interface_definition.html>.
 
-mod parser;
 pub(crate) mod definition;
+mod parser;
 
 use crate::log::schema::idl::definition::{Definition, Definitions, Named};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape, Size, Structure};

@@ -5,18 +5,17 @@
 //! of anything but numbers have their size in bytes before them. Parameter lists and delimited types, which ROS does not write, are refused.
 
 mod compiler;
-mod shortcut;
-mod walk;
-pub(crate) mod operation;
 mod number;
+pub(crate) mod operation;
+pub(crate) mod shortcut;
+mod walk;
 
 use crate::log::extract::extractor::cdr::operation::Operation;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Taken;
 use crate::log::extract::extractor::request_tree::Wish;
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::plan_error::PlanError;
 use crate::log::schema::Structure;
 use walk::{Form, Walk};
-pub(crate) use shortcut::Shortcut;
 
 /// A compiled walk over a payload.
 #[derive(Debug)]
@@ -82,7 +81,8 @@ impl Program {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use crate::log::extract::extractor::Plan;
-    use crate::log::extract::value::{Raw, Taken};
+    use crate::log::extract::extractor::taken::Taken;
+    use crate::log::extract::value::Raw;
     use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;

@@ -1,9 +1,10 @@
 //! JSON payloads: the text is parsed once, and everything that is not wanted is passed over without being built.
 
-use crate::log::extract::value::{Raw, Taken};
 use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Check, Element, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::value::Raw;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;

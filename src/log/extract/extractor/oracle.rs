@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::log::extract::extractor::Plan;
-use crate::log::extract::value::{Raw, Taken};
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::value::Raw;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;

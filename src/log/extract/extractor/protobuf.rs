@@ -8,15 +8,15 @@
 mod tests;
 mod wire;
 
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::{Raw, Taken};
 use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Check, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::value::Raw;
 use crate::log::schema::{Message, ProtobufField, ProtobufKind as Kind};
-use wire::{MAX_DEPTH, Wire, array, next, varint};
 use prost_types::field_descriptor_proto::Type;
-
+use wire::{MAX_DEPTH, Wire, array, next, varint};
 
 /// A compiled walk over a message type.
 #[derive(Debug)]

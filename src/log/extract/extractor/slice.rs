@@ -27,13 +27,13 @@ impl Pick {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::log::extract::extractor::Plan;
+    use crate::log::extract::extractor::taken::Taken;
     use crate::log::extract::plan_error::PlanError;
-    use crate::log::extract::value::Taken;
     use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;
-    use super::*;
     use prost::Message as _;
     use prost_types::field_descriptor_proto::{Label, Type};
     use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};

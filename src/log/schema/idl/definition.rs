@@ -1,14 +1,14 @@
 //! What an IDL text defines.
 
-use crate::log::schema::shape::{Shape, Structure};
+use crate::log::schema::shape::Shape;
 use std::collections::BTreeMap;
 
 /// What a text defines.
 pub(crate) struct Definitions {
     /// Types by full name.
-    types: BTreeMap<String, Definition>,
+    pub(crate) types: BTreeMap<String, Definition>,
     /// Constants by the module that holds them.
-    constants: BTreeMap<String, Vec<(String, i64)>>,
+    pub(crate) constants: BTreeMap<String, Vec<(String, i64)>>,
 }
 
 /// A name or type as written.
@@ -32,8 +32,8 @@ pub(crate) enum Definition {
 
 #[derive(Debug, Clone)]
 pub(crate) struct Member {
-    name: String,
-    kind: Named,
+    pub(crate) name: String,
+    pub(crate) kind: Named,
     /// Lengths of a fixed array, the outermost first.
-    lengths: Vec<usize>,
+    pub(crate) lengths: Vec<usize>,
 }

@@ -1,8 +1,8 @@
 //! From a schema and what is wanted of it to the operations of a program.
 
-use crate::log::extract::plan_error::PlanError;
 use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::request_tree::{Element, Pick, Wish};
+use crate::log::extract::plan_error::PlanError;
 use crate::log::schema::{Shape, Size, Structure};
 
 /// Instructions and types of one program at most: far above any real schema.
@@ -145,10 +145,10 @@ fn skip_numbers(size: usize, count: usize, into: &mut Vec<Operation>) {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::*;
     use crate::log::extract::extractor::request_tree::Wishes;
     use crate::log::path::MessagePath;
     use crate::log::schema::{Kind, Names};
-    use super::*;
     use std::sync::Arc;
 
     /// `value` beside two empty messages of two empty messages of … 30 levels deep.

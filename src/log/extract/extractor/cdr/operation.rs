@@ -53,7 +53,7 @@ pub(crate) enum Operation {
 }
 
 impl Operation {
-    fn is_wanted(&self) -> bool {
+    pub(crate) fn is_wanted(&self) -> bool {
         !matches!(
             self,
             Self::Skip { .. } | Self::SkipText { .. } | Self::SkipNumbers { .. } | Self::SkipTexts { .. } | Self::SkipMessages { .. }

@@ -4,8 +4,8 @@
 //! and the names that it compared. The messages of one channel hardly ever differ there, so the next payload is first compared with the
 //! last one at those bytes, and if they are equal its values are taken from the same places.
 
-use crate::log::extract::value::Raw;
 use crate::log::extract::extractor::cdr::number::number;
+use crate::log::extract::value::Raw;
 use crate::log::schema::Kind;
 
 /// Places that are compared at most; a walk that depends on more of them is as fast as comparing.
@@ -66,7 +66,9 @@ impl<'a> Shortcut<'a> {
                     let value = if trace.big_endian { number::<true>(kind, &payload[at..]) } else { number::<false>(kind, &payload[at..]) };
                     slots[slot] = value.unwrap_or_default();
                 }
-                Take::Text { at, length, slot } => slots[slot] = crate::log::extract::extractor::cdr::number::shown(&payload[at..at + length]),
+                Take::Text { at, length, slot } => {
+                    slots[slot] = crate::log::extract::extractor::cdr::number::shown(&payload[at..at + length])
+                }
             }
         }
         self.patience = self.patience.saturating_add(1);

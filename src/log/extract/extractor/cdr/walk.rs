@@ -1,12 +1,13 @@
 //! Running a program over one payload.
 
 use crate::log::extract::extractor::cdr::number::{bytes, ended, number, shown};
-use crate::log::extract::value::{Raw, Taken};
-use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::cdr::shortcut::Trace;
+use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::Pick;
 use crate::log::extract::extractor::slice::elements;
+use crate::log::extract::extractor::taken::Taken;
+use crate::log::extract::value::Raw;
 use crate::log::schema::{Kind, Size};
 
 /// How numbers and arrays stand in a payload.
