@@ -1,15 +1,15 @@
 //! The controller of a pivot: planning, lateral and longitudinal with their messages, one step per control period.
 
-use crate::control::drive_law::DriveLaw;
-use crate::control::lateral::{Lateral, LateralSettings};
-use crate::control::longitudinal::{Longitudinal, LongitudinalSettings};
-use crate::control::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
-use crate::control::planning::PlanningSettings;
-use crate::control::{Error, Result};
-use serde::Serialize;
+use crate::drive_law::DriveLaw;
+use crate::lateral::{Lateral, LateralSettings};
+use crate::longitudinal::{Longitudinal, LongitudinalSettings};
+use crate::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
+use crate::planning::PlanningSettings;
+use crate::{Error, Result};
 
 /// Settings of the three modules; the drive law has its own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Settings {
     /// Planning.
     pub planning: PlanningSettings,
@@ -105,9 +105,9 @@ impl<L: DriveLaw> PivotController<L> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::control::*;
-    use crate::map::Gear;
-    use crate::units::RAD_PER_DEG;
+    use crate::Gear;
+    use crate::angle::RAD_PER_DEG;
+    use crate::*;
     use proptest::prelude::*;
 
     const WHEELBASE_M: f64 = 0.92;

@@ -3,7 +3,7 @@
 
 use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueMap};
 use crate::guidance::torque_source::TorqueSource;
-use crate::map::{Gear, SAME_ANGLE_DEG, Side};
+use crate::map::{Gear, SAME_ANGLE_DEG, Side, TorqueTable};
 use crate::sim;
 use crate::sim::{MotionSettings, Truth};
 use crate::units::RAD_PER_DEG;
@@ -73,11 +73,15 @@ impl<'a> ManoeuvreTorque<'a> {
     /// # Errors
     /// A plant out of its range.
     pub fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
-        let tables = maps.map(|m| Tables { forward: &m.forward, reverse: m.reverse.as_ref(), policy: OutsidePolicy::Clamp });
+        let tables = maps.map(|m| Tables {
+            forward: m.forward.view(),
+            reverse: m.reverse.as_ref().map(TorqueTable::view),
+            policy: OutsidePolicy::Clamp,
+        });
         let angle_deg = maps.map_or(90.0, |m| m.table2.vehicle.test_angle_deg);
         let angles = maps.iter().flat_map(|m| &m.angles);
         let angles =
-            angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: &m.table }).collect();
+            angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: m.table.view() }).collect();
         let families = maps.iter().flat_map(|m| &m.table2.families);
         let terms = families.map(|f| GearTerms { gear: f.gear, left: f.side == Side::Left, terms: f.terms() }).collect();
         Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, angles, terms, exact: ExactTorque::new(world)? })

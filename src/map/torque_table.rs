@@ -1,5 +1,6 @@
 //! Table 2: torque over front-wheel speed and desired acceleration.
 
+use crate::control::TableView;
 use crate::map::accel_table::{SPEED_AXIS, check_values};
 use crate::map::{Axis, Matrix, Result, lookup};
 
@@ -58,6 +59,11 @@ impl TorqueTable {
     /// The same with speed and acceleration clamped to the axes; `None` only for NaN.
     pub fn torque_from_accel_clamped(&self, speed_mps: f64, accel_mps2: f64) -> Option<f64> {
         lookup::bilinear_clamped(self.speed_mps.breaks(), self.accel_mps2.breaks(), &self.torque_nm, speed_mps, accel_mps2)
+    }
+
+    /// The table as the controller reads it.
+    pub fn view(&self) -> TableView<'_> {
+        TableView { speed_mps: self.speed_mps.breaks(), accel_mps2: self.accel_mps2.breaks(), torque_nm: &self.torque_nm }
     }
 
     /// The matrix of `table2.csv`.

@@ -3,7 +3,7 @@
 use crate::control::{
     ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
 };
-use crate::map::CellStatus;
+use crate::map::{CellStatus, TorqueTable};
 use crate::sim;
 use crate::units::RAD_PER_DEG;
 use crate::verify::bench::Bench;
@@ -15,7 +15,10 @@ use rayon::prelude::*;
 
 /// The law of the map under test.
 pub(crate) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
-    WaypointLaw::new(*settings, Tables { forward: &maps.forward, reverse: maps.reverse.as_ref(), policy: OutsidePolicy::Clamp })
+    WaypointLaw::new(
+        *settings,
+        Tables { forward: maps.forward.view(), reverse: maps.reverse.as_ref().map(TorqueTable::view), policy: OutsidePolicy::Clamp },
+    )
 }
 
 /// The gain that somebody without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
