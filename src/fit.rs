@@ -18,8 +18,7 @@ pub(crate) mod solve;
 pub(crate) mod surface;
 pub(crate) mod table1;
 
-pub use angles::angle_groups::fit_angles;
+pub use angles::{Fit, fit, fit_angles, fit_traced};
 pub use error::{Error, Result};
 pub use known_calibration::KnownCalibration;
 pub use settings::Settings;
-pub use table1::product::{Fit, fit, fit_traced};

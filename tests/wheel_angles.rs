@@ -53,7 +53,7 @@ fn with_tables<T>(inversion: &Inversion, look: impl FnOnce(&AngleTables) -> T) -
     let tables: Vec<AngleTable> = maps
         .iter()
         .zip(&tables)
-        .map(|(m, table)| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table })
+        .map(|(m, table)| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: table.view() })
         .collect();
     let families = &inversion.file.families;
     let terms: Vec<GearTerms> = families.iter().map(|f| GearTerms { gear: f.gear, left: f.side == Side::Left, terms: f.terms() }).collect();

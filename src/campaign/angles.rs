@@ -195,6 +195,7 @@ mod tests {
         Track {
             source: LogRef { sha256: String::new(), file: "test".to_owned(), bytes: 0 },
             vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            wheel_angle_deg: 90.0,
             start_ns: 0,
             encoder_mps: series(speed),
             yaw_speed_mps: None,

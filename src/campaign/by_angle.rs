@@ -9,7 +9,6 @@
 
 use crate::campaign::{Settings, Survey};
 use crate::log::Recording;
-use crate::map::Vehicle;
 use crate::signal::{Result, Track, median};
 use crate::units::RAD_PER_DEG;
 
@@ -21,10 +20,17 @@ const UNEXPLAINED: f64 = 0.01;
 /// The surveys of the runs at one wheel angle.
 #[derive(Debug, Clone)]
 pub struct AngleGroup {
-    /// The wheel angle [°], left positive; the test angle of every track in it.
+    /// The wheel angle [°], left positive.
     pub wheel_angle_deg: f64,
     /// One survey per log with runs there.
     pub surveys: Vec<Survey>,
+}
+
+impl AngleGroup {
+    /// Surveys of runs at one wheel angle, that of the first.
+    pub fn of(surveys: Vec<Survey>) -> Self {
+        Self { wheel_angle_deg: surveys.first().map_or(0.0, |s| s.track.wheel_angle_deg), surveys }
+    }
 }
 
 /// What grouping gives.
@@ -36,6 +42,12 @@ pub struct Grouped {
     pub empty: Vec<(f64, String)>,
     /// What a reader should know of the yaw rate.
     pub notes: Vec<String>,
+}
+
+impl From<AngleGroup> for Grouped {
+    fn from(group: AngleGroup) -> Self {
+        Self { groups: vec![group], ..Self::default() }
+    }
 }
 
 /// Surveys every log at each of `angles_deg`.
@@ -50,8 +62,7 @@ pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &S
     for wheel_angle_deg in angles_deg {
         let (mut surveys, mut reasons) = (Vec::new(), Vec::new());
         for recording in recordings {
-            let vehicle = Vehicle { test_angle_deg: wheel_angle_deg, ..recording.vehicle };
-            let mut track = Track::new(&Recording { vehicle, ..recording.clone() })?;
+            let mut track = Track::at_angle(recording, wheel_angle_deg)?;
             if wheel_angle_deg.abs() < LEAST_YAW_ANGLE_DEG {
                 track.yaw_speed_mps = None;
             }

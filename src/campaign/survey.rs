@@ -67,7 +67,7 @@ impl Survey {
         let rest = RestDetector::new(track.witnesses());
         let at_rest: Vec<bool> = rest.are_at_rest(encoder.t_s.iter().copied()).collect();
         let angle = gates::clean_angle(&track.angle_rad);
-        let off_angle = gates::off_angle(&angle, track.vehicle.test_angle_deg, settings);
+        let off_angle = gates::off_angle(&angle, track.wheel_angle_deg, settings);
         let steering = gates::steering(&angle, settings);
         let stops = track.estop.as_ref().map(gates::emergency_stops).unwrap_or_default();
         let command_gaps = gates::command_gaps(&track.command_nm, settings);
@@ -134,7 +134,7 @@ impl Survey {
         if !self.stretches.is_empty() {
             return Ok(());
         }
-        let wanted_deg = self.track.vehicle.test_angle_deg;
+        let wanted_deg = self.track.wheel_angle_deg;
         let near = |d: f64| (d - wanted_deg).abs() <= settings.angle_tolerance_deg;
         let at_angle = self.track.angle_rad.value.iter().any(|a| near(a / RAD_PER_DEG));
         if let Some([low_deg, median_deg, high_deg]) = self.moving_angle_deg

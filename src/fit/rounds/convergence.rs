@@ -1,5 +1,9 @@
 //! How far to go in a round, and how far there is still to go.
 
+/// Movement of the surface below which it has converged [m/s², root mean square].
+pub(crate) const STILL_MPS2: f64 = 2e-4;
+/// Step of a delay below which it has converged, as a share of its standard error.
+const STILL_DELAY: f64 = 0.1;
 /// Least share of a step of a delay that is made.
 const LEAST_DAMPED: f64 = 0.2;
 
@@ -13,9 +17,35 @@ pub(crate) fn damped(asked: f64, last: Option<(f64, f64)>) -> f64 {
 }
 
 /// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
-pub(crate) fn to_come(before: f64, last: f64) -> f64 {
+fn to_come(before: f64, last: f64) -> f64 {
     let factor = last / before.max(1e-300);
     if factor < 1.0 { last * factor / (1.0 - factor) } else { f64::INFINITY }
+}
+
+/// How far a round went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Moved {
+    /// The surface [m/s², root mean square].
+    pub(crate) surface_mps2: f64,
+    /// The delays: the largest step over its standard error.
+    pub(crate) delays: f64,
+}
+
+/// Whether the rounds have converged: what moved in the last one is small, or what is still to come is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Convergence {
+    last: Option<Moved>,
+}
+
+impl Convergence {
+    /// Whether they have, after a round that moved so much.
+    pub(crate) fn reached(&mut self, moved: Moved) -> bool {
+        let small = |now: f64, before: Option<f64>, still: f64| now < still || before.is_some_and(|before| to_come(before, now) < still);
+        let surface = small(moved.surface_mps2, self.last.map(|l| l.surface_mps2), STILL_MPS2);
+        let delays = small(moved.delays, self.last.map(|l| l.delays), STILL_DELAY);
+        self.last = Some(moved);
+        surface && delays
+    }
 }
 
 #[cfg(test)]

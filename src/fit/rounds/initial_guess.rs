@@ -26,7 +26,7 @@ const SLOW_HZ: f64 = 10.0;
 const LEAST_MOTION_S: f64 = 5.0;
 
 /// Where the rounds start from.
-pub(crate) struct Start<'a> {
+pub(crate) struct InitialGuess<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
     pub(crate) gears: Vec<Gear>,
     pub(crate) has_yaw: bool,
@@ -35,7 +35,7 @@ pub(crate) struct Start<'a> {
     pub(crate) lattice: Lattice,
 }
 
-impl<'a> Start<'a> {
+impl<'a> InitialGuess<'a> {
     /// Looks at the surveys.
     ///
     /// # Errors

@@ -25,6 +25,9 @@ const JOINED_S: f64 = 0.3;
 /// What is cut before and after a window [s].
 const MARGIN_S: f64 = 0.02;
 
+/// Threshold of the standardised windowed sums in the first round with cuts, and later.
+pub(crate) const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
+
 /// What the readings are judged against.
 pub(crate) struct Judge<'a> {
     pub(crate) calibration: &'a Calibration,

@@ -13,7 +13,7 @@
 //! cancel. The interaction f(V)·g(U) is penalised by how much it bends along either axis, λ·(ρ_V + ρ_U)^1.5 (Wood 2006, *Low-rank
 //! scale-invariant tensor product smooths*), in the modes z ⊗ y of both: a penalty on mixed differences would let it run away in corners.
 
-use crate::fit::surface::lattice::Lattice;
+use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::map::Gear;
 use faer::Mat;
 use std::ops::Range;
@@ -155,6 +155,12 @@ impl Design {
     /// Number of coefficients.
     pub(crate) fn coefficients(&self) -> usize {
         self.transforms[0].ncols()
+    }
+
+    /// The surfaces of both gears, forward and reverse, that coefficients describe; what follows the design's own is ignored.
+    pub(crate) fn surfaces(&self, lattice: &Lattice, beta: &[f64]) -> [LatticeSurface; 2] {
+        let beta = &beta[..self.coefficients()];
+        Gear::ALL.map(|gear| LatticeSurface { lattice: lattice.clone(), theta: self.lattice_values(gear, beta) })
     }
 
     /// Lattice columns × coefficients of a gear.

@@ -45,12 +45,12 @@ type Gram = [[f64; WIDTH]; WIDTH];
 
 /// The likelihood around the estimate; `None` when nothing tells of delays.
 pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
-    let logs: Vec<LogView> = (0..estimate.logs.len()).map(|k| view(estimate, k)).collect();
+    let logs: Vec<LogView> = (0..estimate.data.logs.len()).map(|k| view(estimate, k)).collect();
     let found_lag_s = estimate.calibration.lag_s;
     let std_err_s = estimate.calibration_errors.dead_time_s.iter().copied().fold(estimate.calibration_errors.lag_s, f64::max);
     let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
     let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
-    let measured = estimate.logs.iter().any(|l| l.input != Input::Command);
+    let measured = estimate.data.logs.iter().any(|l| l.input != Input::Command);
     // a feedback is followed without a lag
     let lags: Vec<f64> = if measured { vec![found_lag_s] } else { shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect() };
     let pairs: Vec<(f64, f64)> = lags.iter().flat_map(|l| shifts.iter().map(move |s| (*l, *s))).collect();
@@ -70,7 +70,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
         return None;
     }
     let rows = values.chunks(shifts.len()).map(|row| row.iter().map(|v| round(v - best, 1e2)).collect()).collect();
-    let per_log = logs.iter().zip(&estimate.logs).map(|(log, data)| {
+    let per_log = logs.iter().zip(&estimate.data.logs).map(|(log, data)| {
         let dead_time_s: Vec<f64> = (0..=(LONGEST_S / STEP_S).round() as i32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
         let lagged = log.data.torque(found_lag_s);
         let late_s = log.data.input.late_s();
@@ -92,12 +92,12 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
 }
 
 fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
-    let data = &estimate.logs[log];
+    let data = &estimate.data.logs[log];
     let dead_time_s = estimate.calibration.dead_time_s[log];
-    let (segments, speeds) = &estimate.fitted;
+    let (segments, speeds) = (&estimate.paths.merged, &estimate.paths.lookups);
     let own: Vec<(&Segment, &Speeds)> = segments.iter().zip(speeds).filter(|(s, _)| s.log == log).collect();
     let readings: usize = own.iter().map(|(s, _)| s.readings.len()).sum();
-    let enough = (ENOUGH_READINGS / estimate.logs.len().max(1)).max(FEWEST_READINGS);
+    let enough = (ENOUGH_READINGS / estimate.data.logs.len().max(1)).max(FEWEST_READINGS);
     let segments = own.into_iter().step_by(readings.div_ceil(enough).max(1)).collect();
     LogView { data, dead_time_s, segments }
 }
@@ -107,7 +107,7 @@ fn gram(estimate: &Estimate, log: &LogView, lagged: &EffectiveTorque, dead_time_
     let mut gram = [[0.0; WIDTH]; WIDTH];
     for (segment, speed) in &log.segments {
         let course = Course::new(segment, lagged, dead_time_s);
-        let model = course.predicted(speed, estimate.surface(segment.gear));
+        let model = course.predicted(speed, estimate.model.surface(segment.gear));
         let mut data = vec![0.0; segment.readings.len() * WIDTH];
         let mut sums = [0.0; WIDTH];
         for (row, line) in data.chunks_exact_mut(WIDTH).enumerate() {

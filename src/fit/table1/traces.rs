@@ -5,12 +5,9 @@ use crate::fit::Result;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::integration::Course;
 use crate::fit::rounds::estimate::Estimate;
-use crate::fit::table1::delay_likelihood;
-use crate::fit::table1::product::Fit;
+use crate::fit::table1::angle_fit::AngleFit;
 use crate::fit::table1::runs::{Compared, round};
-use crate::map::{
-    AccelMap, Axis, CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace, sha256_hex,
-};
+use crate::map::{AccelMap, Axis, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace};
 use crate::units::RAD_PER_DEG;
 
 /// Traces kept: a page of more is read by nobody.
@@ -25,20 +22,27 @@ const MOST_RESIDUALS: usize = 3000;
 /// A simulated speed belongs to a time within this distance [s].
 const NEAR_S: f64 = 0.05;
 
-/// The traces of a finished fit.
-pub(crate) fn traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Result<FitTraces> {
-    let windows = windows(estimate);
-    Ok(FitTraces {
-        format: FIT_TRACES_FORMAT.to_owned(),
-        format_version: FORMAT_VERSION,
-        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
-        table1: CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(fit.file.to_json()?.as_bytes()) },
-        verdicts: Verdict::ALL.iter().map(ToString::to_string).collect(),
-        runs: run_traces(estimate, compared, fit),
-        residual_cells: fit.file.maps.iter().map(|m| residual_cells(m, &windows)).collect::<Result<_>>()?,
-        residual_times: residual_times(estimate, &windows),
-        delay: delay_likelihood::delay_likelihood(estimate),
-    })
+/// The traces of one wheel angle.
+pub(crate) struct AngleTraces {
+    /// Traces of the runs, each with the place of its row among the angle's own.
+    pub(crate) runs: Vec<RunTrace>,
+    pub(crate) residual_cells: Vec<ResidualCells>,
+    pub(crate) residual_times: Vec<ResidualTimes>,
+}
+
+impl AngleTraces {
+    /// Of a finished fit.
+    ///
+    /// # Errors
+    /// Axes that are none.
+    pub(crate) fn new(fit: &AngleFit) -> Result<Self> {
+        let windows = windows(&fit.estimate);
+        Ok(Self {
+            runs: run_traces(fit),
+            residual_cells: fit.maps.iter().map(|m| residual_cells(m, &windows)).collect::<Result<_>>()?,
+            residual_times: residual_times(&fit.estimate, &windows),
+        })
+    }
 }
 
 /// The rows that are shown: all, or those with the largest residual.
@@ -53,17 +57,18 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
     order
 }
 
-fn run_traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Vec<RunTrace> {
-    let shown = shown(&fit.file.report.runs);
+fn run_traces(fit: &AngleFit) -> Vec<RunTrace> {
+    let AngleFit { estimate, compared, verdicts, .. } = fit;
+    let shown = shown(&fit.figures.rows);
     let points = (POINTS / shown.len().max(1)).clamp(POINTS_OF_RUN.0, POINTS_OF_RUN.1);
-    let lagged = estimate.lagged_commands();
+    let lagged = estimate.torques();
     let mut traces = Vec::new();
     let mut row = 0;
-    for (k, log) in estimate.logs.iter().enumerate() {
+    for (k, log) in estimate.data.logs.iter().enumerate() {
         let simulated = &compared[compared.partition_point(|c| c.log < k)..compared.partition_point(|c| c.log <= k)];
-        for (hold, run) in runs(log.survey, &fit.verdicts[k], estimate.calibration.encoder_scale) {
+        for (hold, run) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
             if shown.binary_search(&row).is_ok() {
-                traces.push(run_trace(estimate, (k, &lagged[k]), &fit.verdicts[k], simulated, (row, &hold, run.gear), points));
+                traces.push(run_trace(estimate, (k, &lagged[k]), &verdicts[k], simulated, (row, &hold, run.gear), points));
             }
             row += 1;
         }
@@ -79,7 +84,7 @@ fn run_trace(
     (row, hold, gear): (usize, &Hold, Gear),
     points: usize,
 ) -> RunTrace {
-    let track = &estimate.logs[log].survey.track;
+    let track = &estimate.data.logs[log].survey.track;
     let calibration = &estimate.calibration;
     let (from_s, to_s) = (hold.from_s - MARGIN_S, hold.to_s + MARGIN_S);
     let encoder = &track.encoder_mps;
@@ -147,13 +152,13 @@ struct Window {
 }
 
 fn windows(estimate: &Estimate) -> Vec<Window> {
-    let lagged = estimate.lagged_commands();
+    let lagged = estimate.torques();
     let mut windows = Vec::new();
-    for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+    for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
         let dead_time_s = estimate.calibration.dead_time_s[segment.log];
         let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - dead_time_s).torque_nm;
-        let model =
-            Course::new(segment, &lagged[segment.log], dead_time_s).predicted(&smoothed.clone().into(), estimate.surface(segment.gear));
+        let model = Course::new(segment, &lagged[segment.log], dead_time_s)
+            .predicted(&smoothed.clone().into(), estimate.model.surface(segment.gear));
         let mut from = 0;
         for k in 1..segment.readings.len() {
             let dt = segment.readings[k].t_s - segment.readings[from].t_s;
@@ -201,10 +206,10 @@ fn residual_times(estimate: &Estimate, windows: &[Window]) -> Vec<ResidualTimes>
     let of_log = |k: usize| {
         let own: Vec<&Window> = windows.iter().filter(|w| w.log == k).step_by(stride).collect();
         ResidualTimes {
-            log: estimate.logs[k].survey.track.source.file.clone(),
+            log: estimate.data.logs[k].survey.track.source.file.clone(),
             t_s: own.iter().map(|w| round(w.t_s, 1e2)).collect(),
             residual_mps2: own.iter().map(|w| round(w.residual_mps2, 1e4)).collect(),
         }
     };
-    (0..estimate.logs.len()).map(of_log).collect()
+    (0..estimate.data.logs.len()).map(of_log).collect()
 }
