@@ -17,7 +17,7 @@ use pivot_cal::plan::{ExpectedCell, PlanSettings, PlannedRun, expected, plan};
 use pivot_cal::record::{Campaign, RunGroup, Torques};
 use pivot_cal::sim::VehicleFile;
 use pivot_cal::verify::known_maps;
-use pivot_cal::{fit, plan};
+use pivot_cal::fit;
 use std::fmt::Write as _;
 use yardstick::{Errors, Yardstick, rms};
 

@@ -4,7 +4,7 @@ use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Reading, UNKNOWN_SPEED_MPS};
+use crate::fit::noise::model::{Reading, UNKNOWN_SPEED_MPS};
 use crate::map::{AccelTable, Gear};
 use crate::signal::Series;
 use serde::Serialize;

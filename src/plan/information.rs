@@ -2,7 +2,7 @@
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::regressors::{Free, nuisance, whitened_sums};
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::fit::{Error, Result, Settings};

@@ -5,7 +5,7 @@ use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::Input;
-use crate::fit::noise::kalman::Reading;
+use crate::fit::noise::model::Reading;
 use crate::map::Gear;
 use crate::signal::Series;
 use std::collections::BTreeSet;

@@ -5,7 +5,8 @@
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::noise::kalman::{Filter, Noise, States};
+use crate::fit::noise::model::Noise;
+use crate::fit::noise::whitening::{Filter, States};
 use crate::fit::solve::normal_equations::LocalGram;
 use crate::fit::surface::lattice::{LatticeSurface, Spot};
 

@@ -9,7 +9,7 @@ use crate::fit::motion::expected_stop::readings_before_stop;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Noise, Reading, UNKNOWN_SPEED_MPS};
+use crate::fit::noise::model::{Noise, Reading, UNKNOWN_SPEED_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
 

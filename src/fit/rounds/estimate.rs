@@ -5,7 +5,7 @@ use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::rounds::cross_validation::Validation;
 use crate::fit::solve::monotone;
 use crate::fit::solve::penalised_least_squares::System;

@@ -10,7 +10,7 @@ use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::rounds::delay_grid;
 use crate::fit::surface::lattice::Lattice;
 use crate::fit::{Error, Result, Settings};

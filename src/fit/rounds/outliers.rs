@@ -9,7 +9,7 @@ use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::passes::Pass;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::surface::lattice::LatticeSurface;
 use std::collections::BTreeSet;
 
@@ -133,7 +133,7 @@ fn join(cuts: &mut Cuts) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::noise::kalman::Reading;
+    use crate::fit::noise::model::Reading;
     use crate::map::Gear;
 
     fn segment(n: u32) -> Segment {

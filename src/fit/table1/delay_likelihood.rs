@@ -11,7 +11,7 @@ use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::whiten;
+use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
 use crate::map::{DeadTimeLikelihood, DelayLikelihood};

@@ -2,7 +2,7 @@
 
 use crate::fit::Settings;
 use crate::fit::motion::integration::Course;
-use crate::fit::noise::kalman::whiten;
+use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::outliers::calm;
 use crate::fit::table1::tables::UsedSample;
