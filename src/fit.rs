@@ -12,6 +12,7 @@ mod error;
 mod known_calibration;
 pub(crate) mod motion;
 pub(crate) mod noise;
+pub(crate) mod nuisance;
 pub(crate) mod rounds;
 mod settings;
 pub(crate) mod solve;

@@ -10,10 +10,9 @@
 //! Forward and reverse have a compensation each: an error of the navigation's yaw acts with the opposite sign in reverse, one of the steering's
 //! zero does not.
 
-use crate::Gear;
 use crate::angle::RAD_PER_DEG;
 use crate::numeric::sqrt;
-use crate::{Error, Result};
+use crate::{Error, Gear, Result};
 
 /// Most entries of a table.
 pub const MAX_ENTRIES: usize = 32;

@@ -105,9 +105,8 @@ impl<L: DriveLaw> PivotController<L> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::Gear;
     use crate::angle::RAD_PER_DEG;
-    use crate::*;
+    use crate::{Gear, *};
     use proptest::prelude::*;
 
     const WHEELBASE_M: f64 = 0.92;

@@ -3,12 +3,11 @@
 //! With the wheel at δ the vehicle turns about a point on the rear axle's line, L/tan δ to the left of its middle: at δ = ±90° about the middle
 //! itself. The front wheel runs on a circle of radius L/|sin δ|; a turn of Δθ is an arc of L·|Δθ|/|sin δ|.
 
-use crate::Gear;
 use crate::angle::RAD_PER_DEG;
 use crate::messages::{Direction, PivotRequest, Pose};
 use crate::numeric::sin_cos;
 use crate::waypoints::{MAX_WAYPOINTS, Path, Waypoint};
-use crate::{Error, Profile, Result};
+use crate::{Error, Gear, Profile, Result};
 use core::f64::consts::TAU;
 
 /// Which wheel angle and gear turn the vehicle left and right.

@@ -1,7 +1,5 @@
 //! The law of the map: waypoints that carry speeds → preview → desired acceleration → look-up → torque.
 
-use crate::Gear;
-use crate::Preview;
 use crate::drive_law::{DriveInputs, DriveLaw};
 use crate::messages::{DriveStep, PivotRequest, Pose};
 use crate::numeric::sin_cos;
@@ -9,6 +7,7 @@ use crate::speed_loop::{SpeedLoop, SpeedLoopSettings};
 use crate::stopping::{Arrival, Left, StoppingGuard, UnderWay};
 use crate::torque_map::TorqueMap;
 use crate::waypoints::{Nearest, Place};
+use crate::{Gear, Preview};
 
 /// Settings of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,10 +4,9 @@ mod descriptor;
 mod idl;
 mod leaves;
 mod msg;
-pub(crate) mod schema_error;
 mod shape;
 
-use crate::log::schema::schema_error::SchemaError;
+use crate::log::schema_error::SchemaError;
 pub(crate) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
 pub(crate) use leaves::{Leaf, LeafKind};
 pub(crate) use shape::{Kind, Names, Shape, Size, Structure};

@@ -1,7 +1,7 @@
 //! A recording that its writer split into several files, read as one: a run that a file's border cuts is whole again.
 
-use crate::log::file::loss::Loss;
 use crate::log::find::infer_units;
+use crate::log::loss::Loss;
 use crate::log::read::Part;
 use crate::log::recording::{Recording, Signal};
 use crate::log::signal_map::{SignalName, VehicleOverrides};

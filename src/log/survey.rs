@@ -3,11 +3,11 @@
 use crate::log::extract::message_pass;
 use crate::log::file::container::Container;
 use crate::log::file::input::Input;
-use crate::log::file::loss::Loss;
 use crate::log::file::open::open;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader};
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
+use crate::log::loss::Loss;
 use crate::log::rate::{Rate, rate};
 use crate::log::read::loss;
 use crate::log::signal_map::SignalName;

@@ -1,8 +1,9 @@
 //! What runs tell of the surface's coefficients.
 
 use crate::fit::motion::integration::Course;
-use crate::fit::motion::regressors::{Free, nuisance, whitened_sums};
+use crate::fit::motion::regressors::{Free, whitened_sums};
 use crate::fit::noise::model::Noise;
+use crate::fit::nuisance;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::fit::{Error, Result, Settings};

@@ -6,10 +6,9 @@
 
 use crate::campaign::AngleGroup;
 use crate::fit::drive::torque_input::Choice;
-use crate::fit::rounds;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::actuator::Delays;
-use crate::fit::{Error, KnownCalibration, Settings};
+use crate::fit::{Error, KnownCalibration, Settings, rounds};
 use crate::map::LogRef;
 use crate::units::RAD_PER_DEG;
 use std::collections::BTreeMap;

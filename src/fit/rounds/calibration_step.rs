@@ -1,8 +1,9 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
 use crate::fit::drive::torque_input::Input;
-use crate::fit::motion::regressors::{Free, nuisance};
-use crate::fit::rounds::convergence::damped;
+use crate::fit::motion::regressors::Free;
+use crate::fit::nuisance;
+use crate::fit::rounds::convergence::DelayStep;
 use crate::fit::rounds::initial_guess::hold_known;
 use crate::fit::rounds::state::State;
 use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
@@ -11,15 +12,6 @@ use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
 const DELAY_STEP_S: f64 = 0.02;
 /// Prior standard deviation of what is known.
 const FIXED_STD: f64 = 1e-9;
-
-/// A step of a delay [s].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct DelayStep {
-    /// As the equations asked for it.
-    pub(crate) asked_s: f64,
-    /// As it was made.
-    pub(crate) made_s: f64,
-}
 
 impl State<'_> {
     /// Prior standard deviations of the nuisance columns; what is known from outside does not move.

@@ -7,13 +7,25 @@ const STILL_DELAY: f64 = 0.1;
 /// Least share of a step of a delay that is made.
 const LEAST_DAMPED: f64 = 0.2;
 
-/// The step of a delay that is made when the equations ask for `asked`; `last` is what they asked for before, and what was made of it.
-///
-/// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
-/// each step overshoots by as much as it was asked for. The secant of the last two then tells how far to go; never further than asked.
-pub(crate) fn damped(asked: f64, last: Option<(f64, f64)>) -> f64 {
-    let secant = last.map(|(before, made)| made / (before - asked));
-    asked * secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0))
+/// A step of a delay [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DelayStep {
+    /// As the equations asked for it.
+    pub(crate) asked_s: f64,
+    /// As it was made.
+    pub(crate) made_s: f64,
+}
+
+impl DelayStep {
+    /// The step that is made when the equations ask for `asked_s`, given the last one.
+    ///
+    /// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
+    /// each step overshoots by as much as it was asked for. The secant of the last two then says how far to go; never further than asked.
+    pub(crate) fn damped(asked_s: f64, last: Option<&Self>) -> Self {
+        let secant = last.map(|last| last.made_s / (last.asked_s - asked_s));
+        let share = secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0));
+        Self { asked_s, made_s: asked_s * share }
+    }
 }
 
 /// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
@@ -56,10 +68,9 @@ mod tests {
     fn left(overshoot: f64, rounds: usize) -> f64 {
         let (mut x, mut last) = (1.0, None);
         for _ in 0..rounds {
-            let asked = -(1.0 + overshoot) * x;
-            let made = damped(asked, last);
-            x += made;
-            last = Some((asked, made));
+            let step = DelayStep::damped(-(1.0 + overshoot) * x, last.as_ref());
+            x += step.made_s;
+            last = Some(step);
         }
         x
     }

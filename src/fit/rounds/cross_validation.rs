@@ -14,9 +14,9 @@
 
 use crate::fit::motion::integration::{Course, surface_of};
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::motion::regressors::nuisance;
 use crate::fit::noise::model::Noise;
 use crate::fit::noise::whitening::whiten;
+use crate::fit::nuisance;
 use crate::fit::rounds::sampling::scramble;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};

@@ -13,7 +13,7 @@ use crate::fit::motion::passes::{Pass, PassResult, wide_speeds};
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::noise::model::Noise;
-use crate::fit::rounds::calibration_step::DelayStep;
+use crate::fit::rounds::convergence::DelayStep;
 use crate::fit::rounds::estimate::CalibrationErrors;
 use crate::fit::rounds::initial_guess::InitialGuess;
 use crate::fit::rounds::outliers::Judge;

@@ -4,7 +4,7 @@
 //! edf_j = p_j − λ_j·tr[(XᵀX + Λ)⁻¹]_jj, which climbs the restricted likelihood (Wood & Fasiolo 2017, *A generalized Fellner-Schall
 //! method*; Wood 2016).
 
-use crate::fit::motion::regressors::nuisance;
+use crate::fit::nuisance;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::surface::design::{Block, Design};
 use crate::map::Gear;

@@ -2,7 +2,6 @@
 
 use crate::campaign::{AngleGroup, Verdict};
 use crate::fit::drive::torque_input::Choice;
-use crate::fit::rounds;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::initial_guess::slow_rate_hz;
 use crate::fit::solve::monotone;
@@ -10,7 +9,7 @@ use crate::fit::table1::runs::{Compared, RunFigures, disagreements, run_figures,
 use crate::fit::table1::soundness::objections;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::table1::tables::{UsedSample, accel_map, used_samples, verdicts};
-use crate::fit::{Result, Settings};
+use crate::fit::{Result, Settings, rounds};
 use crate::map::AccelMap;
 
 /// What a fit at one wheel angle gives.

@@ -14,10 +14,10 @@ mod slice;
 pub(crate) mod taken;
 
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Raw;
+use crate::log::extractor_error::PlanError;
 use crate::log::path::{MessagePath, Step};
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 use request_tree::Wishes;
 
 /// A plan for the messages of one channel.

@@ -2,12 +2,12 @@
 
 use crate::log::extract::extractor::Plan;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Raw;
+use crate::log::extractor_error::PlanError;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
-use crate::log::schema::schema_error::SchemaError;
+use crate::log::schema_error::SchemaError;
+use crate::log::value::Raw;
 
 /// Reads some fields of the messages of one schema, without building the messages.
 ///

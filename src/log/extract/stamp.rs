@@ -2,9 +2,9 @@
 
 use crate::log::extract::extractor::Plan;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::path::{MessagePath, Step};
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 
 /// Slots that together hold a stamp.
 #[derive(Debug, Clone, Copy)]

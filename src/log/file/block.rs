@@ -2,10 +2,10 @@
 
 use crate::log::file::container::Container;
 use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Why};
 use crate::log::file::lz4;
 use crate::log::file::record::{ChunkHeader, Compression, MAX_CHUNK, PREFIX, prefix};
 use crate::log::file::structure::{Block, BlockKind};
+use crate::log::loss::{Damage, Why};
 use mcap::records::op;
 use std::collections::BTreeMap;
 use std::io::Read;

@@ -5,9 +5,9 @@
 
 use crate::log::file::channel_set::{ChannelSet, ChannelSets};
 use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Why};
 use crate::log::file::record::MAX_SMALL;
 use crate::log::file::structure::{Block, Inventory};
+use crate::log::loss::{Damage, Why};
 use mcap::records::{Record, Statistics};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -3,10 +3,10 @@
 use crate::log::file::channel_set::ChannelSets;
 use crate::log::file::container::Container;
 use crate::log::file::input::Input;
-use crate::log::file::loss::Why;
 use crate::log::file::record::{MAGIC, PREFIX};
 use crate::log::file::structure::Inventory;
 use crate::log::file::{scan, summary};
+use crate::log::loss::Why;
 use crate::log::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::Arc;

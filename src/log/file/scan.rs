@@ -2,9 +2,9 @@
 
 use crate::log::file::container::{Container, is_small};
 use crate::log::file::input::Input;
-use crate::log::file::loss::Why;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader, Compression, PREFIX, parse, prefix};
 use crate::log::file::structure::{Block, BlockKind};
+use crate::log::loss::Why;
 use mcap::records::op;
 use std::collections::BTreeSet;
 

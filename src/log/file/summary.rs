@@ -2,9 +2,9 @@
 
 use crate::log::file::channel_set::ChannelSets;
 use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Why};
 use crate::log::file::record::{FOOTER, MAGIC, PREFIX, Records, parse, prefix};
 use crate::log::file::structure::{Block, BlockKind, Inventory};
+use crate::log::loss::{Damage, Why};
 use mcap::records::{Record, Statistics, op};
 use std::collections::BTreeSet;
 

@@ -2,10 +2,10 @@
 
 use crate::log::extract::extractor::Plan;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::file::container::Container;
 use crate::log::path::{MessagePath, Step, quoted};
 use crate::log::schema::{Layout, Leaf, LeafKind, Names};
+use crate::log::value::Raw;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 

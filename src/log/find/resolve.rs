@@ -3,9 +3,9 @@
 use crate::log::extract::convert::Convert;
 use crate::log::extract::extractor::Plan;
 use crate::log::extract::message_pass::{ChannelPlan, Wanted};
-use crate::log::extract::plan_error::PlanError;
 use crate::log::extract::stamp;
 use crate::log::extract::stamp::Stamp;
+use crate::log::extractor_error::PlanError;
 use crate::log::file::container::Container;
 use crate::log::find::candidates::{Candidate, Candidates};
 use crate::log::find::presets::Preset;

@@ -6,11 +6,11 @@
 //! an index, `data.3` is `data[3]`.
 
 use crate::log::extract::extractor::Plan;
-use crate::log::extract::value::Raw;
 use crate::log::file::container::Container;
 use crate::log::find::candidates::Candidates;
 use crate::log::path::{Compare, Literal, MessagePath, Step, Test};
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 
 /// Whether `path` can only be a message path: with fields behind the topic, and no slash in their names.
 pub(crate) fn is_plain(path: &MessagePath) -> bool {

@@ -3,8 +3,8 @@
 //! Only what reading needs is kept, and nothing of it is believed: names that lead nowhere are an error, whatever else the descriptors
 //! hold is passed over. Source: `google/protobuf/descriptor.proto`.
 
-use crate::log::extract::value::Raw;
 use crate::log::schema::shape::Names;
+use crate::log::value::Raw;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use std::borrow::Cow;

@@ -13,7 +13,7 @@ mod walk;
 use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::request_tree::Wish;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
+use crate::log::extractor_error::PlanError;
 use crate::log::schema::Structure;
 use walk::{Form, Walk};
 
@@ -82,10 +82,10 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use crate::log::extract::extractor::Plan;
     use crate::log::extract::extractor::taken::Taken;
-    use crate::log::extract::value::Raw;
     use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;
+    use crate::log::value::Raw;
 
     fn plan() -> Plan {
         let text = "string[] names\nfloat64 x\na/Item[] items\nint64 y\n===\nMSG: a/Item\nfloat64 v\n";

@@ -4,7 +4,7 @@ use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Check, Element, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
+use crate::log::value::Raw;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;

@@ -3,10 +3,10 @@
 
 use crate::log::extract::extractor::Plan;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 use proptest::prelude::*;
 use prost_reflect::{DescriptorPool, DynamicMessage, Value as Protobuf};
 use re_cdr::{BigEndian, CdrEndian, CdrReader, CdrWriter, LittleEndian};

@@ -12,9 +12,9 @@ use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Check, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Raw;
+use crate::log::extractor_error::PlanError;
 use crate::log::schema::{Message, ProtobufField, ProtobufKind as Kind};
+use crate::log::value::Raw;
 use prost_types::field_descriptor_proto::Type;
 use wire::{MAX_DEPTH, Wire, array, next, varint};
 

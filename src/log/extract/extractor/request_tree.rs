@@ -1,6 +1,6 @@
 //! Paths merged into one tree of wishes, so that a message is walked once however many values are wanted of it.
 
-use crate::log::extract::plan_error::PlanError;
+use crate::log::extractor_error::PlanError;
 use crate::log::path::{Step, Test};
 
 /// What is wanted of a message.

@@ -30,7 +30,7 @@ mod tests {
     use super::*;
     use crate::log::extract::extractor::Plan;
     use crate::log::extract::extractor::taken::Taken;
-    use crate::log::extract::plan_error::PlanError;
+    use crate::log::extractor_error::PlanError;
     use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;

@@ -3,11 +3,11 @@
 
 use crate::log::extract::extractor::Plan;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
-use crate::log::schema::schema_error::SchemaError;
+use crate::log::schema_error::SchemaError;
+use crate::log::value::Raw;
 use prost::Message as _;
 use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, Value};
 use prost_types::field_descriptor_proto::{Label, Type};
