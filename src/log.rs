@@ -37,7 +37,7 @@ pub use extractor_error::PlanError;
 pub use find::presets::Preset;
 pub use find_logs::find_logs;
 pub use loss::{Damage, Loss, Why};
-pub use path::{Compare, Literal, MessagePath, Step, Test};
+pub use path::{Compare, Literal, MessagePath, PathStep, Test};
 pub use rate::{Rate, rate};
 pub use read::{read, read_bytes, read_lateral, read_lateral_bytes, read_signals};
 pub use recording::{Origin, Recording, Signal, Signals};
@@ -45,7 +45,7 @@ pub use reference_path::ReferencePath;
 pub use schema_error::SchemaError;
 pub use signal_map::{Code, SignalMap, SignalName, SignalSpec, VehicleOverrides};
 pub use split_bag::read_split;
-pub use survey::{Depth, Found, Missing, Survey, Topic, survey, survey_bytes};
+pub use survey::{Depth, FoundSignal, LogSurvey, Missing, Topic, survey, survey_bytes};
 pub use vehicle::VEHICLE_METADATA;
 
 /// Where the signals of a log are.

@@ -62,7 +62,7 @@ pub struct Census {
 
 /// One run.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct AngledRun {
     angle_deg: f64,
     torque_nm: f64,
     moving_s: f64,
@@ -87,8 +87,9 @@ impl Census {
         let largest_nm = runs.iter().fold(1e-9f64, |m, r| m.max(r.torque_nm.abs()));
         let mut centre = runs.iter().any(|r| (r.angle_deg - test_angle_deg).abs() <= tolerance_deg).then_some(test_angle_deg);
         while let Some(angle_deg) = centre.take().or_else(|| busiest(&runs, tolerance_deg)) {
-            let (own, others): (Vec<Run>, Vec<Run>) = runs.into_iter().partition(|r| (r.angle_deg - angle_deg).abs() <= tolerance_deg);
-            let (near, rest): (Vec<Run>, Vec<Run>) =
+            let (own, others): (Vec<AngledRun>, Vec<AngledRun>) =
+                runs.into_iter().partition(|r| (r.angle_deg - angle_deg).abs() <= tolerance_deg);
+            let (near, rest): (Vec<AngledRun>, Vec<AngledRun>) =
                 others.into_iter().partition(|r| (r.angle_deg - angle_deg).abs() < 2.0 * tolerance_deg);
             census.between_runs += near.len();
             runs = rest;
@@ -129,7 +130,7 @@ impl Census {
 }
 
 /// The whole degree about which, within the tolerance, the most motion lies.
-fn busiest(runs: &[Run], tolerance_deg: f64) -> Option<f64> {
+fn busiest(runs: &[AngledRun], tolerance_deg: f64) -> Option<f64> {
     let window = |first: usize| runs[first..].iter().take_while(move |r| r.angle_deg <= runs[first].angle_deg + 2.0 * tolerance_deg - 1.0);
     let weight = |first: usize| window(first).map(|r| r.moving_s).sum::<f64>();
     let first = (0..runs.len()).max_by(|a, b| weight(*a).total_cmp(&weight(*b)).then(b.cmp(a)))?;
@@ -141,7 +142,7 @@ fn busiest(runs: &[Run], tolerance_deg: f64) -> Option<f64> {
 }
 
 /// The runs of a log: holds of a steady torque in motion.
-fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<Run> {
+fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<AngledRun> {
     let angle = clean_angle(&track.angle_rad);
     let speed = Series { t_s: track.encoder_mps.t_s.clone(), value: track.encoder_mps.smoothed(0.04) };
     let period_s = track.encoder_mps.median_period_s().min(1.0);
@@ -167,7 +168,7 @@ fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<Run>
             *drifting += 1;
             continue;
         }
-        runs.push(Run { angle_deg: median(&degrees), torque_nm: hold.torque_nm, moving_s });
+        runs.push(AngledRun { angle_deg: median(&degrees), torque_nm: hold.torque_nm, moving_s });
     }
     runs
 }

@@ -9,7 +9,7 @@ use anyhow::bail;
 use std::path::Path;
 
 /// What several wheel angles are fitted from.
-pub(crate) struct Choice {
+pub(crate) struct AngleChoice {
     pub(crate) grouped: Grouped,
     /// The angle of the plain file names.
     pub(crate) test_angle_deg: f64,
@@ -17,7 +17,7 @@ pub(crate) struct Choice {
 
 /// The angles that are fitted: those asked for, else all at which enough torques were held. `None` where that is the test angle alone, or one
 /// angle is asked for, which is then the test angle of the fit.
-pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<Choice>> {
+pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<AngleChoice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
     let settings = campaign::Settings::default();
     let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
@@ -79,7 +79,7 @@ pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], u
     notes.append(&mut grouped.notes);
     grouped.notes = notes;
     let test_angle_deg = angles_deg.iter().copied().find(|a| is(*a, test_angle_deg)).unwrap_or(angles_deg[0]);
-    Ok(Some(Choice { grouped, test_angle_deg }))
+    Ok(Some(AngleChoice { grouped, test_angle_deg }))
 }
 
 /// Leaves the maps at the angles asked for in `file`; families stay, since they hold over the angle.

@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 }
 
 #[derive(serde::Serialize)]
-struct Document {
+struct CheckDocument {
     sound: bool,
     maps: Vec<Report>,
 }
@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let settings = Settings { slope_bound: arguments.slope_bound };
     let maps = arguments.maps.iter().map(|path| check(path, settings)).collect::<Result<Vec<_>, _>>()?;
-    let document = Document { sound: maps.iter().all(|m| m.sound), maps };
+    let document = CheckDocument { sound: maps.iter().all(|m| m.sound), maps };
     ui.document(&document)?;
     for report in &document.maps {
         show(report, ui);

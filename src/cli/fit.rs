@@ -1,7 +1,7 @@
 //! `fit LOG…`: Table 1 from logs.
 
 use crate::cli::Ui;
-use crate::cli::angles::Choice;
+use crate::cli::angles::AngleChoice;
 use crate::cli::breaks::Breaks;
 use crate::cli::logs::{LogArguments, survey};
 use crate::cli::outcome::Outcome;
@@ -80,7 +80,7 @@ pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
     let (recordings, census) = arguments.input.census(one, ui)?;
     let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
     let chosen = crate::cli::angles::choose(&recordings, &census, &arguments.angle, ui)?;
-    let (fit, traces) = if let Some(Choice { grouped, test_angle_deg }) = chosen {
+    let (fit, traces) = if let Some(AngleChoice { grouped, test_angle_deg }) = chosen {
         fit_angles(grouped, !arguments.angle.is_empty(), test_angle_deg, &settings)?
     } else {
         let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;

@@ -22,7 +22,7 @@ mod state;
 mod surface_rounds;
 
 use crate::campaign::Survey;
-use crate::fit::drive::torque_input::Choice;
+use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::state::State;
 use crate::fit::{Result, Settings};
@@ -31,7 +31,7 @@ use crate::fit::{Result, Settings};
 ///
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
-pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Estimate<'a>> {
+pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &Settings) -> Result<Estimate<'a>> {
     let mut state = State::new(surveys, choice, settings)?;
     let sampled = delay_rounds::run(&mut state)?;
     surface_rounds::run(state, sampled)

@@ -6,7 +6,7 @@
 
 use crate::campaign::{AngleGroup, Grouped, Survey};
 use crate::fit::angles::shared_delays::{Pooled, Shared};
-use crate::fit::drive::torque_input::Choice;
+use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::table1::actuator::Delays;
 use crate::fit::table1::angle_fit::AngleFit;
 use crate::fit::{Error, Result, Settings};
@@ -21,7 +21,7 @@ pub(crate) struct Task<'a> {
     pub(crate) asked: bool,
     /// The angle of the plain file names [°].
     pub(crate) test_angle_deg: f64,
-    pub(crate) choice: Choice,
+    pub(crate) choice: TorqueChoice,
     pub(crate) settings: &'a Settings,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct FittedAngles<'a> {
 impl<'a> Task<'a> {
     /// Chooses the torque input for all logs together.
     pub(crate) fn new(grouped: &'a Grouped, asked: bool, test_angle_deg: f64, settings: &'a Settings) -> Self {
-        let choice = Choice::new(grouped.groups.iter().flat_map(|g| &g.surveys), settings);
+        let choice = TorqueChoice::new(grouped.groups.iter().flat_map(|g| &g.surveys), settings);
         Self { grouped, asked, test_angle_deg, choice, settings }
     }
 

@@ -5,7 +5,7 @@
 //! no other angle shares.
 
 use crate::campaign::AngleGroup;
-use crate::fit::drive::torque_input::Choice;
+use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::actuator::Delays;
 use crate::fit::{Error, KnownCalibration, Settings, rounds};
@@ -26,7 +26,7 @@ pub(crate) struct Shared {
 
 impl Shared {
     /// Fits each angle for its delays, those with a yaw rate first.
-    pub(crate) fn new(groups: &[AngleGroup], choice: &Choice, settings: &Settings) -> Self {
+    pub(crate) fn new(groups: &[AngleGroup], choice: &TorqueChoice, settings: &Settings) -> Self {
         let has_yaw = |g: &&AngleGroup| g.surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
         let mut pooled = Pooled::default();
         let mut failed = Vec::new();

@@ -4,7 +4,7 @@ use crate::campaign::{Survey, Verdict};
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
-use crate::fit::drive::torque_input::Input;
+use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::noise::model::Reading;
 use crate::map::Gear;
 use crate::signal::Series;
@@ -26,7 +26,7 @@ pub(crate) struct LogData<'a> {
     /// The command [N·m], where it changes.
     pub(crate) command: Series,
     /// Where its effective torque comes from.
-    pub(crate) input: Input,
+    pub(crate) input: TorqueInput,
     /// How well the steps of its command are known in time.
     pub(crate) timing: StepTiming,
     /// Outliers among the yaw readings.

@@ -92,9 +92,9 @@ impl<'a> Recursion<'a> {
 
 /// The filter's state [v, d, b].
 #[derive(Debug, Clone, Copy, Default)]
-struct State([f64; 3]);
+struct FilterState([f64; 3]);
 
-impl State {
+impl FilterState {
     /// Over the step that leads to a reading.
     fn predict(&mut self, gains: &Gains) {
         let [v, d, b] = self.0;
@@ -114,7 +114,7 @@ impl State {
 /// −2 log likelihood of a residual sequence, without its constant.
 pub(crate) fn deviance(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> f64 {
     let mut recursion = Recursion::new(start_s, noise, start_std_mps);
-    let mut state = State::default();
+    let mut state = FilterState::default();
     let mut sum = 0.0;
     // one logarithm for some readings: S lies between 10⁻⁸ and 10
     for (readings, residual_mps) in readings.chunks(16).zip(residual_mps.chunks(16)) {
@@ -157,7 +157,7 @@ pub(crate) struct Filtered {
 /// The filter over a residual sequence.
 pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Filtered {
     let mut recursion = Recursion::new(start_s, noise, start_std_mps);
-    let mut state = State::default();
+    let mut state = FilterState::default();
     let room = || Vec::with_capacity(readings.len());
     let mut found = Filtered { expected_mps: room(), expected_std_mps: room(), speed_mps: room(), white: room(), offset_mps2: 0.0 };
     for (reading, residual_mps) in readings.iter().zip(residual_mps) {
@@ -177,7 +177,7 @@ pub(crate) fn filter(residual_mps: &[f64], readings: &[Reading], start_s: f64, n
 /// zero, λ ← Hᵀ·(−e/S) + (I − K·H)ᵀ·λ at a reading and λ ← Fᵀ·λ between readings, the smoothed state is x⁻ − P⁻·λ. Nothing is inverted.
 pub(crate) fn smooth(residual_mps: &[f64], readings: &[Reading], start_s: f64, noise: &Noise, start_std_mps: f64) -> Deviation {
     let mut recursion = Recursion::new(start_s, noise, start_std_mps);
-    let mut state = State::default();
+    let mut state = FilterState::default();
     // gains, predicted speed and e/S of each reading
     let mut passed = Vec::with_capacity(readings.len());
     for (reading, residual_mps) in readings.iter().zip(residual_mps) {

@@ -9,7 +9,7 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// What whitening needs of one reading.
 #[derive(Debug, Clone, Copy)]
-struct Step {
+struct WhiteningStep {
     gains: Gains,
     /// 1/√S.
     inverse_root: f64,
@@ -18,7 +18,7 @@ struct Step {
 /// The filter over one stretch: its gains do not depend on the data.
 #[derive(Debug, Clone)]
 pub(crate) struct Filter {
-    steps: Vec<Step>,
+    steps: Vec<WhiteningStep>,
 }
 
 impl Filter {
@@ -27,7 +27,7 @@ impl Filter {
         let mut recursion = Recursion::new(start_s, noise, start_std_mps);
         let step = |reading| {
             let gains = recursion.next(reading);
-            Step { inverse_root: gains.over_s.sqrt(), gains }
+            WhiteningStep { inverse_root: gains.over_s.sqrt(), gains }
         };
         let steps = readings.iter().map(step).collect();
         Self { steps }
@@ -74,7 +74,7 @@ impl States {
 
 /// The loop over rows and columns, compiled for the vectors of the machine. Columns do not mix, so their width does not change a bit.
 struct Rows<'a> {
-    steps: &'a [Step],
+    steps: &'a [WhiteningStep],
     matrix: &'a mut [f64],
     columns: usize,
     states: &'a mut States,

@@ -1,6 +1,6 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
-use crate::fit::drive::torque_input::Input;
+use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::regressors::Free;
 use crate::fit::nuisance;
 use crate::fit::rounds::convergence::DelayStep;
@@ -22,7 +22,7 @@ impl State<'_> {
         let known = self.settings.known.as_ref();
         let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw && free == Free::DelaysAndEncoder);
         let hold = |std: &mut f64| *std = FIXED_STD;
-        let measured = self.logs.iter().any(|l| l.input != Input::Command);
+        let measured = self.logs.iter().any(|l| l.input != TorqueInput::Command);
         if measured || self.settings.lag_s.is_some() || known.is_some_and(|k| k.lag_s.is_some()) {
             hold(&mut prior[nuisance::LAG]);
         }
@@ -46,10 +46,7 @@ impl State<'_> {
         let step = |k: usize| of(k).clamp(-DELAY_STEP_S, DELAY_STEP_S);
         let before = self.calibration.clone();
         let delays = std::iter::once(nuisance::LAG).chain((0..self.logs.len()).map(|k| nuisance::DEAD_TIME + k));
-        let damp = |(k, asked_s): (usize, f64)| DelayStep {
-            asked_s,
-            made_s: damped(asked_s, self.last_steps.get(k).map(|s| (s.asked_s, s.made_s))),
-        };
+        let damp = |(k, asked_s): (usize, f64)| DelayStep::damped(asked_s, self.last_steps.get(k));
         let steps: Vec<DelayStep> = delays.map(step).enumerate().map(damp).collect();
         self.calibration.lag_s = (before.lag_s + steps[0].made_s).clamp(0.0, 0.3);
         for (dead_time_s, step) in self.calibration.dead_time_s.iter_mut().zip(&steps[1..]) {

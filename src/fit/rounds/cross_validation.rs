@@ -37,7 +37,7 @@ pub(crate) type Surfaces = [LatticeSurface; 2];
 
 /// What the comparison found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Comparison {
+pub(crate) struct ModelComparison {
     /// How much less the whole surface's whitened squared error is on runs left out than that of the physics form.
     pub(crate) gain: f64,
     /// ΣeΔ in its standard errors: what speaks for the surface.
@@ -56,7 +56,7 @@ pub(crate) struct Validation {
     /// The surfaces fitted without each fold, with the share that was found.
     pub(crate) without: Vec<Surfaces>,
     /// The comparison.
-    pub(crate) comparison: Comparison,
+    pub(crate) comparison: ModelComparison,
 }
 
 /// The fold of each segment and the number of folds: runs are shuffled, the same way each time, and dealt in turn, so that a campaign's own
@@ -186,7 +186,7 @@ fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
 }
 
 /// How much of the surface is taken; all of it where there are too few runs to tell.
-fn compare(sums: Sums, runs: usize) -> Comparison {
+fn compare(sums: Sums, runs: usize) -> ModelComparison {
     let Sums { squared, with_difference, difference_squared, count } = sums;
     let gain = 2.0 * with_difference - difference_squared;
     let variance = (squared - gain) / count.max(1.0);
@@ -198,7 +198,7 @@ fn compare(sums: Sums, runs: usize) -> Comparison {
     } else {
         0.0
     };
-    Comparison { gain, in_std_errs, runs, surface_share }
+    ModelComparison { gain, in_std_errs, runs, surface_share }
 }
 
 #[cfg(test)]

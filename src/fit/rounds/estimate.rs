@@ -56,17 +56,17 @@ impl SurfaceModel {
 
     /// Makes the surface rise with torque at every speed of `gears`, as near to the estimate as its information allows; where that fails, by
     /// running maxima.
-    pub(crate) fn make_monotone(&mut self, gears: &[Gear]) -> monotone::Outcome {
+    pub(crate) fn make_monotone(&mut self, gears: &[Gear]) -> monotone::MonotoneOutcome {
         let lattice = self.surfaces[0].lattice.clone();
         let mut beta = self.stacked.solution.beta.clone();
         let outcome = monotone::enforce(&self.design, &lattice, &self.system, &self.stacked.solution, gears, &mut beta);
         match outcome {
-            monotone::Outcome::AlreadyMonotone => {}
-            monotone::Outcome::Moved(_) => {
+            monotone::MonotoneOutcome::AlreadyMonotone => {}
+            monotone::MonotoneOutcome::Moved(_) => {
                 self.stacked.solution.beta = beta;
                 self.surfaces = self.design.surfaces(&lattice, &self.stacked.solution.beta);
             }
-            monotone::Outcome::Forced => self.surfaces.iter_mut().for_each(|s| monotone::force(&lattice, &mut s.theta)),
+            monotone::MonotoneOutcome::Forced => self.surfaces.iter_mut().for_each(|s| monotone::force(&lattice, &mut s.theta)),
         }
         outcome
     }

@@ -4,7 +4,7 @@ use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
-use crate::fit::drive::torque_input::Choice;
+use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
@@ -39,7 +39,7 @@ impl<'a> InitialGuess<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &Settings) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
@@ -58,10 +58,10 @@ impl<'a> InitialGuess<'a> {
             return Err(Error::TooLittle { seconds, needed_s: LEAST_MOTION_S });
         }
         let speeds: Vec<Vec<f64>> = segments.par_iter().map(wide_speed).collect();
-        let views: Vec<delay_grid::LogView> = (0..logs.len())
+        let views: Vec<delay_grid::GridLog> = (0..logs.len())
             .map(|k| {
                 let own: Vec<usize> = (0..segments.len()).filter(|s| segments[*s].log == k).collect();
-                delay_grid::LogView {
+                delay_grid::GridLog {
                     segments: own.iter().map(|s| &segments[*s]).collect(),
                     speed_mps: own.iter().map(|s| speeds[*s].as_slice()).collect(),
                     log: &logs[k],
@@ -127,7 +127,7 @@ impl Grains {
     }
 }
 
-fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &Choice) -> LogData<'a> {
+fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> LogData<'a> {
     let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
     let Grain { noise_mps, quantum_mps } = grains.encoder;
     let dithered = noise_mps > 0.2 * quantum_mps;
@@ -161,7 +161,7 @@ fn changes(command: &Series) -> Series {
     changes
 }
 
-fn first_calibration(surveys: &[Survey], choice: &Choice) -> Calibration {
+fn first_calibration(surveys: &[Survey], choice: &TorqueChoice) -> Calibration {
     let alignments: Vec<_> = surveys.iter().filter_map(|s| s.alignment).collect();
     let median_of = |f: fn(&crate::signal::Alignment) -> f64, otherwise: f64| {
         let values: Vec<f64> = alignments.iter().map(f).collect();

@@ -3,7 +3,7 @@
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::torque_input::Choice;
+use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -58,7 +58,7 @@ impl<'a> State<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &Settings) -> Result<Self> {
         let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice } = InitialGuess::new(surveys, choice, settings)?;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };

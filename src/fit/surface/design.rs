@@ -31,7 +31,7 @@ const NEAR_STANDSTILL: &str = "near standstill";
 
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Block {
+pub(crate) struct CoefficientBlock {
     /// What it is, for the report.
     pub(crate) name: &'static str,
     /// Its coefficients.
@@ -46,7 +46,7 @@ pub(crate) struct Block {
 #[derive(Debug, Clone)]
 pub(crate) struct Design {
     /// The blocks, in the order of the coefficients.
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<CoefficientBlock>,
     /// Speed over which the extra friction near standstill fades [m/s].
     pub(crate) stribeck_mps: f64,
     /// For forward and reverse: lattice columns × coefficients.
@@ -54,13 +54,13 @@ pub(crate) struct Design {
 }
 
 /// Collects columns block by block.
-struct Builder {
+struct DesignBuilder {
     rows: usize,
     columns: Vec<(Vec<f64>, bool)>,
-    blocks: Vec<Block>,
+    blocks: Vec<CoefficientBlock>,
 }
 
-impl Builder {
+impl DesignBuilder {
     fn block(&mut self, name: &'static str, penalised: bool, antisymmetric: bool, columns: Vec<Vec<f64>>) {
         if columns.is_empty() {
             return;
@@ -68,7 +68,7 @@ impl Builder {
         let start = self.columns.len();
         self.columns.extend(columns.into_iter().map(|c| (c, antisymmetric)));
         let physics = name.ends_with(PHYSICS) || name == NEAR_STANDSTILL;
-        self.blocks.push(Block { name, range: start..self.columns.len(), penalised, physics });
+        self.blocks.push(CoefficientBlock { name, range: start..self.columns.len(), penalised, physics });
     }
 }
 
@@ -124,7 +124,7 @@ impl Design {
             pairs.map(|(z, y)| tensor(&z.weighed(z.bending + y.bending), &y.shape)).collect::<Vec<_>>()
         };
 
-        let mut builder = Builder { rows, columns: Vec::new(), blocks: Vec::new() };
+        let mut builder = DesignBuilder { rows, columns: Vec::new(), blocks: Vec::new() };
         builder.block(PHYSICS, false, false, physics());
         builder.block(NEAR_STANDSTILL, true, false, near_standstill());
         builder.block("f(V)", true, false, f());
@@ -142,7 +142,7 @@ impl Design {
             builder.block("gear: f(V)·U", true, true, f_by(&u));
             builder.block("gear: f(V)·U⁺", true, true, f_by(&drive));
         }
-        let Builder { rows, columns, blocks } = builder;
+        let DesignBuilder { rows, columns, blocks } = builder;
         let transforms = Gear::ALL.map(|gear| {
             Mat::from_fn(rows, columns.len(), |r, c| {
                 let (column, antisymmetric) = &columns[c];

@@ -1,7 +1,7 @@
 //! One fit at one wheel angle: the estimate, its surface made monotone, its tables, and what speaks against them.
 
 use crate::campaign::{AngleGroup, Verdict};
-use crate::fit::drive::torque_input::Choice;
+use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::initial_guess::slow_rate_hz;
 use crate::fit::solve::monotone;
@@ -18,7 +18,7 @@ pub(crate) struct AngleFit<'a> {
     pub(crate) wheel_angle_deg: f64,
     pub(crate) estimate: Estimate<'a>,
     /// How the surface was made to rise with torque.
-    pub(crate) monotone: monotone::Outcome,
+    pub(crate) monotone: monotone::MonotoneOutcome,
     /// The final verdict on every encoder sample, per log.
     pub(crate) verdicts: Vec<Vec<Verdict>>,
     /// The used samples.
@@ -40,7 +40,7 @@ impl<'a> AngleFit<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
-    pub(crate) fn new(group: &'a AngleGroup, choice: &Choice, settings: &Settings, test_angle_deg: f64) -> Result<Self> {
+    pub(crate) fn new(group: &'a AngleGroup, choice: &TorqueChoice, settings: &Settings, test_angle_deg: f64) -> Result<Self> {
         let mut estimate = rounds::estimate(&group.surveys, choice, settings)?;
         let monotone = estimate.model.make_monotone(&estimate.data.gears);
         let uncertainty = Uncertainty::new(&estimate);
@@ -64,9 +64,9 @@ impl<'a> AngleFit<'a> {
     }
 }
 
-fn remarks(estimate: &Estimate, monotone: monotone::Outcome) -> Vec<String> {
+fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<String> {
     let mut remarks = Vec::new();
-    if monotone == monotone::Outcome::Forced {
+    if monotone == monotone::MonotoneOutcome::Forced {
         remarks.push("the surface was made to rise with torque by running maxima: the data contradict it in places".to_owned());
     }
     if !estimate.rounds.converged {

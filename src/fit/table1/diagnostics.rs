@@ -1,6 +1,6 @@
 //! What a reader may want to know of the estimate beside the tables: speed sources, noise, and how the surface was chosen.
 
-use crate::fit::rounds::cross_validation::Comparison;
+use crate::fit::rounds::cross_validation::ModelComparison;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::solve::monotone;
 use crate::fit::table1::runs::round;
@@ -40,7 +40,7 @@ pub(crate) fn witnesses(estimate: &Estimate) -> Vec<Witness> {
 }
 
 /// The surface's coefficients and penalties, the cross-validation, and how it was made to rise with torque.
-pub(crate) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled: Option<(f64, f64)>) -> serde_json::Value {
+pub(crate) fn diagnostics(estimate: &Estimate, moved: monotone::MonotoneOutcome, pooled: Option<(f64, f64)>) -> serde_json::Value {
     let innovations: Vec<f64> = estimate.paths.white.iter().flatten().map(|e| e.abs()).collect();
     let blocks: Vec<serde_json::Value> = estimate
         .model
@@ -58,7 +58,7 @@ pub(crate) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         })
         .collect();
     let model_choice = estimate.validation.as_ref().map(|v| {
-        let Comparison { gain, in_std_errs, runs, surface_share } = v.comparison;
+        let ModelComparison { gain, in_std_errs, runs, surface_share } = v.comparison;
         serde_json::json!({
             "surface_share": round(surface_share, 1e3),
             "gain_of_surface": round(gain, 1e3),
@@ -76,9 +76,9 @@ pub(crate) fn diagnostics(estimate: &Estimate, moved: monotone::Outcome, pooled:
         "blocks": blocks,
         "penalties_settled": estimate.model.stacked.solution.settled,
         "monotone": match moved {
-            monotone::Outcome::AlreadyMonotone => "by itself".to_owned(),
-            monotone::Outcome::Moved(n) => format!("{n} differences bind"),
-            monotone::Outcome::Forced => "forced".to_owned(),
+            monotone::MonotoneOutcome::AlreadyMonotone => "by itself".to_owned(),
+            monotone::MonotoneOutcome::Moved(n) => format!("{n} differences bind"),
+            monotone::MonotoneOutcome::Forced => "forced".to_owned(),
         },
         "innovation_scale": round(median(&innovations) / 0.674_489_750_196_082, 1e4),
     })

@@ -142,7 +142,7 @@ fn at(simulated: &[Compared], t_s: f64) -> Option<f64> {
 }
 
 /// What the surface leaves of the acceleration in a window of about 0.1 s.
-struct Window {
+struct ResidualWindow {
     log: usize,
     gear: Gear,
     t_s: f64,
@@ -151,7 +151,7 @@ struct Window {
     residual_mps2: f64,
 }
 
-fn windows(estimate: &Estimate) -> Vec<Window> {
+fn windows(estimate: &Estimate) -> Vec<ResidualWindow> {
     let lagged = estimate.torques();
     let mut windows = Vec::new();
     for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
@@ -167,7 +167,7 @@ fn windows(estimate: &Estimate) -> Vec<Window> {
             }
             let deviation = (smoothed[k] - model[k]) - (smoothed[from] - model[from]);
             let t_s = 0.5 * (segment.readings[k].t_s + segment.readings[from].t_s);
-            windows.push(Window {
+            windows.push(ResidualWindow {
                 log: segment.log,
                 gear: segment.gear,
                 t_s,
@@ -181,7 +181,7 @@ fn windows(estimate: &Estimate) -> Vec<Window> {
     windows
 }
 
-fn residual_cells(map: &AccelMap, windows: &[Window]) -> Result<ResidualCells> {
+fn residual_cells(map: &AccelMap, windows: &[ResidualWindow]) -> Result<ResidualCells> {
     let speed = Axis::new("speed_mps", map.speed_mps.clone())?;
     let torque = Axis::new("torque_nm", map.torque_nm.clone())?;
     let mut sums = vec![vec![(0u32, 0.0f64, 0.0f64); speed.len()]; torque.len()];
@@ -201,10 +201,10 @@ fn residual_cells(map: &AccelMap, windows: &[Window]) -> Result<ResidualCells> {
     })
 }
 
-fn residual_times(estimate: &Estimate, windows: &[Window]) -> Vec<ResidualTimes> {
+fn residual_times(estimate: &Estimate, windows: &[ResidualWindow]) -> Vec<ResidualTimes> {
     let stride = windows.len().div_ceil(MOST_RESIDUALS).max(1);
     let of_log = |k: usize| {
-        let own: Vec<&Window> = windows.iter().filter(|w| w.log == k).step_by(stride).collect();
+        let own: Vec<&ResidualWindow> = windows.iter().filter(|w| w.log == k).step_by(stride).collect();
         ResidualTimes {
             log: estimate.data.logs[k].survey.track.source.file.clone(),
             t_s: own.iter().map(|w| round(w.t_s, 1e2)).collect(),

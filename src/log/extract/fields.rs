@@ -1,6 +1,6 @@
 //! Single fields of single messages: what a compiled plan gives, for programs that have the payloads already.
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
 use crate::log::extractor_error::PlanError;
 use crate::log::file::structure::Schema;
@@ -23,7 +23,7 @@ use crate::log::value::Raw;
 /// ```
 #[derive(Debug)]
 pub struct FieldReader {
-    plan: Plan,
+    plan: Extractor,
 }
 
 /// Why fields of a schema cannot be read.
@@ -53,7 +53,8 @@ impl FieldReader {
             schema.map(|(name, encoding, data)| Schema { name: name.to_owned(), encoding: encoding.to_owned(), data: data.to_vec() });
         let layout = Layout::parse(message_encoding, schema.as_ref())?;
         let all: Vec<&MessagePath> = paths.iter().collect();
-        let plan = Plan::compile(&layout, &all).map_err(|(index, source)| FieldError::Path { path: paths[index].to_string(), source })?;
+        let plan =
+            Extractor::compile(&layout, &all).map_err(|(index, source)| FieldError::Path { path: paths[index].to_string(), source })?;
         Ok(Self { plan })
     }
 

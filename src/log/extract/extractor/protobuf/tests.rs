@@ -1,7 +1,7 @@
 //! Fields of every kind, described by hand, against the dynamic decoder.
 #![allow(clippy::unwrap_used)]
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
@@ -61,7 +61,7 @@ fn layout(schema: &Schema) -> Result<Layout, SchemaError> {
 
 fn take(schema: &Schema, paths: &[&str], payload: &[u8]) -> Vec<Option<f64>> {
     let paths: Vec<MessagePath> = paths.iter().map(|path| format!("/t{path}").parse().unwrap()).collect();
-    let plan = Plan::compile(&layout(schema).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap();
+    let plan = Extractor::compile(&layout(schema).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap();
     let mut taken = Taken::default();
     plan.decode(payload, &mut taken).unwrap();
     let number = |slot| match taken.get(slot) {
