@@ -11,6 +11,7 @@
 
 mod compare;
 mod error;
+mod heat_map;
 mod html;
 mod sheet;
 mod significance;
