@@ -10,12 +10,15 @@
 //! positively dependent cells, as neighbours on a smooth surface are: Y. Benjamini, D. Yekutieli, Ann. Statist. 29 (2001) 1165–1188.
 
 mod compare;
+mod comparison;
 mod error;
+mod heat_map;
 mod html;
 mod sheet;
 mod significance;
 
-pub use compare::{Comparison, MapDiff, Settings, Significant, Verdict, compare};
+pub use compare::compare;
+pub use comparison::{Comparison, MapDiff, Settings, Significant, Verdict};
 pub use error::{Error, Result};
 pub use html::html;
 pub use sheet::{Side, Table};

@@ -12,6 +12,8 @@ mod friction;
 mod heat;
 mod html;
 mod inputs;
+#[cfg(test)]
+mod known;
 mod manoeuvres;
 mod next;
 mod overhead;

@@ -86,8 +86,8 @@ impl Side {
                     std_err: m.std_err_nm.concat().into_iter().map(Option::unwrap_or_default).collect(),
                     known: Vec::new(),
                 };
-                let told: Vec<_> = m.std_err_nm.concat().iter().map(Option::is_some).collect();
-                sheet.checked(path, m.std_err_nm.len(), &m.status, &told)
+                let has_error: Vec<_> = m.std_err_nm.concat().iter().map(Option::is_some).collect();
+                sheet.checked(path, m.std_err_nm.len(), &m.status, &has_error)
             });
             let sheets = sheets.collect::<Result<_>>()?;
             return Ok(Self { name, table: Table::Table2, vehicle: file.vehicle, logs: file.logs, sheets });
@@ -103,8 +103,8 @@ impl Side {
                 std_err: m.std_err_mps2.concat(),
                 known: Vec::new(),
             };
-            let told = vec![true; sheet.std_err.len()];
-            sheet.checked(path, m.std_err_mps2.len(), &m.status, &told)
+            let has_error = vec![true; sheet.std_err.len()];
+            sheet.checked(path, m.std_err_mps2.len(), &m.status, &has_error)
         });
         let sheets = sheets.collect::<Result<_>>()?;
         Ok(Self { name, table: Table::Table1, vehicle: file.vehicle, logs: file.logs, sheets })
@@ -113,7 +113,7 @@ impl Side {
 
 impl Sheet {
     /// Checks that standard errors and status have the values' shape, and fills `known`.
-    fn checked(mut self, path: &Path, std_err_rows: usize, status: &[Vec<CellStatus>], told: &[bool]) -> Result<Self> {
+    fn checked(mut self, path: &Path, std_err_rows: usize, status: &[Vec<CellStatus>], has_error: &[bool]) -> Result<Self> {
         let (rows, columns) = (self.rows.len(), self.columns.len());
         let gear = self.gear;
         let shape = |field, found_rows| {
@@ -127,7 +127,7 @@ impl Sheet {
             return Err(shape("status", status.len()));
         }
         let sound = |s: &CellStatus| matches!(s, CellStatus::Measured | CellStatus::Interpolated);
-        self.known = status.iter().flatten().zip(told).map(|(s, told)| if sound(s) && *told { 1.0 } else { 0.0 }).collect();
+        self.known = status.iter().flatten().zip(has_error).map(|(s, has_error)| if sound(s) && *has_error { 1.0 } else { 0.0 }).collect();
         Ok(self)
     }
 
@@ -139,5 +139,56 @@ impl Sheet {
         let known = read(&self.known)? > 1.0 - 1e-9;
         known.then_some(())?;
         Some((read(&self.values)?, read(&self.std_err)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn sheet() -> Sheet {
+        Sheet {
+            gear: Gear::Forward,
+            wheel_angle_deg: 90.0,
+            rows: vec![0.0, 1.0],
+            columns: vec![0.0, 1.0, 2.0],
+            values: vec![0.0, 2.0, 4.0, 10.0, 12.0, 14.0],
+            std_err: vec![0.1, 0.1, 0.1, 0.3, 0.3, 0.3],
+            known: Vec::new(),
+        }
+    }
+
+    fn status(last: CellStatus) -> [Vec<CellStatus>; 2] {
+        [vec![CellStatus::Measured; 3], vec![CellStatus::Interpolated, CellStatus::Measured, last]]
+    }
+
+    #[test]
+    fn a_place_between_nodes_is_read_where_all_of_its_neighbours_are_known() {
+        let file = Path::new("table2.json");
+        let sheet = sheet().checked(file, 2, &status(CellStatus::Extrapolated), &[true; 6]).unwrap();
+        let (value, error) = sheet.at(0.5, 0.25).unwrap();
+        assert!((value - 5.5).abs() < 1e-12 && (error - 0.2).abs() < 1e-12, "{value} ± {error}");
+        assert_eq!(sheet.at(0.5, 1.5), None, "a neighbour is extrapolated");
+        assert_eq!(sheet.at(1.0, 1.0), Some((12.0, 0.3)), "a node needs no neighbour");
+        assert_eq!(sheet.at(0.5, 2.5), None, "beyond the axis");
+    }
+
+    #[test]
+    fn a_cell_without_a_standard_error_is_not_known() {
+        let mut has_error = [true; 6];
+        has_error[0] = false;
+        let sheet = sheet().checked(Path::new("table2.json"), 2, &status(CellStatus::Measured), &has_error).unwrap();
+        assert_eq!(sheet.at(0.0, 0.0), None);
+        assert!(sheet.at(1.0, 2.0).is_some());
+    }
+
+    #[test]
+    fn standard_errors_and_status_of_another_shape_are_refused_with_their_name() {
+        let file = Path::new("table2.json");
+        let error = sheet().checked(file, 3, &status(CellStatus::Measured), &[true; 6]).unwrap_err().to_string();
+        assert!(error.contains("standard errors of 3 rows, not 2 × 3"), "{error}");
+        let error = sheet().checked(file, 2, &status(CellStatus::Measured)[..1], &[true; 6]).unwrap_err().to_string();
+        assert!(error.contains("status of 1 rows"), "{error}");
     }
 }
