@@ -4,7 +4,7 @@ use crate::report::Inputs;
 use crate::report::chart::{Area, Chart, Line, Panel, Points};
 use crate::report::section::Section;
 use crate::report::svg::{escaped, num};
-use crate::verify::{Bands, Check, ClosedLoop, LawTraces, Metric, ScenarioVerdict, Statistic, Status, Summary, Verdict};
+use crate::verify::{Bands, ClosedLoop, LawTraces, LimitCheck, MapVerdict, Metric, MetricSummary, ScenarioVerdict, Statistic, Status};
 
 /// The closed loop as a section.
 pub(crate) fn closed_loop(inputs: &Inputs) -> Section {
@@ -68,7 +68,7 @@ fn pivot(section: &mut Section, traces: &ClosedLoop) {
     });
 }
 
-fn compare(section: &mut Section, verdict: &Verdict) {
+fn compare(section: &mut Section, verdict: &MapVerdict) {
     let Some(comparison) = &verdict.comparison else { return };
     let metrics = [
         Metric::HeadingErrorDeg,
@@ -81,7 +81,7 @@ fn compare(section: &mut Section, verdict: &Verdict) {
     let header: Vec<String> =
         std::iter::once("law|".to_owned()).chain(metrics.map(|m| format!("{} {}", m.title(), m.unit()).trim().to_owned())).collect();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let median = |all: &[Summary], metric| {
+    let median = |all: &[MetricSummary], metric| {
         let value = all.iter().find(|s| s.metric == metric).and_then(|s| s.figure(Statistic::Median));
         value.map_or("–".to_owned(), |v| num(v, 3))
     };
@@ -104,7 +104,7 @@ fn compare(section: &mut Section, verdict: &Verdict) {
 }
 
 /// How much of a limit is used up: 1 at the limit.
-fn used(check: &Check) -> f64 {
+fn used(check: &LimitCheck) -> f64 {
     match (check.pass, check.value, check.at_most) {
         (false, ..) => f64::INFINITY,
         (true, Some(value), Some(limit)) if limit > 0.0 => value / limit,
@@ -129,7 +129,7 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<String> {
         let value = scenario.metrics.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic));
         value.map_or("–".to_owned(), |v| unit(metric, v))
     };
-    let told = |f: &dyn Fn(&Check) -> String| nearest.map_or("–".to_owned(), f);
+    let told = |f: &dyn Fn(&LimitCheck) -> String| nearest.map_or("–".to_owned(), f);
     vec![
         escaped(&scenario.name),
         escaped(&scenario.what),

@@ -6,7 +6,7 @@ use crate::report::chart::{Chart, Line, Panel};
 use crate::report::overhead::overhead;
 use crate::report::section::Section;
 use crate::report::svg::{escaped, num};
-use crate::verify::{Check, Class, Metric, Status};
+use crate::verify::{Class, LimitCheck, Metric, Status};
 
 /// The manoeuvres as a section.
 pub(crate) fn manoeuvres(inputs: &Inputs) -> Section {
@@ -174,7 +174,7 @@ fn table(section: &mut Section, traces: &ManoeuvreTraces) {
         "m" => format!("{}\u{a0}mm", num(1e3 * v, 1)),
         unit => format!("{}\u{a0}{unit}", num(v, 3)),
     };
-    let limit = |c: &Check| match (c.at_most, c.at_least) {
+    let limit = |c: &LimitCheck| match (c.at_most, c.at_least) {
         (Some(most), _) => format!("≤\u{a0}{}", unit(c.metric, most)),
         (_, Some(least)) => format!("≥\u{a0}{}", unit(c.metric, least)),
         _ => String::new(),
