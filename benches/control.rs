@@ -5,7 +5,7 @@ use pivot_cal::control::{
 };
 use pivot_cal::map::{Gear, TorqueTable, Vehicle};
 use pivot_cal::sim::{PhysicalSettings, Settings as World};
-use pivot_cal::verify::{Maps, Scenario, Settings, known_maps, replay};
+use pivot_cal::verify::{Maps, Scenario, VerifySettings, known_maps, replay};
 use std::hint::black_box;
 
 fn main() {
@@ -56,7 +56,7 @@ fn control_period(bencher: divan::Bencher<'_, '_>) {
 #[divan::bench]
 fn pivot_simulated(bencher: divan::Bencher<'_, '_>) {
     let maps = maps();
-    let settings = Settings::new().expect("the built-in gate is sound");
+    let settings = VerifySettings::new().expect("the built-in gate is sound");
     let scenario = Scenario::all().into_iter().find(|s| s.name == "left-90").expect("it is there");
-    bencher.bench_local(|| replay(&maps, &settings, &scenario, |_, _| {}));
+    bencher.bench_local(|| replay(&maps, &settings, &scenario, |_| {}));
 }

@@ -3,11 +3,10 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
-use pivot_cal::guidance::route::follower::Stage;
+use pivot_cal::guidance::route::follower::DriveStage;
 use pivot_cal::guidance::route::polyline::{PolylinePlan, PolylineSettings};
-use pivot_cal::manoeuvre::DEMO_POINTS;
-use pivot_cal::manoeuvre::{Manoeuvre, ManoeuvreMoment, replay_manoeuvre};
-use pivot_cal::verify::{Maps, Metric, Settings};
+use pivot_cal::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, replay_manoeuvre};
+use pivot_cal::verify::{Maps, Metric};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,7 +16,7 @@ const WIDTH: f64 = 860.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let maps = Maps::read(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/maps")), false)?;
-    let settings = Settings::new()?;
+    let settings = ManoeuvreSettings::new()?;
     let which = std::env::args().nth(1).unwrap_or_else(|| "polyline".to_owned());
     let picture = if which == "lateral" { lateral(&maps, &settings)? } else { polyline(&maps, &settings)? };
     println!("{picture}");
@@ -27,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Every control period of a manoeuvre, and its figures.
 fn moments(
     maps: &Maps,
-    settings: &Settings,
+    settings: &ManoeuvreSettings,
     manoeuvre: &Manoeuvre,
 ) -> Result<(Vec<ManoeuvreMoment>, pivot_cal::verify::Values), Box<dyn Error>> {
     let mut all = Vec::new();
@@ -52,7 +51,7 @@ fn line(picture: &mut String, colour: &str, width: f64, points: &[(f64, f64)]) {
 }
 
 /// The rear axle's middle of the five laws from above, and its lateral error over the way travelled.
-fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> {
+fn polyline(maps: &Maps, settings: &ManoeuvreSettings) -> Result<String, Box<dyn Error>> {
     let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default())?;
     let scale = 52.0;
     let (left, base) = (60.0, 285.0);
@@ -80,7 +79,7 @@ fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> 
         line(&mut picture, colour, 1.3, &all.iter().step_by(10).map(|m| at(m.state.x_m, m.state.y_m)).collect::<Vec<_>>());
         // one line per leg; means of five periods, a tenth of a second
         let mut errors: Vec<Vec<(f64, f64)>> = vec![Vec::new(); plan.legs.len()];
-        let tracked: Vec<&ManoeuvreMoment> = all.iter().filter(|m| m.command.stage == Stage::Driving).collect();
+        let tracked: Vec<&ManoeuvreMoment> = all.iter().filter(|m| m.command.stage == DriveStage::Driving).collect();
         for chunk in tracked.chunks(5).filter(|c| c.iter().all(|m| m.leg == c[0].leg)) {
             let mean = chunk.iter().map(|m| m.command.lateral_error_m).sum::<f64>() / chunk.len() as f64;
             errors[chunk[0].leg].push((chunk[0].state.t_s, mean));
@@ -123,7 +122,7 @@ fn polyline(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> 
 }
 
 /// True lateral error and compensation over the way, forward and in reverse.
-fn lateral(maps: &Maps, settings: &Settings) -> Result<String, Box<dyn Error>> {
+fn lateral(maps: &Maps, settings: &ManoeuvreSettings) -> Result<String, Box<dyn Error>> {
     let mut picture = header(520.0);
     for (panel, name) in ["lateral-forward", "lateral-reverse"].into_iter().enumerate() {
         let manoeuvre = Manoeuvre::all().into_iter().find(|m| m.name == name).ok_or("no such manoeuvre")?;

@@ -4,7 +4,7 @@
 
 use pivot_cal::map::Vehicle;
 use pivot_cal::sim::{PhysicalSettings, Settings as World};
-use pivot_cal::verify::{Maps, Moment, Scenario, Settings, known_maps, replay};
+use pivot_cal::verify::{Maps, PivotMoment, Scenario, VerifySettings, known_maps, replay};
 use std::error::Error;
 use std::fmt::Write as _;
 
@@ -33,13 +33,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let maps = Maps::new(table1, table2)?;
     let scenario = Scenario::all().into_iter().find(|s| s.name == "left-90").ok_or("no such scenario")?;
     let mut moments = Vec::new();
-    replay(&maps, &Settings::new()?, &scenario, |moment, _| moments.push(*moment))?;
+    replay(&maps, &VerifySettings::new()?, &scenario, |moment| moments.push(*moment))?;
     println!("{}", svg(&panels(&moments)));
     Ok(())
 }
 
-fn panels(moments: &[Moment]) -> Vec<Panel> {
-    let line = |name, colour, value: &dyn Fn(&Moment) -> Option<f64>| Line {
+fn panels(moments: &[PivotMoment]) -> Vec<Panel> {
+    let line = |name, colour, value: &dyn Fn(&PivotMoment) -> Option<f64>| Line {
         name,
         colour,
         points: moments.iter().filter_map(|m| Some((m.state.t_s, value(m)?))).collect(),

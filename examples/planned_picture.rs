@@ -4,17 +4,17 @@
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
 use pivot_cal::manoeuvre::picture::picture;
-use pivot_cal::manoeuvre::{Kind, Manoeuvre, bundled_vehicle, replay_manoeuvre};
-use pivot_cal::verify::{Maps, Metric, Settings, known_maps};
+use pivot_cal::manoeuvre::{Manoeuvre, ManoeuvreKind, ManoeuvreSettings, replay_manoeuvre};
+use pivot_cal::verify::{Maps, Metric, known_maps};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let name = std::env::args().nth(1).unwrap_or_else(|| "parking".to_owned());
-    let vehicle = bundled_vehicle()?;
-    let (table1, table2) = known_maps(&vehicle)?;
-    let (maps, settings) = (Maps::new(table1, table2)?, Settings::new()?);
+    let settings = ManoeuvreSettings::new()?;
+    let (table1, table2) = known_maps(&settings.vehicle)?;
+    let maps = Maps::new(table1, table2)?;
     let manoeuvre = Manoeuvre::all().into_iter().find(|m| m.name == name).ok_or("no such manoeuvre")?;
-    let Kind::Planned(task) = manoeuvre.kind else { return Err("not a planned manoeuvre".into()) };
+    let ManoeuvreKind::Planned(task) = manoeuvre.kind else { return Err("not a planned manoeuvre".into()) };
     let mut driven = Vec::new();
     let values = replay_manoeuvre(&maps, &settings, &manoeuvre, |moment| driven.push((moment.state.x_m, moment.state.y_m)))?;
     let figure = |metric| values.get(metric).unwrap_or(f64::NAN);
@@ -25,6 +25,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         figure(Metric::ClearanceM)
     );
     let view = if name == "u-turn" { [-3.4, 1.0, -1.4, 6.7] } else { [-3.2, 4.2, -2.1, 4.4] };
-    println!("{}", picture(&task.plan(vehicle.vehicle.wheelbase_m)?, &driven, view, 760.0, &title));
+    println!("{}", picture(&task.plan(settings.vehicle.vehicle.wheelbase_m)?, &driven, view, 760.0, &title));
     Ok(())
 }

@@ -8,7 +8,8 @@
 
 use pivot_cal::guidance::BodyShape;
 use pivot_cal::guidance::u_turn::{
-    Answer, Finding, Hypothesis, Lane, Method, PublishedCase, Settings, Turn, YAW_RATE_RAD_S, drive, largest_difference_m,
+    Answer, Hypothesis, Lane, Method, PublishedCase, PublishedFinding, UTurnSettings, UTurnShape, YAW_RATE_RAD_S, drive,
+    largest_difference_m,
 };
 use std::error::Error;
 
@@ -27,7 +28,7 @@ fn main() -> Outcome<()> {
             for run_up_turn in [(0.7, 400.0), (1.63, 400.0), (1.63, 200.0)] {
                 let hypothesis = Hypothesis { clears_m, touches_m, run_up_turn };
                 let body = infer(&case, &hypothesis)?;
-                let findings = case.findings(body, &hypothesis, &Settings::default())?;
+                let findings = case.findings(body, &hypothesis, &UTurnSettings::default())?;
                 let rms = (cost(&findings) / 4.0).sqrt();
                 row(&hypothesis, body, &findings, rms);
                 if best.is_none_or(|b| rms < b.0) {
@@ -38,11 +39,11 @@ fn main() -> Outcome<()> {
     }
     let Some((rms, body, hypothesis)) = best else { return Ok(()) };
     println!("\nbest: {body:?}\n{hypothesis:?}, RMS {rms:.4} m");
-    for finding in case.findings(body, &hypothesis, &Settings::default())? {
+    for finding in case.findings(body, &hypothesis, &UTurnSettings::default())? {
         println!("  {finding:?}");
     }
     for (speed, rate) in [(0.7, 400.0), (3.4, 100.0), (6.0, 200.0), (6.0, 400.0)] {
-        let of = |method| PublishedCase::track(body, 11.0, speed, rate, &Settings { method, ..Settings::default() });
+        let of = |method| PublishedCase::track(body, 11.0, speed, rate, &UTurnSettings { method, ..UTurnSettings::default() });
         let (along, end) = largest_difference_m(&of(Method::Euler)?, &of(Method::RungeKutta)?);
         println!("Euler beside Runge-Kutta at {speed} m/s and {rate}°/s: {along:.4} m along, {end:.4} m at the end");
     }
@@ -64,9 +65,10 @@ fn lanes(case: &PublishedCase, body: BodyShape) {
             }
             let three = accels.into_iter().flat_map(|a| accels.into_iter().flat_map(move |b| accels.into_iter().map(move |c| [a, b, c])));
             for turn_accel_mps2 in three {
-                let settings = Settings { turn_accel_mps2, step_s: 0.02, ..Settings::default() };
-                let track =
-                    |deg_s: f64| drive(&car, &Turn { run_up_m: 11.0, speed_mps: 6.0, steering_rate_rad_s: deg_s.to_radians() }, &settings);
+                let settings = UTurnSettings { turn_accel_mps2, step_s: 0.02, ..UTurnSettings::default() };
+                let track = |deg_s: f64| {
+                    drive(&car, &UTurnShape { run_up_m: 11.0, speed_mps: 6.0, steering_rate_rad_s: deg_s.to_radians() }, &settings)
+                };
                 let (Ok(slow), Ok(fast)) = (track(200.0), track(400.0)) else { continue };
                 tried += 1;
                 let difference = fast.end().x_m - slow.end().x_m;
@@ -97,9 +99,10 @@ fn relation() {
     println!("  taken: yaw rate {YAW_RATE_RAD_S:.4} rad/s");
 }
 
-fn cost(findings: &[Finding]) -> f64 {
-    let metric =
-        |f: &&Finding| matches!(f.answer, Answer::ClearsBorder | Answer::TouchesInnerLine | Answer::ShortestRunUp | Answer::LongestRunUp);
+fn cost(findings: &[PublishedFinding]) -> f64 {
+    let metric = |f: &&PublishedFinding| {
+        matches!(f.answer, Answer::ClearsBorder | Answer::TouchesInnerLine | Answer::ShortestRunUp | Answer::LongestRunUp)
+    };
     findings.iter().filter(metric).map(|f| f.residual_m * f.residual_m).sum()
 }
 
@@ -110,7 +113,7 @@ fn body([wheelbase_m, width_m, overhang_m]: [f64; 3]) -> BodyShape {
 /// Pattern search (Source: Hooke & Jeeves, 1961) from three starts.
 fn infer(case: &PublishedCase, hypothesis: &Hypothesis) -> Outcome<BodyShape> {
     // a coarser step moves the answers by less than a millimetre with the fourth-order method
-    let settings = Settings { step_s: 0.01, method: Method::Euler, ..Settings::default() };
+    let settings = UTurnSettings { step_s: 0.01, method: Method::Euler, ..UTurnSettings::default() };
     let value = |at: [f64; 3]| -> Outcome<f64> {
         let possible = (0.8..4.0).contains(&at[0]) && (0.4..3.0).contains(&at[1]) && (0.0..2.0).contains(&at[2]);
         Ok(if possible { cost(&case.findings(body(at), hypothesis, &settings)?) } else { f64::INFINITY })
@@ -143,7 +146,7 @@ fn infer(case: &PublishedCase, hypothesis: &Hypothesis) -> Outcome<BodyShape> {
     Ok(body(best.1))
 }
 
-fn row(hypothesis: &Hypothesis, body: BodyShape, findings: &[Finding], rms: f64) {
+fn row(hypothesis: &Hypothesis, body: BodyShape, findings: &[PublishedFinding], rms: f64) {
     let of = |answer: Answer| findings.iter().find(|f| f.answer == answer);
     let residual = |answer| of(answer).map_or(f64::NAN, |f| f.residual_m);
     let lane = |answer| of(answer).and_then(|f| f.lane).map_or("none".to_owned(), |l| format!("{l:?}"));

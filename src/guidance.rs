@@ -14,6 +14,6 @@ pub mod u_turn;
 
 pub use body::BodyShape;
 pub use error::{Error, Result};
-pub use geometry::{Point, Polygon};
+pub use geometry::{PlanePoint, Polygon};
 pub use path::{PathPose, PosePath};
 pub use torque_source::TorqueSource;

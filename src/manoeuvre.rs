@@ -1,29 +1,36 @@
 //! Manoeuvres in closed loop: what is driven ([`Manoeuvre`]), by which torque ([`ManoeuvreTorque`]), and what is measured of it.
 //!
 //! The plant is a physical vehicle, since the one that a Table 1 identifies knows one wheel angle only. A manoeuvre is data plus a driver: adding one
-//! is a [`Kind`] with its run; metrics, gate, draws and logs are those of the pivots.
+//! is a [`ManoeuvreKind`] with its run; metrics, gate, draws and the closed loop are those of the pivots. The verdicts on manoeuvres
+//! are added to that on the map by whoever asks for both.
 
 mod bench;
-mod compensation;
+mod compensation_run;
 mod drive;
+mod error;
 mod judge;
+mod lateral_metrics;
 mod lateral_run;
-mod log;
+mod legs_driver;
+mod manoeuvre_log;
 pub mod picture;
-mod planned;
-mod polyline;
+mod planned_run;
+mod planned_task;
+mod polyline_run;
+mod run;
 mod scenario;
+mod settings;
 mod torque;
 mod traces;
 
-pub use compensation::CompensationScenario;
-pub use drive::{Moment as ManoeuvreMoment, Mounting, Start, drive};
-pub(crate) use judge::judge;
-pub use judge::{bundled_vehicle, replay as replay_manoeuvre};
-pub use lateral_run::{LateralRun, LoggedReference, lateral_log, lateral_run};
-pub use log::log_of as log_of_manoeuvre;
-pub use planned::{Planned, PlannedTask, parking_scene, u_turn_scene};
-pub use polyline::{DEMO_POINTS, LegResult, polyline_settings};
-pub use scenario::{Kind, Manoeuvre};
-pub use torque::{ExactTorque, ManoeuvreTorque};
-pub use traces::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces, Piece, manoeuvre_traces};
+pub use compensation_run::CompensationScenario;
+pub use drive::{ManoeuvreMoment, Mounting};
+pub use error::{Error, Result};
+pub use judge::{JudgedManoeuvres, judge_manoeuvres};
+pub use lateral_run::{CalibrationDrive, LoggedReference, lateral_log};
+pub use planned_task::{Planned, PlannedTask};
+pub use polyline_run::DEMO_POINTS;
+pub use run::replay_manoeuvre;
+pub use scenario::{Manoeuvre, ManoeuvreKind};
+pub use settings::ManoeuvreSettings;
+pub use traces::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces, TracePiece};

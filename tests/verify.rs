@@ -4,7 +4,7 @@
 use assert_cmd::Command;
 use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, write_whole};
 use pivot_cal::sim::{PhysicalSettings, Settings as World};
-use pivot_cal::verify::{Maps, Metric, Scenario, Settings, Statistic, Status, Verdict, known_maps, verify};
+use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, known_maps, verify};
 use std::path::Path;
 
 fn vehicle() -> Vehicle {
@@ -20,14 +20,14 @@ fn good() -> (Table1File, Table2File) {
 }
 
 /// Few scenarios and draws: enough for what a test asks.
-fn settings(scenarios: &[&str], draws: usize) -> Settings {
+fn settings(scenarios: &[&str], draws: usize) -> VerifySettings {
     let all = Scenario::all().into_iter();
     let scenarios = all.filter(|s| scenarios.contains(&s.name.as_str())).collect();
-    Settings { scenarios, draws, comparison_draws: 0, manoeuvres: Vec::new(), ..Settings::new().unwrap() }
+    VerifySettings { scenarios, draws, comparison_draws: 0, ..VerifySettings::new().unwrap() }
 }
 
 /// The verdict on a map whose forward table was changed.
-fn judged(change: impl Fn(&TorqueTable) -> TorqueTable) -> Verdict {
+fn judged(change: impl Fn(&TorqueTable) -> TorqueTable) -> MapVerdict {
     let (table1, table2) = good();
     let mut maps = Maps::new(table1, table2).unwrap();
     maps.forward = change(&maps.forward);
@@ -42,7 +42,7 @@ fn with_values(table: &TorqueTable, value: impl Fn(usize, usize) -> f64) -> Torq
 }
 
 #[track_caller]
-fn fails(verdict: &Verdict) {
+fn fails(verdict: &MapVerdict) {
     assert_eq!(verdict.status, Status::Fail, "{:?}", verdict.notes);
     assert!(!verdict.round_trip[0].pass, "the round trip alone must see it");
 }
@@ -166,7 +166,7 @@ fn the_verdict_is_the_same_for_every_number_of_threads() {
 fn the_exact_map_reaches_the_figures_on_its_own_vehicle() {
     let (table1, table2) = good();
     let maps = Maps::new(table1, table2).unwrap();
-    let settings = Settings { draws: 100, comparison_draws: 10, ..settings(&["left-90", "right-90"], 100) };
+    let settings = VerifySettings { draws: 100, comparison_draws: 10, ..settings(&["left-90", "right-90"], 100) };
     let verdict = verify(&maps, &settings).unwrap();
     let figure = |scenario: usize, metric: Metric, statistic: Statistic| {
         verdict.scenarios[scenario].metrics.iter().find(|m| m.metric == metric).and_then(|m| m.figure(statistic)).unwrap()
@@ -185,7 +185,7 @@ fn the_exact_map_reaches_the_figures_on_its_own_vehicle() {
 fn a_physical_plant_can_be_driven_too() {
     let (table1, table2) = good();
     let maps = Maps::new(table1, table2).unwrap();
-    let settings = Settings { plant: Some(world()), ..settings(&["left-90", "right-90"], 8) };
+    let settings = VerifySettings { plant: Some(world()), ..settings(&["left-90", "right-90"], 8) };
     let verdict = verify(&maps, &settings).unwrap();
     assert!(verdict.passes(), "{:?}", verdict.notes);
     assert_eq!(verdict.plant.kind, "physical");
@@ -221,7 +221,7 @@ fn the_command_passes_a_good_map_writes_the_same_bytes_twice_and_a_log() {
     for topic in ["/joint_states", "/odom", "/pivot/accel_desired", "/pivot/accel_actual", "/pivot/direction_flag", "/pivot/waypoints"] {
         assert!(topics.contains(topic), "{topic} of {topics:?}");
     }
-    let verdict: Verdict = serde_json::from_slice(&first).unwrap();
+    let verdict: MapVerdict = serde_json::from_slice(&first).unwrap();
     assert!(verdict.passes());
 }
 
@@ -251,7 +251,7 @@ fn recorded_runs_are_replayed_through_the_plant_and_told_per_run() {
     let out = command(folder.path(), &["--replay", log.to_str().unwrap()]).code(0);
     let text = String::from_utf8(out.get_output().stdout.clone()).unwrap();
     assert!(text.contains("replayed run") && text.contains("replayed open loop") && text.contains("0 of them held out"), "{text}");
-    let verdict: Verdict = serde_json::from_slice(&std::fs::read(folder.path().join("verify.json")).unwrap()).unwrap();
+    let verdict: MapVerdict = serde_json::from_slice(&std::fs::read(folder.path().join("verify.json")).unwrap()).unwrap();
     // 64 runs, of which those below breakaway do not move
     assert!(verdict.replayed.len() > 40, "{}", verdict.replayed.len());
     let mut rmse: Vec<f64> = verdict.replayed.iter().map(|r| r.rmse_mps).collect();

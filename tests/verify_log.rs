@@ -6,7 +6,7 @@ mod readers;
 
 use pivot_cal::map::Vehicle;
 use pivot_cal::sim::{PhysicalSettings, Settings as World};
-use pivot_cal::verify::{Maps, Scenario, Settings, known_maps, log_of};
+use pivot_cal::verify::{Maps, Scenario, VerifySettings, Wanted, known_maps, verify_with};
 use std::path::Path;
 
 /// Topics of every log with their types. What PlotJuggler, Foxglove and rerun draw without a plug-in: standard ROS 2 messages.
@@ -35,8 +35,11 @@ fn log(name: &str) -> Vec<u8> {
     let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
     let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
     let maps = Maps::new(table1, table2).unwrap();
-    let scenario = Scenario::all().into_iter().find(|s| s.name == name).unwrap();
-    log_of(&maps, &Settings::new().unwrap(), &scenario).unwrap()
+    let scenarios = Scenario::all().into_iter().filter(|s| s.name == name).collect();
+    let settings = VerifySettings { scenarios, draws: 0, comparison_draws: 0, ..VerifySettings::new().unwrap() };
+    let mut logs = verify_with(&maps, &settings, Wanted { logs: true, ..Wanted::default() }).unwrap().logs;
+    assert_eq!((logs.len(), logs[0].name.as_str()), (1, name));
+    logs.remove(0).bytes
 }
 
 #[test]

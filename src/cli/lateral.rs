@@ -3,11 +3,11 @@
 use crate::cli::Ui;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
-use crate::guidance::route::follower::Stage;
+use crate::guidance::route::follower::DriveStage;
 use crate::guidance::route::tracking::LawName;
 use crate::lateral::{Settings, Weighting, fit};
 use crate::log::{Recording, SignalName, find_logs, read_lateral};
-use crate::manoeuvre::{LateralRun, LoggedReference, Mounting, lateral_log};
+use crate::manoeuvre::{CalibrationDrive, LoggedReference, Mounting, lateral_log};
 use crate::map::{LateralTableFile, write_whole};
 use crate::sim::VehicleFile;
 use crate::units::RAD_PER_DEG;
@@ -206,14 +206,14 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
     };
     let mut written = Vec::new();
     for (k, angle_deg) in angles_deg.iter().enumerate() {
-        let run = LateralRun {
+        let run = CalibrationDrive {
             law: arguments.law,
             compensation_rad: angle_deg * RAD_PER_DEG,
             mounting,
             seed: arguments.seed.wrapping_mul(1000).wrapping_add(k as u64),
         };
         let (bytes, stage) = lateral_log(&vehicle, &run, reference)?;
-        if stage != Stage::Arrived {
+        if stage != DriveStage::Arrived {
             bail!("with a compensation of {angle_deg}° the vehicle does not reach the end of the task ({stage:?}); drive smaller angles");
         }
         let name = if *angle_deg == 0.0 { "base.mcap".to_owned() } else { format!("compensation_{angle_deg:+}deg.mcap") };

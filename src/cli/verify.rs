@@ -5,12 +5,12 @@ use crate::cli::outcome::Outcome;
 use crate::cli::verify_text::{new_table, show};
 use crate::cli::{Ui, points};
 use crate::log::Preset;
-use crate::manoeuvre::{Manoeuvre, log_of_manoeuvre, manoeuvre_traces};
+use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::verify::{
-    Class, Error, Gate, Maps, ReplayedRun, Scenario, Settings, Status, Verdict, closed_loop, log_of, replayed, verify_watched,
+    Class, ClosedLoop, Error, Gate, MapVerdict, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with,
 };
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -76,7 +76,6 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
-    let defaults = Settings::new()?;
     let (scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
     if let Some(path) = &arguments.points {
         if manoeuvres.iter().all(|m| m.class != Class::Polyline) {
@@ -86,46 +85,53 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         manoeuvres =
             manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| path.display().to_string())?;
     }
-    let settings = Settings {
-        scenarios,
+    let gate = match &arguments.gate {
+        Some(path) => Gate::with(gate.as_deref()).with_context(|| path.display().to_string())?,
+        None => Gate::with(None)?,
+    };
+    let defaults = ManoeuvreSettings::new()?;
+    let driven = ManoeuvreSettings {
         manoeuvres,
-        manoeuvre_draws: arguments.draws.min(defaults.manoeuvre_draws),
-        manoeuvre_vehicle: match &arguments.vehicle {
+        draws: arguments.draws.min(defaults.draws),
+        vehicle: match &arguments.vehicle {
             Some(path) => {
                 let text = fs_err::read_to_string(path)?;
                 VehicleFile::from_toml(&text).with_context(|| path.display().to_string())?.settings()
             }
-            None => defaults.manoeuvre_vehicle.clone(),
+            None => defaults.vehicle.clone(),
         },
-        draws: arguments.draws,
         seed: arguments.seed,
-        gate: match &arguments.gate {
-            Some(path) => Gate::with(gate.as_deref()).with_context(|| path.display().to_string())?,
-            None => Gate::with(None)?,
-        },
+        gate: gate.clone(),
         ..defaults
     };
+    let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, ..VerifySettings::new()? };
     let maps = Maps::read(&arguments.maps, arguments.force)?;
     for forced in &maps.forced {
         ui.warn(format!("{forced}; going on, since --force was given"));
     }
-    let mut verdict = watched(&maps, &settings, ui)?;
+    let logs_wanted = arguments.log.is_some();
+    let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
+        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
+    })?;
+    let judged = with_progress("driving manoeuvres", ui, |progress| {
+        Ok(judge_manoeuvres(&maps, &driven, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
+    })?;
+    logs.extend(judged.logs);
+    let mut verdict = verdict.with_scenarios(judged.verdicts, judged.note);
     verdict.replayed = replay_logs(arguments, &maps, ui)?;
     let path = arguments.maps.join("verify.json");
-    save(&maps, &settings, &verdict, &arguments.maps)?;
+    save(&verdict, traces.as_ref(), &arguments.maps)?;
+    // those of an earlier verdict stay: they name the Table 2 that they belong to
+    if let Some(traces) = judged.traces {
+        write_whole(&arguments.maps.join("manoeuvre_traces.json"), traces.to_json()?.as_bytes())?;
+    }
     ui.document(&verdict)?;
     show(&verdict, ui);
     ui.say(format!("written: {}", path.display()));
     if let Some(folder) = &arguments.log {
-        for scenario in settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()) {
-            let path = folder.join(format!("{}.mcap", scenario.name));
-            write_whole(&path, &log_of(&maps, &settings, scenario)?)?;
-            ui.detail(format!("written: {}", path.display()));
-        }
-        let tested = |m: &&Manoeuvre| verdict.scenarios.iter().any(|s| s.name == m.name && s.status != Status::NotTested);
-        for manoeuvre in settings.manoeuvres.iter().filter(tested) {
-            let path = folder.join(format!("{}.mcap", manoeuvre.name));
-            write_whole(&path, &log_of_manoeuvre(&maps, &settings, manoeuvre)?)?;
+        for log in &logs {
+            let path = folder.join(format!("{}.mcap", log.name));
+            write_whole(&path, &log.bytes)?;
             ui.detail(format!("written: {}", path.display()));
         }
     }
@@ -133,38 +139,36 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 /// Judges the map in `folder` with the defaults and writes `verify.json` there.
-pub(crate) fn make(folder: &Path, ui: Ui) -> anyhow::Result<Verdict> {
+pub(crate) fn make(folder: &Path, ui: Ui) -> anyhow::Result<MapVerdict> {
     let maps = Maps::read(folder, false)?;
-    let settings = Settings::new()?;
-    let verdict = watched(&maps, &settings, ui)?;
-    save(&maps, &settings, &verdict, folder)?;
+    let settings = VerifySettings::new()?;
+    let Verified { verdict, traces, .. } = with_progress("verifying", ui, |progress| {
+        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: false, progress: Some(progress) })?)
+    })?;
+    save(&verdict, traces.as_ref(), folder)?;
     Ok(verdict)
 }
 
-/// The verdict, with a progress bar on a terminal.
-fn watched(maps: &Maps, settings: &Settings, ui: Ui) -> anyhow::Result<Verdict> {
-    let bar = ui.progress_runs("verifying");
-    let verdict = verify_watched(maps, settings, &|total| {
+/// Does `work` with a progress bar on a terminal. `work` calls its argument after every run, with the number of runs in all.
+fn with_progress<T>(what: &'static str, ui: Ui, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> anyhow::Result<T>) -> anyhow::Result<T> {
+    let bar = ui.progress_runs(what);
+    let done = work(&|total| {
         bar.set_length(total as u64);
         bar.inc(1);
     })?;
     bar.finish_and_clear();
-    Ok(verdict)
+    Ok(done)
 }
 
-/// Writes `verify.json`, and the traces of the comparison and of the manoeuvres beside it for the report.
-fn save(maps: &Maps, settings: &Settings, verdict: &Verdict, folder: &Path) -> anyhow::Result<()> {
+/// Writes `verify.json`, and the traces of the comparison beside it for the report.
+fn save(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &Path) -> anyhow::Result<()> {
     write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
     let path = folder.join("verify_traces.json");
-    match closed_loop(maps, settings, verdict)? {
+    match traces {
         Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
         // those of an earlier verdict would pass for its own
         None if path.exists() => fs_err::remove_file(path)?,
         None => {}
-    }
-    // those of an earlier verdict stay: they name the Table 2 that they belong to
-    if let Some(traces) = manoeuvre_traces(maps, settings, verdict)? {
-        write_whole(&folder.join("manoeuvre_traces.json"), traces.to_json()?.as_bytes())?;
     }
     Ok(())
 }

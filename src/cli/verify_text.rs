@@ -1,7 +1,7 @@
 //! A verdict for people: the table of the scenarios, replayed runs, manoeuvres, and the map beside the other laws.
 
 use crate::cli::Ui;
-use crate::verify::{Check, Class, Comparison, Metric, ReplayedRun, ScenarioVerdict, Statistic, Status, Verdict};
+use crate::verify::{Class, LawComparison, LimitCheck, MapVerdict, Metric, ReplayedRun, ScenarioVerdict, Statistic, Status};
 use comfy_table::{ContentArrangement, Table, presets};
 
 /// An empty table under a header.
@@ -12,7 +12,7 @@ pub(crate) fn new_table(header: &[&str]) -> Table {
 }
 
 /// Prints a verdict for people.
-pub(crate) fn show(verdict: &Verdict, ui: Ui) {
+pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
     for trip in &verdict.round_trip {
         let value = trip.worst.map_or("none".to_owned(), |w| format!("{:.3} m/s²", w.error_mps2.abs()));
@@ -61,7 +61,7 @@ fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
 }
 
 /// How much of a limit is used up: 1 at the limit. A limit from below counts little while it is kept.
-fn used(check: &Check) -> f64 {
+fn used(check: &LimitCheck) -> f64 {
     match (check.value, check.at_most) {
         (Some(value), Some(limit)) if limit > 0.0 => value / limit,
         _ => 0.0,
@@ -72,11 +72,11 @@ fn mark(pass: bool) -> &'static str {
     if pass { "pass" } else { "FAIL" }
 }
 
-fn value(check: &Check) -> String {
+fn value(check: &LimitCheck) -> String {
     check.value.map_or("none".to_owned(), |v| number(check.metric, v))
 }
 
-fn limit(check: &Check) -> String {
+fn limit(check: &LimitCheck) -> String {
     let at_most = check.at_most.map(|m| format!("≤ {}", number(check.metric, m)));
     at_most.or_else(|| check.at_least.map(|m| format!("≥ {}", number(check.metric, m)))).unwrap_or_default()
 }
@@ -132,7 +132,7 @@ fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
 }
 
 /// The figures of manoeuvres of one class: nominal, and the largest over the draws.
-fn manoeuvres(verdict: &Verdict, class: Class, metrics: &[Metric], ui: Ui) {
+fn manoeuvres(verdict: &MapVerdict, class: Class, metrics: &[Metric], ui: Ui) {
     let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class == class && s.status != Status::NotTested).collect();
     if tested.is_empty() {
         return;
@@ -157,7 +157,7 @@ fn manoeuvres(verdict: &Verdict, class: Class, metrics: &[Metric], ui: Ui) {
 }
 
 /// The map beside the other laws: medians over the draws.
-fn compare(comparison: &Comparison, ui: Ui) {
+fn compare(comparison: &LawComparison, ui: Ui) {
     let metrics = [
         Metric::AsExpected,
         Metric::HeadingErrorDeg,

@@ -1,6 +1,6 @@
 //! The vehicle's outline: a rectangle that moves with the middle of the rear axle.
 
-use crate::guidance::geometry::{Point, Polygon};
+use crate::guidance::geometry::{PlanePoint, Polygon};
 use crate::guidance::path::PathPose;
 use crate::guidance::{Error, Result};
 use serde::Serialize;
@@ -45,7 +45,7 @@ impl BodyShape {
     pub fn at(&self, x_m: f64, y_m: f64, heading_rad: f64) -> Polygon {
         let (sin, cos) = heading_rad.sin_cos();
         let (front, rear, half) = (self.wheelbase_m + self.front_overhang_m, -self.rear_overhang_m, 0.5 * self.width_m);
-        let corner = |u: f64, w: f64| Point::new(x_m + u * cos - w * sin, y_m + u * sin + w * cos);
+        let corner = |u: f64, w: f64| PlanePoint::new(x_m + u * cos - w * sin, y_m + u * sin + w * cos);
         Polygon::trusted(vec![corner(front, half), corner(rear, half), corner(rear, -half), corner(front, -half)])
     }
 

@@ -8,14 +8,14 @@ use serde::Serialize;
 
 /// A point of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Point {
+pub struct PlanePoint {
     /// East of the origin [m].
     pub x_m: f64,
     /// North of the origin [m].
     pub y_m: f64,
 }
 
-impl Point {
+impl PlanePoint {
     /// At (x, y) [m].
     pub const fn new(x_m: f64, y_m: f64) -> Self {
         Self { x_m, y_m }
@@ -43,7 +43,7 @@ impl Point {
 /// A convex polygon, corners counter-clockwise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Polygon {
-    corners: Vec<Point>,
+    corners: Vec<PlanePoint>,
 }
 
 impl Polygon {
@@ -51,7 +51,7 @@ impl Polygon {
     ///
     /// # Errors
     /// Fewer than three corners, one that is not finite, or corners that are repeated, on one line, or not convex.
-    pub fn new(mut corners: Vec<Point>) -> Result<Self> {
+    pub fn new(mut corners: Vec<PlanePoint>) -> Result<Self> {
         let n = corners.len();
         if n < 3 {
             return Err(Error::Polygon { corners: n, problem: "needs at least 3 corners" });
@@ -71,12 +71,12 @@ impl Polygon {
     }
 
     /// The body's rectangle and nothing else may skip the check.
-    pub(crate) fn trusted(corners: Vec<Point>) -> Self {
+    pub(crate) fn trusted(corners: Vec<PlanePoint>) -> Self {
         Self { corners }
     }
 
     /// Corners, counter-clockwise.
-    pub fn corners(&self) -> &[Point] {
+    pub fn corners(&self) -> &[PlanePoint] {
         &self.corners
     }
 
@@ -88,30 +88,34 @@ impl Polygon {
 
     /// How far `inner` is inside this polygon [m]: the least distance of its corners from the edges' lines, negative when one is outside.
     pub fn inside_margin_m(&self, inner: &Self) -> f64 {
-        let margin = |(a, b): (Point, Point)| inner.corners.iter().map(|&c| cross(a, b, c) / a.distance_m(b)).fold(f64::INFINITY, f64::min);
+        let margin = |(a, b): (PlanePoint, PlanePoint)| {
+            inner.corners.iter().map(|&c| cross(a, b, c) / a.distance_m(b)).fold(f64::INFINITY, f64::min)
+        };
         self.edges().map(margin).fold(f64::INFINITY, f64::min)
     }
 
     /// Edges, counter-clockwise.
-    pub fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
+    pub fn edges(&self) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
         let n = self.corners.len();
         (0..n).map(move |k| (self.corners[k], self.corners[(k + 1) % n]))
     }
 
     /// Largest gap of `other` beyond one of this polygon's edges [m].
     fn widest_axis_gap_m(&self, other: &Self) -> f64 {
-        let gap = |(a, b): (Point, Point)| other.corners.iter().map(|&c| -cross(a, b, c) / a.distance_m(b)).fold(f64::INFINITY, f64::min);
+        let gap = |(a, b): (PlanePoint, PlanePoint)| {
+            other.corners.iter().map(|&c| -cross(a, b, c) / a.distance_m(b)).fold(f64::INFINITY, f64::min)
+        };
         self.edges().map(gap).fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn corner_distance_m(&self, other: &Self) -> f64 {
-        let nearest = |c: Point| self.edges().map(|(a, b)| c.segment_distance_m(a, b)).fold(f64::INFINITY, f64::min);
+        let nearest = |c: PlanePoint| self.edges().map(|(a, b)| c.segment_distance_m(a, b)).fold(f64::INFINITY, f64::min);
         other.corners.iter().map(|&c| nearest(c)).fold(f64::INFINITY, f64::min)
     }
 }
 
 /// Twice the area of the triangle a, b, c; positive when c lies left of the line from a to b.
-fn cross(a: Point, b: Point, c: Point) -> f64 {
+fn cross(a: PlanePoint, b: PlanePoint, c: PlanePoint) -> f64 {
     (b.x_m - a.x_m) * (c.y_m - a.y_m) - (b.y_m - a.y_m) * (c.x_m - a.x_m)
 }
 
@@ -122,7 +126,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn square(x: f64, y: f64, half: f64) -> Polygon {
-        let at = |sx: f64, sy: f64| Point::new(x + sx * half, y + sy * half);
+        let at = |sx: f64, sy: f64| PlanePoint::new(x + sx * half, y + sy * half);
         Polygon::new(vec![at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)]).unwrap()
     }
 
@@ -136,7 +140,7 @@ mod tests {
         let tip = Polygon::new(
             (0..4)
                 .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2)
-                .map(|t| Point::new(t.cos() * 2.0_f64.sqrt(), t.sin() * 2.0_f64.sqrt()))
+                .map(|t| PlanePoint::new(t.cos() * 2.0_f64.sqrt(), t.sin() * 2.0_f64.sqrt()))
                 .collect(),
         )
         .unwrap();
@@ -152,7 +156,7 @@ mod tests {
 
     #[test]
     fn what_is_no_convex_polygon_is_refused() {
-        let p = Point::new;
+        let p = PlanePoint::new;
         assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0)]).is_err());
         assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0), p(1.0, 0.0)]).is_err());
         assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0), p(f64::NAN, 1.0)]).is_err());

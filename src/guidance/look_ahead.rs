@@ -1,4 +1,4 @@
-//! The look-ahead window method: a path of continuous curvature along a [`Reference`], step by step.
+//! The look-ahead window method: a path of continuous curvature along a [`ReferencePath`], step by step.
 //!
 //! Each step: the middle of the rear axle is mapped onto the reference, in a window ahead of where it was last mapped; the goal lies the look-ahead
 //! distance further along; the circle that is tangent to the vehicle in its rear axle and goes through the goal has
@@ -12,9 +12,9 @@
 //! Source: Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm* (CMU-RI-TR-92-01).
 
 use crate::guidance::body::within;
-use crate::guidance::geometry::Point;
+use crate::guidance::geometry::PlanePoint;
 use crate::guidance::path::{PathPose, PosePath};
-use crate::guidance::reference::{Reference, ahead};
+use crate::guidance::reference::{ReferencePath, ahead};
 use crate::guidance::{Error, Result};
 use crate::map::Gear;
 use serde::Serialize;
@@ -61,13 +61,13 @@ impl LookAhead {
 
 /// A path that grows leg by leg.
 #[derive(Debug, Clone)]
-pub(crate) struct Follower {
+pub(crate) struct LookAheadFollower {
     pub(crate) path: PosePath,
     wheelbase_m: f64,
     settings: LookAhead,
 }
 
-impl Follower {
+impl LookAheadFollower {
     /// At a pose, with the wheel at `wheel_angle_rad` (limited).
     pub(crate) fn new(x_m: f64, y_m: f64, heading_rad: f64, wheel_angle_rad: f64, wheelbase_m: f64, settings: LookAhead) -> Self {
         let angle = wheel_angle_rad.clamp(-settings.wheel_limit_rad, settings.wheel_limit_rad);
@@ -89,12 +89,18 @@ impl Follower {
     }
 
     /// Follows `reference` in `gear` from where it is nearest, until `done` says so or `most_m` are travelled. Returns whether it was done.
-    pub(crate) fn follow(&mut self, reference: &Reference, gear: Gear, most_m: f64, mut done: impl FnMut(&PathPose, f64) -> bool) -> bool {
+    pub(crate) fn follow(
+        &mut self,
+        reference: &ReferencePath,
+        gear: Gear,
+        most_m: f64,
+        mut done: impl FnMut(&PathPose, f64) -> bool,
+    ) -> bool {
         let mut matched_m = self.first_match(reference);
         let steps = (most_m / self.settings.step_m).ceil().clamp(0.0, 1e5) as usize;
         for _ in 0..steps {
             let here = self.last();
-            matched_m = reference.project(Point::new(here.x_m, here.y_m), matched_m, self.settings.window_m);
+            matched_m = reference.project(PlanePoint::new(here.x_m, here.y_m), matched_m, self.settings.window_m);
             if done(&here, matched_m) {
                 return true;
             }
@@ -105,9 +111,9 @@ impl Follower {
     }
 
     /// The nearest place of the whole reference, looked for every step and refined. It may lie before the start, where the reference is a line.
-    fn first_match(&self, reference: &Reference) -> f64 {
+    fn first_match(&self, reference: &ReferencePath) -> f64 {
         let here = self.last();
-        let place = Point::new(here.x_m, here.y_m);
+        let place = PlanePoint::new(here.x_m, here.y_m);
         let (start, course) = reference.at(0.0);
         let before = ((place.x_m - start.x_m) * course.cos() + (place.y_m - start.y_m) * course.sin()).min(0.0);
         let count = (reference.length_m() / self.settings.step_m).ceil().clamp(1.0, 1e5) as usize;
@@ -123,7 +129,7 @@ impl Follower {
     }
 
     /// One step toward `goal`.
-    fn step(&mut self, goal: Point, gear: Gear) {
+    fn step(&mut self, goal: PlanePoint, gear: Gear) {
         let (settings, here) = (&self.settings, self.last());
         let (sin, cos) = here.heading_rad.sin_cos();
         let (dx, dy) = (goal.x_m - here.x_m, goal.y_m - here.y_m);
@@ -144,7 +150,7 @@ impl Follower {
 fn arc(from: &PathPose, curvature_per_m: f64, distance_m: f64) -> PathPose {
     let half = 0.5 * curvature_per_m * distance_m;
     let chord_m = distance_m * if half.abs() < 1e-6 { 1.0 - half * half / 6.0 } else { half.sin() / half };
-    let to = ahead(Point::new(from.x_m, from.y_m), from.heading_rad + half, chord_m);
+    let to = ahead(PlanePoint::new(from.x_m, from.y_m), from.heading_rad + half, chord_m);
     PathPose { x_m: to.x_m, y_m: to.y_m, heading_rad: from.heading_rad + 2.0 * half, curvature_per_m, ..*from }
 }
 
@@ -175,8 +181,8 @@ mod tests {
     #[test]
     fn a_line_is_reached_forward_and_in_reverse() {
         for (gear, course) in [(Gear::Forward, 0.0), (Gear::Reverse, PI)] {
-            let mut follower = Follower::new(0.0, 0.4, 0.1, 0.0, 0.9, LookAhead::default());
-            let reference = Reference::starting(Point::new(0.0, 0.0), course).then(6.0, 0.0);
+            let mut follower = LookAheadFollower::new(0.0, 0.4, 0.1, 0.0, 0.9, LookAhead::default());
+            let reference = ReferencePath::starting(PlanePoint::new(0.0, 0.0), course).then(6.0, 0.0);
             assert!(follower.follow(&reference, gear, 8.0, |_, s| s > 5.0));
             let end = follower.last();
             assert!(end.y_m.abs() < 2e-3 && end.heading_rad.abs() < 5e-3, "{gear}: {end:?}");
@@ -186,8 +192,8 @@ mod tests {
     #[test]
     fn a_circle_is_held_to_the_part_of_its_radius_that_the_chord_cuts() {
         let settings = LookAhead { distance_m: 0.2, ..LookAhead::default() };
-        let mut follower = Follower::new(0.0, 0.0, 0.0, 0.42, 0.9, settings);
-        let reference = Reference::starting(Point::new(0.0, 0.0), 0.0).then(2.0 * PI * 2.0, 0.5);
+        let mut follower = LookAheadFollower::new(0.0, 0.0, 0.0, 0.42, 0.9, settings);
+        let reference = ReferencePath::starting(PlanePoint::new(0.0, 0.0), 0.0).then(2.0 * PI * 2.0, 0.5);
         follower.follow(&reference, Gear::Forward, 8.0, |_, _| false);
         let end = follower.last();
         let radius = end.x_m.hypot(end.y_m - 2.0);
@@ -198,8 +204,8 @@ mod tests {
     #[test]
     fn neither_the_wheel_nor_the_curvature_jumps() {
         let settings = LookAhead::default();
-        let mut follower = Follower::new(0.0, 1.5, -0.8, -0.6, 0.9, settings);
-        let reference = Reference::starting(Point::new(0.0, 0.0), 0.0).then(2.0, 0.0).then(1.5, 1.0).then(2.0, 0.0);
+        let mut follower = LookAheadFollower::new(0.0, 1.5, -0.8, -0.6, 0.9, settings);
+        let reference = ReferencePath::starting(PlanePoint::new(0.0, 0.0), 0.0).then(2.0, 0.0).then(1.5, 1.0).then(2.0, 0.0);
         follower.follow(&reference, Gear::Forward, 9.0, |_, _| false);
         let (angle, curvature) = largest_steps(&follower.path);
         assert!(angle <= settings.wheel_step_rad + 1e-12 && curvature <= settings.curvature_step_per_m(0.9) + 1e-12);

@@ -1,7 +1,7 @@
 //! Perpendicular and slanted parking, in reverse: start and adjust on a line beside the row, enter on a circle, shuffle until straight.
 //!
 //! Frame: x along the row in the direction of travel, y away from it; the row's edge is y = 0, and the middle of the slot's mouth is the origin.
-//! The vehicle comes along the row with the slot to its right, drives past it and backs in. In: a [`Scene`] and a start; out: a [`Plan`].
+//! The vehicle comes along the row with the slot to its right, drives past it and backs in. In: a [`ParkingScene`] and a start; out: a [`ParkingPlan`].
 //! Stages and equations: `docs/manoeuvres.md`.
 
 mod check;
@@ -11,11 +11,11 @@ mod scene;
 pub(crate) mod start;
 mod tolerance;
 
-pub(crate) use crate::guidance::parking::start::Start;
-pub use check::{Judgement, judge};
-pub use entry::{Entry, entry_circle};
-pub use plan::{Plan, Stage, StageSpan, plan};
-pub use scene::{Scene, Slot};
+pub(crate) use crate::guidance::parking::start::ParkingStart;
+pub use check::{PathJudgement, judge};
+pub use entry::{SlotEntry, entry_circle};
+pub use plan::{ParkingPlan, ParkingStage, StageSpan, plan};
+pub use scene::{ParkingScene, Slot};
 pub use tolerance::Tolerance;
 
 use serde::Serialize;
@@ -41,7 +41,7 @@ impl Success {
 }
 
 /// Plans from every start and counts. Starts that already touch something are left out.
-pub fn success(scene: &Scene, starts: &[Start]) -> Success {
+pub fn success(scene: &ParkingScene, starts: &[ParkingStart]) -> Success {
     let mut count = Success::default();
     for start in starts {
         let body = scene.body.at(start.x_m, start.y_m, start.heading_rad);
@@ -51,8 +51,8 @@ pub fn success(scene: &Scene, starts: &[Start]) -> Success {
         count.tried += 1;
         if let Ok(plan) = plan(scene, *start) {
             count.parked += 1;
-            count.direct += usize::from(plan.stages.iter().all(|s| s.stage == Stage::Enter));
-            count.shuffled += usize::from(plan.stages.iter().any(|s| s.stage == Stage::Shuffle));
+            count.direct += usize::from(plan.stages.iter().all(|s| s.stage == ParkingStage::Enter));
+            count.shuffled += usize::from(plan.stages.iter().any(|s| s.stage == ParkingStage::Shuffle));
         }
     }
     count

@@ -1,12 +1,12 @@
 //! A reference for the rear axle: straight pieces and circles, one after the other.
 
-use crate::guidance::geometry::Point;
+use crate::guidance::geometry::PlanePoint;
 use serde::Serialize;
 
 /// A piece of constant curvature in the order of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct Piece {
-    start: Point,
+struct ReferencePiece {
+    start: PlanePoint,
     /// Direction of travel at the start [rad].
     course_rad: f64,
     /// Change of the direction of travel per metre [1/m].
@@ -18,18 +18,18 @@ struct Piece {
 
 /// Straight lines and circles, one after the other; before its start and past its end it goes straight on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reference {
-    pieces: Vec<Piece>,
-    end: Point,
+pub struct ReferencePath {
+    pieces: Vec<ReferencePiece>,
+    end: PlanePoint,
     end_course_rad: f64,
     length_m: f64,
 }
 
-impl Reference {
+impl ReferencePath {
     /// An empty reference that starts at a point with a direction of travel [rad].
-    pub fn starting(start: Point, course_rad: f64) -> Self {
+    pub fn starting(start: PlanePoint, course_rad: f64) -> Self {
         Self {
-            pieces: vec![Piece { start, course_rad, bend_per_m: 0.0, from_m: 0.0, length_m: 0.0 }],
+            pieces: vec![ReferencePiece { start, course_rad, bend_per_m: 0.0, from_m: 0.0, length_m: 0.0 }],
             end: start,
             end_course_rad: course_rad,
             length_m: 0.0,
@@ -39,8 +39,13 @@ impl Reference {
     /// The same with a piece of `length_m` (none below 0) behind it, which bends by `bend_per_m` (left positive in the direction of travel).
     #[must_use]
     pub fn then(mut self, length_m: f64, bend_per_m: f64) -> Self {
-        let piece =
-            Piece { start: self.end, course_rad: self.end_course_rad, bend_per_m, from_m: self.length_m, length_m: length_m.max(0.0) };
+        let piece = ReferencePiece {
+            start: self.end,
+            course_rad: self.end_course_rad,
+            bend_per_m,
+            from_m: self.length_m,
+            length_m: length_m.max(0.0),
+        };
         (self.end, self.end_course_rad) = piece.at(piece.length_m);
         self.length_m += piece.length_m;
         self.pieces.push(piece);
@@ -53,7 +58,7 @@ impl Reference {
     }
 
     /// Place and direction of travel [rad] at `s_m` from the start; straight on before the start and past the end.
-    pub fn at(&self, s_m: f64) -> (Point, f64) {
+    pub fn at(&self, s_m: f64) -> (PlanePoint, f64) {
         if s_m >= self.length_m {
             return (ahead(self.end, self.end_course_rad, s_m - self.length_m), self.end_course_rad);
         }
@@ -67,7 +72,7 @@ impl Reference {
 
     /// Where on the reference `place` is [m from the start], looked for from `from_m` forward within `window_m`: Newton's iteration on the
     /// distance along the tangent.
-    pub fn project(&self, place: Point, from_m: f64, window_m: f64) -> f64 {
+    pub fn project(&self, place: PlanePoint, from_m: f64, window_m: f64) -> f64 {
         let mut s_m = from_m;
         for _ in 0..4 {
             let (on, course) = self.at(s_m);
@@ -79,8 +84,8 @@ impl Reference {
     }
 }
 
-impl Piece {
-    fn at(&self, s_m: f64) -> (Point, f64) {
+impl ReferencePiece {
+    fn at(&self, s_m: f64) -> (PlanePoint, f64) {
         let turned = self.bend_per_m * s_m;
         // chord of an arc: s·sin(φ/2)/(φ/2), half way between the two directions
         let half = 0.5 * turned;
@@ -90,9 +95,9 @@ impl Piece {
 }
 
 /// The point `by_m` from `from` in direction `course_rad`.
-pub(crate) fn ahead(from: Point, course_rad: f64, by_m: f64) -> Point {
+pub(crate) fn ahead(from: PlanePoint, course_rad: f64, by_m: f64) -> PlanePoint {
     let (sin, cos) = course_rad.sin_cos();
-    Point::new(from.x_m + by_m * cos, from.y_m + by_m * sin)
+    PlanePoint::new(from.x_m + by_m * cos, from.y_m + by_m * sin)
 }
 
 #[cfg(test)]
@@ -102,17 +107,17 @@ mod tests {
 
     #[test]
     fn a_line_a_quarter_circle_and_a_line_end_where_geometry_says() {
-        let reference = Reference::starting(Point::new(0.0, 0.0), 0.0).then(1.0, 0.0).then(FRAC_PI_2 * 2.0, 0.5).then(3.0, 0.0);
+        let reference = ReferencePath::starting(PlanePoint::new(0.0, 0.0), 0.0).then(1.0, 0.0).then(FRAC_PI_2 * 2.0, 0.5).then(3.0, 0.0);
         let (end, course) = reference.at(reference.length_m());
-        assert!(end.distance_m(Point::new(3.0, 5.0)) < 1e-12 && (course - FRAC_PI_2).abs() < 1e-12);
+        assert!(end.distance_m(PlanePoint::new(3.0, 5.0)) < 1e-12 && (course - FRAC_PI_2).abs() < 1e-12);
         let (past, _) = reference.at(reference.length_m() + 1.0);
-        assert!(past.distance_m(Point::new(3.0, 6.0)) < 1e-12);
+        assert!(past.distance_m(PlanePoint::new(3.0, 6.0)) < 1e-12);
     }
 
     #[test]
     fn a_place_beside_is_projected_on_its_foot() {
-        let reference = Reference::starting(Point::new(0.0, 0.0), 0.0).then(10.0, 0.0);
-        assert!((reference.project(Point::new(4.0, 0.7), 3.5, 1.0) - 4.0).abs() < 1e-12);
-        assert!((reference.project(Point::new(9.0, 0.7), 3.5, 1.0) - 4.5).abs() < 1e-12, "not beyond the window");
+        let reference = ReferencePath::starting(PlanePoint::new(0.0, 0.0), 0.0).then(10.0, 0.0);
+        assert!((reference.project(PlanePoint::new(4.0, 0.7), 3.5, 1.0) - 4.0).abs() < 1e-12);
+        assert!((reference.project(PlanePoint::new(9.0, 0.7), 3.5, 1.0) - 4.5).abs() < 1e-12, "not beyond the window");
     }
 }

@@ -1,10 +1,12 @@
-//! The closed loop of a manoeuvre: read, command, let the world go on, once a control period.
+//! The driver of a manoeuvre in the closed loop: readings with the mounting errors go to a controller, and its commands to the vehicle.
 
 use crate::control::{Inputs, Pose};
-use crate::guidance::route::follower::{DriveCommand, Stage};
+use crate::guidance::route::follower::{DriveCommand, DriveStage};
+use crate::manoeuvre::Result;
 use crate::sim;
-use crate::sim::{Measurement, TrueState, World};
-use crate::verify::Result;
+use crate::sim::{Command, Measurement, TrueState, World};
+use crate::verify;
+use crate::verify::drive::{Driver, Observer, drive, inputs, steps_of};
 
 /// How the navigation and the steering are mounted wrongly.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,16 +19,16 @@ pub struct Mounting {
 
 /// Where a manoeuvre starts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Start {
+pub(crate) struct ManoeuvreStart {
     /// Pose of the rear axle's middle.
-    pub pose: Pose,
+    pub(crate) pose: Pose,
     /// Wheel angle [rad].
-    pub wheel_angle_rad: f64,
+    pub(crate) wheel_angle_rad: f64,
 }
 
 /// One control period, for metrics, a log or a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct ManoeuvreMoment {
     /// The truth at its start.
     pub state: TrueState,
     /// What the controller read, mounting errors included.
@@ -39,58 +41,97 @@ pub struct Moment {
     pub leg: usize,
 }
 
+/// What a controller answers in one period.
+pub(crate) struct Commanded {
+    pub(crate) command: DriveCommand,
+    /// Compensation in it [rad].
+    pub(crate) compensation_rad: f64,
+    /// Leg that is driven.
+    pub(crate) leg: usize,
+}
+
 /// Longest manoeuvre [s].
 const LONGEST_S: f64 = 900.0;
-/// How long before the first command [s]: every sensor has read at least once.
+/// Time before the first command [s]: every sensor has read at least once.
 const SETTLE_S: f64 = 0.1;
 
-/// Drives until the controller has arrived or failed, and returns how it ended. `controller` gives the command, the compensation in it and the leg.
+/// Sees every period of a manoeuvre.
+pub(crate) trait ManoeuvreObserver: for<'a> Observer<ManoeuvreDriver<'a>> {}
+
+impl<O: for<'a> Observer<ManoeuvreDriver<'a>>> ManoeuvreObserver for O {}
+
+/// A controller with what lies between it and the vehicle.
+pub(crate) struct ManoeuvreDriver<'a> {
+    start: &'a ManoeuvreStart,
+    mounting: &'a Mounting,
+    controller: &'a mut dyn FnMut(&Inputs) -> Commanded,
+    stage: DriveStage,
+    periods_left: usize,
+}
+
+impl ManoeuvreDriver<'_> {
+    fn has_ended(&self) -> bool {
+        matches!(self.stage, DriveStage::Arrived | DriveStage::Failed(_))
+    }
+}
+
+impl Driver for ManoeuvreDriver<'_> {
+    type Moment = ManoeuvreMoment;
+
+    fn prepare(&mut self, _: &mut World) -> verify::Result<bool> {
+        if self.has_ended() || self.periods_left == 0 {
+            return Ok(false);
+        }
+        self.periods_left -= 1;
+        Ok(true)
+    }
+
+    fn command(&mut self, world: &World) -> (ManoeuvreMoment, Command) {
+        let (state, seen) = readings(world, self.start, self.mounting);
+        let Commanded { command, compensation_rad, leg } = (self.controller)(&inputs(&seen));
+        self.stage = command.stage;
+        let order = Command {
+            torque_nm: command.torque_nm,
+            wheel_angle_rad: command.wheel_angle_rad + self.mounting.steering_zero_rad,
+            gear: command.gear,
+        };
+        (ManoeuvreMoment { state, seen, command, compensation_rad, leg }, order)
+    }
+}
+
+/// Drives until the controller has arrived or failed, and returns how it ended; [`DriveStage::Driving`] when it has done neither in 15 minutes.
 ///
 /// # Errors
 /// A world that cannot be simulated.
-pub fn drive(
+pub(crate) fn drive_manoeuvre(
     plant: &sim::Settings,
     seed: u64,
-    start: &Start,
+    start: &ManoeuvreStart,
     mounting: &Mounting,
     period_s: f64,
-    mut controller: impl FnMut(&Inputs) -> (DriveCommand, f64, usize),
-    mut record: impl FnMut(&Moment),
-) -> Result<Stage> {
+    mut controller: impl FnMut(&Inputs) -> Commanded,
+    mut observer: impl ManoeuvreObserver,
+) -> Result<DriveStage> {
     let mut world = World::new(plant, seed)?;
-    world.place_wheel(start.wheel_angle_rad + mounting.steering_zero_rad);
-    let steps = (period_s / plant.step_s).round().max(1.0) as usize;
-    let mut order = sim::Command { torque_nm: 0.0, wheel_angle_rad: start.wheel_angle_rad + mounting.steering_zero_rad, gear: None };
+    let wheel_angle_rad = start.wheel_angle_rad + mounting.steering_zero_rad;
+    world.place_wheel(wheel_angle_rad);
+    let order = Command { torque_nm: 0.0, wheel_angle_rad, gear: None };
     for _ in 0..(SETTLE_S / plant.step_s) as usize {
         world.step(&order);
     }
-    for _ in 0..(LONGEST_S / period_s) as usize {
-        let (state, seen) = looked(&world, start, mounting);
-        let (command, compensation_rad, leg) = controller(&Inputs {
-            speed_mps: seen.speed_mps,
-            wheel_angle_rad: seen.wheel_angle_rad,
-            pose: Pose { x_m: seen.x_m, y_m: seen.y_m, heading_rad: seen.heading_rad },
-            gear: seen.gear,
-            estop: seen.estop,
-        });
-        record(&Moment { state, seen, command, compensation_rad, leg });
-        if matches!(command.stage, Stage::Arrived | Stage::Failed(_)) {
-            return Ok(command.stage);
-        }
-        order = sim::Command {
-            torque_nm: command.torque_nm,
-            wheel_angle_rad: command.wheel_angle_rad + mounting.steering_zero_rad,
-            gear: command.gear,
-        };
-        for _ in 0..steps {
-            world.step(&order);
-        }
-    }
-    Ok(Stage::Driving)
+    let mut driver = ManoeuvreDriver {
+        start,
+        mounting,
+        controller: &mut controller,
+        stage: DriveStage::Driving,
+        periods_left: (LONGEST_S / period_s) as usize,
+    };
+    drive(&mut world, steps_of(period_s, plant.step_s), &mut driver, &mut observer)?;
+    Ok(if driver.has_ended() { driver.stage } else { DriveStage::Driving })
 }
 
 /// Truth and readings in the frame of the path, with the mounting errors.
-fn looked(world: &World, start: &Start, mounting: &Mounting) -> (TrueState, Measurement) {
+fn readings(world: &World, start: &ManoeuvreStart, mounting: &Mounting) -> (TrueState, Measurement) {
     let (sin, cos) = start.pose.heading_rad.sin_cos();
     let placed = |x: f64, y: f64| (start.pose.x_m + cos * x - sin * y, start.pose.y_m + sin * x + cos * y);
     let (mut state, mut seen) = (world.state(), world.measure());

@@ -1,82 +1,117 @@
 //! Runs the manoeuvres, nominal and perturbed, and applies the gate.
 
-use crate::manoeuvre::bench::Bench;
-use crate::manoeuvre::drive::Moment;
-use crate::manoeuvre::planned::Planned;
+use crate::manoeuvre::Result;
+use crate::manoeuvre::bench::ManoeuvreBench;
+use crate::manoeuvre::drive::ManoeuvreMoment;
+use crate::manoeuvre::manoeuvre_log::ManoeuvreLog;
 use crate::manoeuvre::scenario::Manoeuvre;
+use crate::manoeuvre::settings::ManoeuvreSettings;
 use crate::manoeuvre::torque::ManoeuvreTorque;
+use crate::manoeuvre::traces::{ManoeuvreTrace, ManoeuvreTraces, NominalRun};
 use crate::sim;
-use crate::sim::VehicleFile;
-use crate::verify::judge::Settings;
-use crate::verify::metric::{Metric, Summary, Values};
+use crate::verify::drive::EachMoment;
 use crate::verify::perturbations::draws;
-use crate::verify::verdict::{ScenarioVerdict, Status};
-use crate::verify::{Maps, Result};
+use crate::verify::{Maps, MetricSummary, RunLog, ScenarioVerdict, Values, Wanted};
 use rayon::prelude::*;
 
-/// The bundled scrubber, on which manoeuvres are driven unless told otherwise.
+/// The manoeuvres judged, and what was wanted beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JudgedManoeuvres {
+    /// The verdict on each manoeuvre, to be added to that on the map ([`crate::verify::MapVerdict::with_scenarios`]).
+    pub verdicts: Vec<ScenarioVerdict>,
+    /// By which torque they were driven; `None` without a manoeuvre.
+    pub note: Option<String>,
+    /// The nominal runs over time; `None` when they were not wanted or no manoeuvre was tested.
+    pub traces: Option<ManoeuvreTraces>,
+    /// Logs of the nominal runs, one for each manoeuvre that was tested; empty when they were not wanted.
+    pub logs: Vec<RunLog>,
+}
+
+/// Judges every manoeuvre of `settings`; traces and logs are taken from the same runs.
 ///
 /// # Errors
-/// None in practice: the file is part of the program.
-pub fn bundled_vehicle() -> Result<sim::Settings> {
-    Ok(VehicleFile::from_toml(include_str!("../../data/vehicles/scrubber.toml"))?.settings())
+/// A vehicle that cannot be simulated, a path that cannot be planned. A manoeuvre driven badly is no error: it is the verdict.
+pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wanted<'_>) -> Result<JudgedManoeuvres> {
+    let vehicle = &settings.vehicle;
+    let varied = draws(vehicle, &settings.spread, settings.draws, settings.seed)?;
+    let total = settings.manoeuvres.iter().filter(|m| m.hindrance(maps, vehicle).is_none()).count() * (varied.len() + 1);
+    let done = || {
+        if let Some(progress) = wanted.progress {
+            progress(total);
+        }
+    };
+    let stage = ManoeuvreStage { maps, settings, bench: ManoeuvreBench::new(maps, vehicle)?, varied: &varied, wanted, done: &done };
+    let judged: Result<Vec<Judged>> = settings.manoeuvres.par_iter().map(|manoeuvre| stage.judge(manoeuvre)).collect();
+    let mut all = JudgedManoeuvres { verdicts: Vec::new(), note: None, traces: None, logs: Vec::new() };
+    if !settings.manoeuvres.is_empty() {
+        all.note = Some(ManoeuvreTorque::what(maps));
+    }
+    let mut traces = Vec::new();
+    for judged in judged? {
+        all.verdicts.push(judged.verdict);
+        traces.extend(judged.trace);
+        all.logs.extend(judged.log);
+    }
+    if !traces.is_empty() {
+        all.traces = Some(ManoeuvreTraces::new(maps, settings.draws, traces));
+    }
+    Ok(all)
 }
 
-fn bench<'a>(maps: &'a Maps, settings: &Settings) -> Result<Bench<'a>> {
-    let plant = &settings.manoeuvre_vehicle;
-    Ok(Bench { maps, torque: ManoeuvreTorque::new(Some(maps), plant)?, wheelbase_m: plant.vehicle.wheelbase_m, planned: None })
+/// Everything that a manoeuvre is judged with.
+struct ManoeuvreStage<'a> {
+    maps: &'a Maps,
+    settings: &'a ManoeuvreSettings,
+    bench: ManoeuvreBench<'a>,
+    varied: &'a [(sim::Settings, u64)],
+    wanted: Wanted<'a>,
+    /// Called each time a run has ended.
+    done: &'a (dyn Fn() + Sync),
 }
 
-/// Judges every manoeuvre of `settings`.
-pub(crate) fn judge(maps: &Maps, settings: &Settings) -> Result<Vec<ScenarioVerdict>> {
-    let bench = bench(maps, settings)?;
-    let plant = &settings.manoeuvre_vehicle;
-    let varied = draws(plant, &settings.spread, settings.manoeuvre_draws, settings.seed)?;
-    settings
-        .manoeuvres
-        .par_iter()
-        .map(|manoeuvre| {
-            let mut verdict = ScenarioVerdict {
-                name: manoeuvre.name.clone(),
-                what: manoeuvre.what.clone(),
-                class: manoeuvre.class,
-                status: Status::NotTested,
-                notes: Vec::new(),
-                metrics: Vec::new(),
-                checks: Vec::new(),
-            };
-            if let Some(why) = manoeuvre.hindrance(maps, plant) {
-                verdict.notes.push(why);
-                return Ok(verdict);
+/// One manoeuvre judged.
+struct Judged {
+    verdict: ScenarioVerdict,
+    trace: Option<ManoeuvreTrace>,
+    log: Option<RunLog>,
+}
+
+impl ManoeuvreStage<'_> {
+    fn judge(&self, manoeuvre: &Manoeuvre) -> Result<Judged> {
+        let (settings, vehicle) = (self.settings, &self.settings.vehicle);
+        let (name, what, class) = (&manoeuvre.name, &manoeuvre.what, manoeuvre.class);
+        if let Some(why) = manoeuvre.hindrance(self.maps, vehicle) {
+            return Ok(Judged { verdict: ScenarioVerdict::not_tested(name, what, class, why), trace: None, log: None });
+        }
+        let planned = manoeuvre.plan(self.bench.wheelbase_m)?;
+        let bench = ManoeuvreBench { planned: planned.as_ref(), ..self.bench.clone() };
+        let path = match &planned {
+            Some(planned) => planned.path.clone(),
+            None => manoeuvre.reference(bench.wheelbase_m)?,
+        };
+        let mut log = if self.wanted.logs { Some(ManoeuvreLog::of_scenario(&vehicle.vehicle, name, what, &path)?) } else { None };
+        let (mut uncompensated, mut moments) = (Vec::new(), Vec::new());
+        let keep = |kept: &mut Vec<ManoeuvreMoment>, moment: &ManoeuvreMoment| {
+            if self.wanted.traces {
+                kept.push(*moment);
             }
-            let planned = manoeuvre.plan(bench.wheelbase_m)?;
-            let bench = Bench { planned: planned.as_ref(), ..bench.clone() };
-            let nominal = manoeuvre.run(&bench, plant, settings.seed, |_| {})?;
-            let runs: Result<Vec<Values>> = varied.par_iter().map(|(plant, seed)| manoeuvre.run(&bench, plant, *seed, |_| {})).collect();
-            let runs = runs?;
-            verdict.metrics = Metric::ALL.into_iter().filter_map(|metric| Summary::new(metric, &nominal, &runs)).collect();
-            verdict.checks = settings.gate.check(manoeuvre.class, &verdict.metrics);
-            verdict.status = if verdict.checks.iter().all(|c| c.pass) { Status::Pass } else { Status::Fail };
-            Ok(verdict)
-        })
-        .collect()
-}
-
-/// Runs one manoeuvre on the nominal vehicle and shows every control period to `record`.
-///
-/// # Errors
-/// A vehicle that cannot be simulated.
-pub fn replay(maps: &Maps, settings: &Settings, manoeuvre: &Manoeuvre, record: impl FnMut(&Moment)) -> Result<Values> {
-    replay_planned(maps, settings, manoeuvre, None, record)
-}
-
-/// As [`replay`], along a plan that was made before.
-pub(crate) fn replay_planned(
-    maps: &Maps,
-    settings: &Settings,
-    manoeuvre: &Manoeuvre,
-    planned: Option<&Planned>,
-    record: impl FnMut(&Moment),
-) -> Result<Values> {
-    manoeuvre.run(&Bench { planned, ..bench(maps, settings)? }, &settings.manoeuvre_vehicle, settings.seed, record)
+        };
+        let first = EachMoment(|moment: &ManoeuvreMoment| keep(&mut uncompensated, moment));
+        let second = (EachMoment(|moment: &ManoeuvreMoment| keep(&mut moments, moment)), &mut log);
+        let nominal = manoeuvre.run(&bench, vehicle, settings.seed, first, second);
+        (self.done)();
+        let nominal = nominal?;
+        let one = |(plant, seed): &(sim::Settings, u64)| {
+            let values = manoeuvre.run(&bench, plant, *seed, (), ());
+            (self.done)();
+            values
+        };
+        let runs: Result<Vec<Values>> = self.varied.par_iter().map(one).collect();
+        let metrics = MetricSummary::all(&nominal, &runs?);
+        let verdict = ScenarioVerdict::new(name, what, class, metrics, &settings.gate);
+        let nominal = NominalRun { path: &path, planned: planned.as_ref(), uncompensated: &uncompensated, moments: &moments };
+        let trace = self.wanted.traces.then(|| ManoeuvreTrace::new(manoeuvre, verdict.clone(), &nominal));
+        let log = log.map(ManoeuvreLog::finish).transpose()?.map(|bytes| RunLog { name: name.clone(), bytes });
+        Ok(Judged { verdict, trace, log })
+    }
 }

@@ -3,19 +3,18 @@
 use crate::control::Inputs;
 use crate::guidance::path::PosePath;
 use crate::guidance::route::clothoid_path::{course, lateral_task};
-use crate::guidance::route::follower::{DriveCommand, Follower, FollowerSettings, Stage};
-use crate::guidance::route::path_position::Leg;
+use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
-use crate::guidance::torque_source::TorqueSource;
-use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
-use crate::manoeuvre::log::Log;
+use crate::manoeuvre::Result;
+use crate::manoeuvre::drive::{Commanded, ManoeuvreObserver, ManoeuvreStart, Mounting, drive_manoeuvre};
+use crate::manoeuvre::legs_driver::LegsDriver;
+use crate::manoeuvre::manoeuvre_log::ManoeuvreLog;
 use crate::manoeuvre::torque::ExactTorque;
 use crate::sim;
-use crate::verify::Result;
 
-/// One run.
+/// One run of the lateral calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LateralRun {
+pub struct CalibrationDrive {
     /// The tracking law.
     pub law: LawName,
     /// Compensation angle [rad].
@@ -38,80 +37,36 @@ pub enum LoggedReference {
     Both,
 }
 
-/// Drives the legs of a path one after the other; `compensation` is told each command's error and gives the angle for the next period.
-pub(crate) struct LegsDriver<'a> {
-    path: &'a PosePath,
-    first: usize,
-    leg: usize,
-    follower: Follower,
+/// The path of the lateral calibration: a straight, a bend, around an obstacle, reverse.
+fn task(vehicle: &sim::Settings) -> PosePath {
+    course(&lateral_task(), vehicle.vehicle.wheelbase_m)
 }
 
-impl<'a> LegsDriver<'a> {
-    pub(crate) fn new(path: &'a PosePath, settings: FollowerSettings) -> Self {
-        Self { path, first: 0, leg: 0, follower: Follower::new(settings) }
-    }
-
-    pub(crate) fn leg(&self) -> usize {
-        self.leg
-    }
-
-    pub(crate) fn current(&self) -> Option<Leg<'a>> {
-        Leg::first(self.path.poses.get(self.first..)?)
-    }
-
-    pub(crate) fn step<T: TorqueSource>(&mut self, inputs: &Inputs, torque: &T, compensation_rad: f64) -> Option<DriveCommand> {
-        let leg = self.current()?;
-        let command = self.follower.step(leg, inputs, torque, compensation_rad);
-        let end = self.first + leg.last_index();
-        if command.stage == Stage::Arrived && end + 1 < self.path.poses.len() {
-            (self.first, self.leg) = (end, self.leg + 1);
-            self.follower.start();
-            return Some(DriveCommand { stage: Stage::Stopping, ..command });
-        }
-        Some(command)
-    }
-}
-
-/// The follower of the lateral calibration.
-pub(crate) fn follower_settings(wheelbase_m: f64, law: LawName) -> FollowerSettings {
-    FollowerSettings::new(wheelbase_m, TrackingSettings::new(law))
-}
-
-/// Drives the lateral task (a straight, a bend, around an obstacle, reverse) and shows every period to `record`; returns how it ended.
-///
-/// # Errors
-/// A vehicle that cannot be simulated.
-pub fn lateral_run(vehicle: &sim::Settings, run: &LateralRun, mut record: impl FnMut(&Moment)) -> Result<Stage> {
-    let wheelbase_m = vehicle.vehicle.wheelbase_m;
-    let path = course(&lateral_task(), wheelbase_m);
-    let settings = follower_settings(wheelbase_m, run.law);
+/// Drives the path of the lateral calibration; returns how it ended.
+fn lateral_run(vehicle: &sim::Settings, run: &CalibrationDrive, observer: impl ManoeuvreObserver) -> Result<DriveStage> {
+    let path = task(vehicle);
+    let settings = FollowerSettings::new(vehicle.vehicle.wheelbase_m, TrackingSettings::new(run.law));
     let torque = ExactTorque::new(vehicle)?;
     let mut driver = LegsDriver::new(&path, settings);
     let controller = |inputs: &Inputs| {
-        let command = driver.step(inputs, &torque, run.compensation_rad).unwrap_or_else(|| DriveCommand::at_rest(inputs.wheel_angle_rad));
-        (command, run.compensation_rad, driver.leg())
+        let command = driver.step(inputs, &torque, run.compensation_rad);
+        Commanded { command, compensation_rad: run.compensation_rad, leg: driver.leg() }
     };
-    drive(vehicle, run.seed, &Start::default(), &run.mounting, settings.limits.period_s, controller, |m| record(m))
+    drive_manoeuvre(vehicle, run.seed, &ManoeuvreStart::default(), &run.mounting, settings.limits.period_s, controller, observer)
 }
 
 /// The log of a run: the bytes of an MCAP file, and how it ended.
 ///
 /// # Errors
-/// As [`lateral_run`], and what the MCAP writer refuses.
-pub fn lateral_log(vehicle: &sim::Settings, run: &LateralRun, reference: LoggedReference) -> Result<(Vec<u8>, Stage)> {
-    let mut log = Log::new(&vehicle.vehicle);
+/// A vehicle that cannot be simulated, and what the MCAP writer refuses.
+pub fn lateral_log(vehicle: &sim::Settings, run: &CalibrationDrive, reference: LoggedReference) -> Result<(Vec<u8>, DriveStage)> {
+    let mut log = ManoeuvreLog::new(&vehicle.vehicle);
     if reference == LoggedReference::Path {
         log = log.without_points();
     }
     if reference != LoggedReference::Point {
-        log.reference(&course(&lateral_task(), vehicle.vehicle.wheelbase_m))?;
+        log.reference(&task(vehicle))?;
     }
-    let mut outcome = Ok(());
-    let stage = lateral_run(vehicle, run, |moment| {
-        if outcome.is_ok() {
-            outcome = log.write(moment);
-        }
-    })?;
-    outcome?;
+    let stage = lateral_run(vehicle, run, &mut log)?;
     Ok((log.finish()?, stage))
 }

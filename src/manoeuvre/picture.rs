@@ -1,7 +1,7 @@
 //! A planned path from above as SVG: field, obstacles, bodies along the way, the path, and the driven one over it.
 
 use crate::guidance::{PathPose, Polygon};
-use crate::manoeuvre::planned::Planned;
+use crate::manoeuvre::planned_task::Planned;
 use crate::map::Gear;
 use std::fmt::Write as _;
 

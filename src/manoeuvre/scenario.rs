@@ -3,23 +3,19 @@
 use crate::guidance::path::PosePath;
 use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 use crate::guidance::route::tracking::LawName;
-use crate::manoeuvre::bench::Bench;
-use crate::manoeuvre::compensation::CompensationScenario;
-use crate::manoeuvre::drive::Moment;
-use crate::manoeuvre::planned::{Planned, PlannedTask};
-use crate::manoeuvre::polyline::DEMO_POINTS;
-use crate::manoeuvre::{planned, polyline};
+use crate::manoeuvre::Result;
+use crate::manoeuvre::compensation_run::CompensationScenario;
+use crate::manoeuvre::planned_task::{Planned, PlannedTask};
+use crate::manoeuvre::polyline_run::DEMO_POINTS;
 use crate::map::Gear;
 use crate::sim;
-use crate::verify::metric::Values;
-use crate::verify::scenario::Class;
-use crate::verify::{Error, Maps, Result};
+use crate::verify::{Class, Maps};
 use serde::Serialize;
 
 /// What a manoeuvre drives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum ManoeuvreKind {
     /// A polyline with turns on the spot, its segments tracked by a law.
     Polyline {
         /// The law.
@@ -43,7 +39,7 @@ pub struct Manoeuvre {
     /// Class, by which limits are chosen.
     pub class: Class,
     /// What is driven.
-    pub kind: Kind,
+    pub kind: ManoeuvreKind,
 }
 
 impl Manoeuvre {
@@ -55,7 +51,7 @@ impl Manoeuvre {
                 name: format!("polyline-{}", law.name()),
                 what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
                 class: Class::Polyline,
-                kind: Kind::Polyline { law, points_m: DEMO_POINTS.to_vec() },
+                kind: ManoeuvreKind::Polyline { law, points_m: DEMO_POINTS.to_vec() },
             })
             .collect();
         for direction in Gear::ALL {
@@ -63,14 +59,14 @@ impl Manoeuvre {
                 name: format!("lateral-{direction}"),
                 what: format!("mounting yaw 1.0° and steering zero 0.8° off, compensated, in {direction} gear"),
                 class: Class::Compensation,
-                kind: Kind::Compensation(CompensationScenario::new(direction)),
+                kind: ManoeuvreKind::Compensation(CompensationScenario::new(direction)),
             });
         }
         let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool, nose_in: bool| Self {
             name: name.to_owned(),
             what: what.to_owned(),
             class: Class::Parking,
-            kind: Kind::Planned(PlannedTask::Parking { angle_deg, obstacle_right, nose_in }),
+            kind: ManoeuvreKind::Planned(PlannedTask::Parking { angle_deg, obstacle_right, nose_in }),
         };
         all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true, false));
         all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false, false));
@@ -81,7 +77,7 @@ impl Manoeuvre {
             name: "u-turn".to_owned(),
             what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
             class: Class::UTurn,
-            kind: Kind::Planned(PlannedTask::UTurn),
+            kind: ManoeuvreKind::Planned(PlannedTask::UTurn),
         });
         all
     }
@@ -91,8 +87,8 @@ impl Manoeuvre {
     /// # Errors
     /// Points that are no path, with the nearest that would be.
     pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
-        if let Kind::Polyline { law, points_m: own } = &mut self.kind {
-            let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+        if let ManoeuvreKind::Polyline { law, points_m: own } = &mut self.kind {
+            let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
             self.what = format!("{} segments of one's own with turns on the spot, tracked by {}", plan.segments.len(), law.title());
             *own = points_m.to_vec();
         }
@@ -108,9 +104,11 @@ impl Manoeuvre {
             ));
         }
         match &self.kind {
-            Kind::Polyline { .. } | Kind::Planned(_) => None,
-            Kind::Compensation(_) if maps.lateral.is_some() => None,
-            Kind::Compensation(_) => Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned()),
+            ManoeuvreKind::Polyline { .. } | ManoeuvreKind::Planned(_) => None,
+            ManoeuvreKind::Compensation(_) if maps.lateral.is_some() => None,
+            ManoeuvreKind::Compensation(_) => {
+                Some("not tested: there is no lateral_table.json; make one with pivot-cal lateral fit".to_owned())
+            }
         }
     }
 
@@ -120,32 +118,20 @@ impl Manoeuvre {
     /// Points that are no path.
     pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
         match &self.kind {
-            Kind::Polyline { points_m, .. } => {
-                let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+            ManoeuvreKind::Polyline { points_m, .. } => {
+                let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
                 Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
             }
-            Kind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
-            Kind::Planned(task) => Ok(task.plan(wheelbase_m)?.path),
+            ManoeuvreKind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
+            ManoeuvreKind::Planned(task) => Ok(task.plan(wheelbase_m)?.path),
         }
     }
 
     /// Its plan, if it is a task that is planned beforehand.
     pub(crate) fn plan(&self, wheelbase_m: f64) -> Result<Option<Planned>> {
         match &self.kind {
-            Kind::Planned(task) => task.plan(wheelbase_m).map(Some),
-            Kind::Polyline { .. } | Kind::Compensation(_) => Ok(None),
-        }
-    }
-
-    /// Runs it on `plant`; `record` sees every period.
-    pub(crate) fn run(&self, bench: &Bench<'_>, plant: &sim::Settings, seed: u64, record: impl FnMut(&Moment)) -> Result<Values> {
-        match &self.kind {
-            Kind::Polyline { law, points_m } => polyline::run(bench, *law, points_m, plant, seed, record),
-            Kind::Compensation(scenario) => scenario.run(bench, plant, seed, record),
-            Kind::Planned(task) => match bench.planned {
-                Some(planned) => planned::run(bench, planned, plant, seed, record),
-                None => planned::run(bench, &task.plan(bench.wheelbase_m)?, plant, seed, record),
-            },
+            ManoeuvreKind::Planned(task) => task.plan(wheelbase_m).map(Some),
+            ManoeuvreKind::Polyline { .. } | ManoeuvreKind::Compensation(_) => Ok(None),
         }
     }
 }

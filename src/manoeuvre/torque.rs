@@ -3,15 +3,16 @@
 
 use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueMap};
 use crate::guidance::torque_source::TorqueSource;
+use crate::manoeuvre::Result;
 use crate::map::{Gear, SAME_ANGLE_DEG, Side, TorqueTable};
 use crate::sim;
 use crate::sim::{MotionSettings, Truth};
 use crate::units::RAD_PER_DEG;
-use crate::verify::{Maps, Result};
+use crate::verify::Maps;
 
 /// What a perfect map of every wheel angle would answer: the plant's own equation, solved for the torque.
 #[derive(Debug, Clone, Copy)]
-pub struct ExactTorque {
+pub(crate) struct ExactTorque {
     truth: Option<Truth>,
     limit_nm: f64,
 }
@@ -24,7 +25,7 @@ impl ExactTorque {
     ///
     /// # Errors
     /// A plant out of its range.
-    pub fn new(world: &sim::Settings) -> Result<Self> {
+    pub(crate) fn new(world: &sim::Settings) -> Result<Self> {
         let truth = match &world.motion {
             MotionSettings::Physical(physical) => Some(Truth::new(physical, &world.vehicle)?),
             MotionSettings::Identified(_) => None,
@@ -59,7 +60,7 @@ const AT_MAP_RAD: f64 = 3.0 * RAD_PER_DEG;
 /// The maps under test: over the measured wheel angles where there are several, else for turns on the spot; the exact inverse at every other
 /// angle.
 #[derive(Debug, Clone)]
-pub struct ManoeuvreTorque<'a> {
+pub(crate) struct ManoeuvreTorque<'a> {
     tables: Option<Tables<'a>>,
     angle_rad: f64,
     angles: Vec<AngleTable<'a>>,
@@ -72,7 +73,7 @@ impl<'a> ManoeuvreTorque<'a> {
     ///
     /// # Errors
     /// A plant out of its range.
-    pub fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
+    pub(crate) fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
         let tables = maps.map(|m| Tables {
             forward: m.forward.view(),
             reverse: m.reverse.as_ref().map(TorqueTable::view),
@@ -88,7 +89,7 @@ impl<'a> ManoeuvreTorque<'a> {
     }
 
     /// By which torque manoeuvres are driven, for people.
-    pub fn what(maps: &Maps) -> String {
+    pub(crate) fn what(maps: &Maps) -> String {
         if maps.angles.is_empty() {
             let angle_deg = maps.table2.vehicle.test_angle_deg;
             return format!("manoeuvres: torque by the map at {angle_deg}°, by the exact inverse of the plant at other wheel angles");
@@ -134,11 +135,11 @@ impl TorqueSource for ManoeuvreTorque<'_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::manoeuvre::bundled_vehicle;
+    use crate::sim::VehicleFile;
 
     #[test]
     fn the_exact_torque_gives_the_acceleration_at_every_angle_in_both_directions() {
-        let world = bundled_vehicle().unwrap();
+        let world = VehicleFile::bundled().unwrap().settings();
         let exact = ExactTorque::new(&world).unwrap();
         let truth = exact.truth.unwrap();
         for angle_deg in [0.0, 30.0, -60.0, 90.0] {

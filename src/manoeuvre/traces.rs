@@ -6,18 +6,14 @@
 use crate::control::Pose;
 use crate::guidance::Polygon;
 use crate::guidance::path::PosePath;
-use crate::guidance::route::follower::Stage;
+use crate::guidance::route::follower::DriveStage;
 use crate::guidance::route::path_position::{Leg, lateral_error_m};
-use crate::manoeuvre::drive::Moment;
-use crate::manoeuvre::judge::{replay, replay_planned};
-use crate::manoeuvre::scenario::{Kind, Manoeuvre};
+use crate::manoeuvre::drive::ManoeuvreMoment;
+use crate::manoeuvre::planned_task::Planned;
+use crate::manoeuvre::scenario::{Manoeuvre, ManoeuvreKind};
 use crate::map::{FORMAT_VERSION, Gear, expect_format};
 use crate::units::RAD_PER_DEG;
-use crate::verify::judge::Settings;
-use crate::verify::scenario::Class;
-use crate::verify::verdict::{ScenarioVerdict, Status, Verdict};
-use crate::verify::{Maps, Result};
-use rayon::prelude::*;
+use crate::verify::{Maps, Result, ScenarioVerdict};
 use serde::{Deserialize, Serialize};
 
 /// What the `format` field says.
@@ -46,11 +42,11 @@ pub struct ManoeuvreTrace {
     /// How it was judged.
     pub verdict: ScenarioVerdict,
     /// The path of the rear axle's middle, a piece per direction of travel.
-    pub planned: Vec<Piece>,
+    pub planned: Vec<TracePiece>,
     /// True places of the rear axle's middle in the nominal run [m].
     pub driven_m: Vec<[f64; 2]>,
     /// Outlines of the vehicle along the planned path [m], the last one at its end; none where there is nothing to touch.
-    pub outlines: Vec<Piece>,
+    pub outlines: Vec<TracePiece>,
     /// Corners of the field [m], if it has one.
     pub field_m: Vec<[f64; 2]>,
     /// Corners of each obstacle [m].
@@ -61,7 +57,7 @@ pub struct ManoeuvreTrace {
 
 /// Points with a direction of travel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Piece {
+pub struct TracePiece {
     /// Direction of travel.
     pub gear: Gear,
     /// Points [m].
@@ -84,6 +80,18 @@ pub struct ErrorTrace {
 }
 
 impl ManoeuvreTraces {
+    /// Of the manoeuvres that were tested.
+    pub(crate) fn new(maps: &Maps, draws: usize, manoeuvres: Vec<ManoeuvreTrace>) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            format_version: FORMAT_VERSION,
+            tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            table2_csv_sha256: maps.csv_sha256.clone(),
+            draws,
+            manoeuvres,
+        }
+    }
+
     /// As JSON.
     ///
     /// # Errors
@@ -108,66 +116,47 @@ const APART_M: f64 = 0.03;
 /// Control periods that are averaged: a tenth of a second.
 const PERIODS: usize = 5;
 
-/// The nominal run of every manoeuvre of `settings` that `verdict` tested. `None` without any.
-///
-/// # Errors
-/// As [`crate::manoeuvre::replay_manoeuvre`].
-pub fn manoeuvre_traces(maps: &Maps, settings: &Settings, verdict: &Verdict) -> Result<Option<ManoeuvreTraces>> {
-    let tested: Vec<(&Manoeuvre, &ScenarioVerdict)> = settings
-        .manoeuvres
-        .iter()
-        .filter_map(|m| Some((m, verdict.scenarios.iter().find(|s| s.name == m.name && s.status != Status::NotTested)?)))
-        .collect();
-    if tested.is_empty() {
-        return Ok(None);
-    }
-    let traced: Result<Vec<_>> = tested.par_iter().map(|(manoeuvre, verdict)| trace(maps, settings, manoeuvre, verdict)).collect();
-    Ok(Some(ManoeuvreTraces {
-        format: FORMAT.to_owned(),
-        format_version: FORMAT_VERSION,
-        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
-        table2_csv_sha256: maps.csv_sha256.clone(),
-        draws: settings.manoeuvre_draws,
-        manoeuvres: traced?,
-    }))
+/// A nominal run.
+pub(crate) struct NominalRun<'a> {
+    /// The path that was to be driven.
+    pub(crate) path: &'a PosePath,
+    /// Its plan, if it was planned beforehand.
+    pub(crate) planned: Option<&'a Planned>,
+    /// The drive without compensation, where there are two.
+    pub(crate) uncompensated: &'a [ManoeuvreMoment],
+    /// The drive.
+    pub(crate) moments: &'a [ManoeuvreMoment],
 }
 
-fn trace(maps: &Maps, settings: &Settings, manoeuvre: &Manoeuvre, verdict: &ScenarioVerdict) -> Result<ManoeuvreTrace> {
-    let wheelbase_m = settings.manoeuvre_vehicle.vehicle.wheelbase_m;
-    let planned = manoeuvre.plan(wheelbase_m)?;
-    let path = match &planned {
-        Some(planned) => planned.path.clone(),
-        None => manoeuvre.reference(wheelbase_m)?,
-    };
-    let mut moments = Vec::new();
-    replay_planned(maps, settings, manoeuvre, planned.as_ref(), |moment| moments.push(*moment))?;
-    let mut found = ManoeuvreTrace {
-        verdict: verdict.clone(),
-        planned: pieces(&path),
-        driven_m: driven(&moments),
-        outlines: Vec::new(),
-        field_m: Vec::new(),
-        obstacles_m: Vec::new(),
-        errors: Vec::new(),
-    };
-    if let Some(planned) = &planned {
-        found.field_m = planned.field.as_ref().map(corners).unwrap_or_default();
-        found.obstacles_m = planned.obstacles.iter().map(corners).collect();
-        let every = (path.poses.len() / OUTLINES).max(1);
-        let shown = path.poses.iter().step_by(every).chain(path.poses.last());
-        found.outlines = shown.map(|p| Piece { gear: p.direction, points_m: corners(&planned.body.at_pose(p)) }).collect();
-    }
-    match &manoeuvre.kind {
-        Kind::Planned(_) => {}
-        Kind::Polyline { .. } => found.errors = seen(&moments),
-        Kind::Compensation(_) => {
-            let mut without = Vec::new();
-            replay(&Maps { lateral: None, ..maps.clone() }, settings, manoeuvre, |moment| without.push(*moment))?;
-            found.errors = [(&without, false), (&moments, true)].into_iter().map(|(m, compensated)| truly(&path, m, compensated)).collect();
+impl ManoeuvreTrace {
+    /// From the nominal run of a manoeuvre.
+    pub(crate) fn new(manoeuvre: &Manoeuvre, verdict: ScenarioVerdict, run: &NominalRun<'_>) -> Self {
+        let mut found = Self {
+            verdict,
+            planned: pieces(run.path),
+            driven_m: driven(run.moments),
+            outlines: Vec::new(),
+            field_m: Vec::new(),
+            obstacles_m: Vec::new(),
+            errors: Vec::new(),
+        };
+        if let Some(planned) = run.planned {
+            let poses = &run.path.poses;
+            found.field_m = planned.field.as_ref().map(corners).unwrap_or_default();
+            found.obstacles_m = planned.obstacles.iter().map(corners).collect();
+            let every = (poses.len() / OUTLINES).max(1);
+            let shown = poses.iter().step_by(every).chain(poses.last());
+            found.outlines = shown.map(|p| TracePiece { gear: p.direction, points_m: corners(&planned.body.at_pose(p)) }).collect();
         }
+        found.errors = match &manoeuvre.kind {
+            ManoeuvreKind::Planned(_) => Vec::new(),
+            ManoeuvreKind::Polyline { .. } => seen_errors(run.moments),
+            ManoeuvreKind::Compensation(_) => {
+                vec![true_errors(run.path, run.uncompensated, false), true_errors(run.path, run.moments, true)]
+            }
+        };
+        found
     }
-    debug_assert_eq!(verdict.class == Class::Compensation, matches!(manoeuvre.kind, Kind::Compensation(_)));
-    Ok(found)
 }
 
 /// To a tenth of a millimetre, and of a millidegree.
@@ -180,9 +169,9 @@ fn corners(polygon: &Polygon) -> Vec<[f64; 2]> {
 }
 
 /// The path by direction of travel, points left out where it is straight.
-fn pieces(path: &PosePath) -> Vec<Piece> {
+fn pieces(path: &PosePath) -> Vec<TracePiece> {
     let poses = &path.poses;
-    let mut pieces: Vec<Piece> = Vec::new();
+    let mut pieces: Vec<TracePiece> = Vec::new();
     for (k, pose) in poses.iter().enumerate() {
         let point = [short(pose.x_m), short(pose.y_m)];
         if let Some(piece) = pieces.last_mut().filter(|p| p.gear == pose.direction) {
@@ -190,13 +179,13 @@ fn pieces(path: &PosePath) -> Vec<Piece> {
         } else {
             // the new piece begins where the last one ends
             let before = k.checked_sub(1).map(|b| [short(poses[b].x_m), short(poses[b].y_m)]);
-            pieces.push(Piece { gear: pose.direction, points_m: before.into_iter().chain([point]).collect() });
+            pieces.push(TracePiece { gear: pose.direction, points_m: before.into_iter().chain([point]).collect() });
         }
     }
-    pieces.into_iter().map(|p| Piece { gear: p.gear, points_m: thinned(&p.points_m) }).collect()
+    pieces.into_iter().map(|p| TracePiece { gear: p.gear, points_m: thinned(&p.points_m) }).collect()
 }
 
-fn driven(moments: &[Moment]) -> Vec<[f64; 2]> {
+fn driven(moments: &[ManoeuvreMoment]) -> Vec<[f64; 2]> {
     let mut kept: Vec<[f64; 2]> = Vec::new();
     for (k, moment) in moments.iter().enumerate() {
         let point = [short(moment.state.x_m), short(moment.state.y_m)];
@@ -234,14 +223,15 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// The error as the controller saw it while it drove, a trace per leg.
-fn seen(moments: &[Moment]) -> Vec<ErrorTrace> {
-    let driving: Vec<&Moment> = moments.iter().filter(|m| m.command.stage == Stage::Driving && m.command.matched.is_some()).collect();
+fn seen_errors(moments: &[ManoeuvreMoment]) -> Vec<ErrorTrace> {
+    let driving: Vec<&ManoeuvreMoment> =
+        moments.iter().filter(|m| m.command.stage == DriveStage::Driving && m.command.matched.is_some()).collect();
     let mut traces: Vec<(usize, ErrorTrace)> = Vec::new();
     for chunk in driving.chunks(PERIODS).filter(|c| c.iter().all(|m| m.leg == c[0].leg)) {
         if traces.last().is_none_or(|t| t.0 != chunk[0].leg) {
             traces.push((chunk[0].leg, ErrorTrace::new(false)));
         }
-        let mean = |of: &dyn Fn(&Moment) -> f64| chunk.iter().map(|m| of(m)).sum::<f64>() / chunk.len() as f64;
+        let mean = |of: &dyn Fn(&ManoeuvreMoment) -> f64| chunk.iter().map(|m| of(m)).sum::<f64>() / chunk.len() as f64;
         if let Some((_, trace)) = traces.last_mut() {
             let way_m = chunk[0].command.matched.map_or(0.0, |m| m.s_m);
             trace.push(chunk[0].state.t_s, way_m, mean(&|m| m.command.lateral_error_m), mean(&|m| m.compensation_rad));
@@ -251,7 +241,7 @@ fn seen(moments: &[Moment]) -> Vec<ErrorTrace> {
 }
 
 /// The true error on a path of one leg.
-fn truly(path: &PosePath, moments: &[Moment], compensated: bool) -> ErrorTrace {
+fn true_errors(path: &PosePath, moments: &[ManoeuvreMoment], compensated: bool) -> ErrorTrace {
     let mut trace = ErrorTrace::new(compensated);
     let Some(leg) = Leg::first(&path.poses) else { return trace };
     let mut index = 0;

@@ -8,7 +8,9 @@ use crate::report::html::{
 };
 use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
-use crate::verify::{Bands, Check, ClosedLoop, Comparison, LawTraces, Metric, ScenarioVerdict, Statistic, Status, Summary, Verdict};
+use crate::verify::{
+    Bands, ClosedLoop, LawComparison, LawTraces, LimitCheck, MapVerdict, Metric, MetricSummary, ScenarioVerdict, Statistic, Status,
+};
 use maud::{Markup, html};
 
 /// The closed loop as a section.
@@ -69,7 +71,7 @@ fn pivot(traces: &ClosedLoop) -> Chart {
 }
 
 /// The map beside other laws, on one scenario.
-fn laws(comparison: &Comparison, draws: usize) -> Markup {
+fn laws(comparison: &LawComparison, draws: usize) -> Markup {
     let metrics = [
         Metric::HeadingErrorDeg,
         Metric::SpeedRmsMps,
@@ -80,7 +82,7 @@ fn laws(comparison: &Comparison, draws: usize) -> Markup {
     ];
     let titles = metrics.map(|m| format!("{} {}", m.title(), m.unit()).trim().to_owned());
     let columns: Vec<Column> = std::iter::once(Text("law")).chain(titles.iter().map(|title| Number(title))).collect();
-    let median = |all: &[Summary], metric| num_or_dash(figure(all, metric, Statistic::Median), 3);
+    let median = |all: &[MetricSummary], metric| num_or_dash(figure(all, metric, Statistic::Median), 3);
     let rows: Vec<Vec<String>> = comparison
         .laws
         .iter()
@@ -98,7 +100,7 @@ fn laws(comparison: &Comparison, draws: usize) -> Markup {
 }
 
 /// Every pivot; the manoeuvres have a section of their own.
-fn scenarios(verdict: &Verdict) -> Markup {
+fn scenarios(verdict: &MapVerdict) -> Markup {
     let columns = [
         Text("scenario"),
         Text("what"),
@@ -122,7 +124,7 @@ fn scenarios(verdict: &Verdict) -> Markup {
 
 fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
     let nearest = scenario.checks.iter().max_by(|a, b| used(a).total_cmp(&used(b)));
-    let of_nearest = |text: &dyn Fn(&Check) -> String| nearest.map_or("–".to_owned(), text);
+    let of_nearest = |text: &dyn Fn(&LimitCheck) -> String| nearest.map_or("–".to_owned(), text);
     let shown = |metric, statistic| figure(&scenario.metrics, metric, statistic).map_or("–".to_owned(), |v| with_unit(metric, v));
     vec![
         html! { (scenario.name) },
@@ -144,7 +146,7 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
 }
 
 /// How much of a limit is used up: 1 at the limit.
-fn used(check: &Check) -> f64 {
+fn used(check: &LimitCheck) -> f64 {
     match (check.pass, check.value, check.at_most) {
         (false, ..) => f64::INFINITY,
         (true, Some(value), Some(limit)) if limit > 0.0 => value / limit,
@@ -152,11 +154,11 @@ fn used(check: &Check) -> f64 {
     }
 }
 
-fn figure(all: &[Summary], metric: Metric, statistic: Statistic) -> Option<f64> {
+fn figure(all: &[MetricSummary], metric: Metric, statistic: Statistic) -> Option<f64> {
     all.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic))
 }
 
-fn limit(check: &Check) -> String {
+fn limit(check: &LimitCheck) -> String {
     match (check.at_most, check.at_least) {
         (Some(most), _) => format!("≤\u{a0}{}", with_unit(check.metric, most)),
         (_, Some(least)) => format!("≥\u{a0}{}", with_unit(check.metric, least)),
@@ -177,11 +179,11 @@ fn with_unit(metric: Metric, value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn check(metric: Metric, value: Option<f64>, at_most: f64, pass: bool) -> Check {
-        Check { metric, statistic: Statistic::P99, value, at_most: Some(at_most), at_least: None, pass }
+    fn check(metric: Metric, value: Option<f64>, at_most: f64, pass: bool) -> LimitCheck {
+        LimitCheck { metric, statistic: Statistic::P99, value, at_most: Some(at_most), at_least: None, pass }
     }
 
-    fn verdict(checks: Vec<Check>) -> ScenarioVerdict {
+    fn verdict(checks: Vec<LimitCheck>) -> ScenarioVerdict {
         let class = crate::verify::Class::Turn;
         let (name, what) = ("left-90".to_owned(), "<90°>".to_owned());
         ScenarioVerdict { name, what, class, status: Status::Fail, notes: Vec::new(), metrics: Vec::new(), checks }

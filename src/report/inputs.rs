@@ -3,7 +3,7 @@
 use crate::manoeuvre::ManoeuvreTraces;
 use crate::map::{FitTraces, PlanFile, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
 use crate::report::{Error, Result};
-use crate::verify::{ClosedLoop, Scenario, Verdict};
+use crate::verify::{ClosedLoop, MapVerdict, Scenario};
 use std::path::Path;
 
 /// The files that a report is made from. Only `table1.json` is needed.
@@ -14,7 +14,7 @@ pub struct Inputs {
     /// `table2.json`.
     pub table2: Option<Table2File>,
     /// `verify.json`.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<MapVerdict>,
     /// `fit_traces.json`, of the same fit.
     pub fit_traces: Option<FitTraces>,
     /// `verify_traces.json`, of the same Table 2.
@@ -76,7 +76,7 @@ impl Inputs {
             move |source| Error::Verdict { path, source }
         };
         let table2 = text("table2.json")?.map(|t| Table2File::from_json(&t)).transpose().map_err(of_map("table2.json"))?;
-        let verdict = text("verify.json")?.map(|t| Verdict::from_json(&t)).transpose().map_err(of_verdict("verify.json"))?;
+        let verdict = text("verify.json")?.map(|t| MapVerdict::from_json(&t)).transpose().map_err(of_verdict("verify.json"))?;
         let fit_traces = text("fit_traces.json")?.map(|t| FitTraces::from_json(&t)).transpose().map_err(of_map("fit_traces.json"))?;
         let closed_loop =
             text("verify_traces.json")?.map(|t| ClosedLoop::from_json(&t)).transpose().map_err(of_verdict("verify_traces.json"))?;
@@ -182,6 +182,6 @@ impl Inputs {
 }
 
 /// How many of the pivots a verdict says nothing of: one of chosen scenarios alone judges no map.
-fn pivots_left_out(verdict: &Verdict) -> usize {
+fn pivots_left_out(verdict: &MapVerdict) -> usize {
     Scenario::all().iter().filter(|pivot| verdict.scenarios.iter().all(|judged| judged.name != pivot.name)).count()
 }

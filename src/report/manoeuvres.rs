@@ -10,7 +10,7 @@ use crate::report::html::{
 use crate::report::overhead::overhead;
 use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
-use crate::verify::{Check, Class, Metric, ScenarioVerdict, Status};
+use crate::verify::{Class, LimitCheck, Metric, ScenarioVerdict, Status};
 use maud::{Markup, html};
 
 /// The manoeuvres as a section.
@@ -195,7 +195,7 @@ fn passed(pass: bool) -> Markup {
 }
 
 /// Every limit with what was reached; those that are broken stand out.
-fn kept(checks: &[Check]) -> Markup {
+fn kept(checks: &[LimitCheck]) -> Markup {
     html! {
         @for (k, check) in checks.iter().enumerate() {
             @if k > 0 { "; " }
@@ -204,7 +204,7 @@ fn kept(checks: &[Check]) -> Markup {
     }
 }
 
-fn reached(check: &Check) -> String {
+fn reached(check: &LimitCheck) -> String {
     let unit = |v: f64| match check.metric.unit() {
         "" => format!("{}\u{a0}%", num(100.0 * v, 0)),
         "°" => format!("{}°", num(v, 2)),
@@ -223,10 +223,10 @@ fn reached(check: &Check) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::{Statistic, Summary};
+    use crate::verify::{MetricSummary, Statistic};
 
-    fn summary(metric: Metric) -> Summary {
-        Summary { metric, nominal: Some(0.0123), mean: None, median: None, p95: None, p99: None, max: Some(0.5) }
+    fn summary(metric: Metric) -> MetricSummary {
+        MetricSummary { metric, nominal: Some(0.0123), mean: None, median: None, p95: None, p99: None, max: Some(0.5) }
     }
 
     #[test]
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_broken_limit_stands_out_among_the_kept_ones() {
-        let check = |pass, value| Check {
+        let check = |pass, value| LimitCheck {
             metric: Metric::FinalPositionM,
             statistic: Statistic::Max,
             value,

@@ -1,6 +1,6 @@
 //! A manoeuvre seen from above: obstacles, outlines of the vehicle along the way, the path by direction of travel, the driven path over it.
 
-use crate::manoeuvre::{ManoeuvreTrace, Piece};
+use crate::manoeuvre::{ManoeuvreTrace, TracePiece};
 use crate::map::Gear;
 use crate::report::scale::Scale;
 use crate::report::svg::{Svg, num};
@@ -73,7 +73,7 @@ pub(crate) fn overhead(trace: &ManoeuvreTrace, id: &str, title: &str, width: f64
 }
 
 /// What the lines are, below the picture.
-fn key(svg: &mut Svg, planned: &[Piece], y: f64) {
+fn key(svg: &mut Svg, planned: &[TracePiece], y: f64) {
     let gears: Vec<Gear> = Gear::ALL.into_iter().filter(|g| planned.iter().any(|p| p.gear == *g)).collect();
     let lines = gears.iter().map(|g| (format!("l wide {}", colours(*g).1), format!("planned, {g}")));
     let mut x = LEFT;

@@ -11,7 +11,7 @@ use crate::report::scale::Colours;
 use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
 use crate::report::tables::{DESIRED, SIZE, SPEED};
-use crate::verify::Verdict;
+use crate::verify::MapVerdict;
 use maud::{Markup, html};
 
 const ERROR: Quantity = Quantity { name: "error", unit: "m/s²", digits: 4 };
@@ -115,7 +115,7 @@ fn largest(maps: &[TorqueMap]) -> Markup {
 }
 
 /// The errors that `verify` found, beside their limit.
-fn judged(verdict: &Verdict) -> Markup {
+fn judged(verdict: &MapVerdict) -> Markup {
     let columns = [Text("gear"), Number("places"), Number("over their limit"), Number("worst, of its limit m/s²"), Text("verdict")];
     let rows: Vec<Vec<String>> = verdict
         .round_trip

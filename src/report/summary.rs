@@ -3,7 +3,7 @@
 use crate::map::{AccelMap, DelayEstimate};
 use crate::report::svg::num;
 use crate::report::{Inputs, Judgement};
-use crate::verify::{Class, Metric, Statistic, Status, Verdict, Worst};
+use crate::verify::{Class, MapVerdict, Metric, Statistic, Status, Worst};
 use maud::{Markup, html};
 
 /// A figure behind the verdict: what it is, the figure, what it means, and whether it is within its limit (`None`: it has none here).
@@ -110,7 +110,7 @@ fn small(value: f64) -> String {
 }
 
 /// The worst 99th percentile of the final heading error over the turns, with its limit [°].
-fn worst_heading(verdict: &Verdict) -> Option<(f64, Option<f64>)> {
+fn worst_heading(verdict: &MapVerdict) -> Option<(f64, Option<f64>)> {
     let turns = verdict.scenarios.iter().filter(|s| s.class == Class::Turn && s.status != Status::NotTested);
     let values = turns.filter_map(|s| s.metrics.iter().find(|m| m.metric == Metric::HeadingErrorDeg)?.figure(Statistic::P99));
     let worst = values.max_by(f64::total_cmp)?;

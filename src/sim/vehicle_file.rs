@@ -51,6 +51,14 @@ impl VehicleFile {
         Ok(file)
     }
 
+    /// The scrubber that comes with the program.
+    ///
+    /// # Errors
+    /// None in practice: the file is part of the program.
+    pub fn bundled() -> Result<Self> {
+        Self::from_toml(include_str!("../../data/vehicles/scrubber.toml"))
+    }
+
     /// Settings of a world with this vehicle.
     pub fn settings(&self) -> Settings {
         Settings {

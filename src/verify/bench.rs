@@ -6,7 +6,7 @@ use crate::verify::measured_region::Region;
 
 /// What a run needs to know of the vehicle under test.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bench<'a> {
+pub(crate) struct PivotBench<'a> {
     /// Settings of the controller; the scenario's policy replaces theirs.
     pub(crate) control: &'a Settings,
     /// Control period [s].
@@ -23,7 +23,7 @@ pub(crate) struct Bench<'a> {
 
 /// One control period of a run, for a log or a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct PivotMoment {
     /// The truth at the start of the period.
     pub state: TrueState,
     /// What the controller read.

@@ -35,10 +35,6 @@ pub enum Error {
     Sim(#[from] crate::sim::Error),
     #[error("the controller cannot be set up: {0}")]
     Control(#[from] crate::control::Error),
-    #[error("the polyline cannot be planned: {0}")]
-    Polyline(crate::guidance::route::polyline::PolylineError),
-    #[error("the manoeuvre cannot be planned: {0}")]
-    Planning(#[from] crate::guidance::Error),
     #[error("the log of a run cannot be written: {0}")]
     Record(#[from] crate::record::Error),
     #[error("the verdict cannot be written as JSON: {0}")]

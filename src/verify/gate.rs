@@ -1,6 +1,6 @@
 //! The gate: which limits a map has to keep, and why. The default is `data/gate.toml`.
 
-use crate::verify::metric::{Metric, Statistic, Summary};
+use crate::verify::metric::{Metric, MetricSummary, Statistic};
 use crate::verify::round_trip::RoundTripLimit;
 use crate::verify::scenario::Class;
 use crate::verify::{Error, Result};
@@ -51,7 +51,7 @@ pub struct Limit {
 
 /// A limit applied.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Check {
+pub struct LimitCheck {
     /// Metric.
     pub metric: Metric,
     /// Which figure of it.
@@ -96,7 +96,7 @@ impl Gate {
     }
 
     /// Applies the limits of a class.
-    pub(crate) fn check(&self, class: Class, summaries: &[Summary]) -> Vec<Check> {
+    pub(crate) fn check(&self, class: Class, summaries: &[MetricSummary]) -> Vec<LimitCheck> {
         self.limits
             .iter()
             .filter(|limit| limit.class == class)
@@ -104,7 +104,14 @@ impl Gate {
                 let summary = summaries.iter().find(|s| s.metric == limit.metric);
                 let value = summary.and_then(|s| s.figure(limit.statistic));
                 let pass = value.is_none_or(|v| limit.at_most.is_none_or(|m| v <= m) && limit.at_least.is_none_or(|m| v >= m));
-                Check { metric: limit.metric, statistic: limit.statistic, value, at_most: limit.at_most, at_least: limit.at_least, pass }
+                LimitCheck {
+                    metric: limit.metric,
+                    statistic: limit.statistic,
+                    value,
+                    at_most: limit.at_most,
+                    at_least: limit.at_least,
+                    pass,
+                }
             })
             .collect()
     }

@@ -6,7 +6,7 @@ use crate::control::{
 use crate::map::{CellStatus, TorqueTable};
 use crate::sim;
 use crate::units::RAD_PER_DEG;
-use crate::verify::bench::Bench;
+use crate::verify::bench::PivotBench;
 use crate::verify::metric::{Metric, Values};
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
@@ -65,12 +65,12 @@ pub(crate) fn tuning_runs() -> usize {
 /// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds; of those that always end within [`TUNED_ERROR_DEG`] the fastest is taken, by its
 /// slowest turn; when none does, the one with the smallest heading error.
 pub(crate) fn tuned_heading_law(
-    bench: &Bench<'_>,
+    bench: &PivotBench<'_>,
     scenario: &Scenario,
     plant: &sim::Settings,
     settings: &WaypointLawSettings,
     torque: ConstantGain,
-    done: &(dyn Fn(usize) + Sync),
+    done: &(dyn Fn() + Sync),
 ) -> Result<HeadingLawSettings> {
     let count = candidates();
     let gains = |mut k: usize| {
@@ -103,8 +103,8 @@ pub(crate) fn tuned_heading_law(
         if good { values.get(Metric::SettlingTimeS).unwrap_or(1e3) } else { 1e6 * (1.0 + error) }
     };
     let drive = |k: usize, seed: u64| {
-        let values = run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, |_, _| {});
-        done(1);
+        let values = run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, ());
+        done();
         Ok(score(&values?))
     };
     let first: Result<Vec<f64>> = (0..count).into_par_iter().map(|k| drive(k, 0)).collect();

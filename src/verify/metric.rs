@@ -199,7 +199,7 @@ impl Values {
 
 /// A metric over the draws of a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct MetricSummary {
     /// Which.
     pub metric: Metric,
     /// On the plant as fitted.
@@ -216,7 +216,12 @@ pub struct Summary {
     pub max: Option<f64>,
 }
 
-impl Summary {
+impl MetricSummary {
+    /// Of every metric that any of the runs has, in the order of [`Metric::ALL`].
+    pub(crate) fn all(nominal: &Values, draws: &[Values]) -> Vec<Self> {
+        Metric::ALL.into_iter().filter_map(|metric| Self::new(metric, nominal, draws)).collect()
+    }
+
     /// Of the nominal run and the draws, in any order. `None` when no run has the metric.
     pub fn new(metric: Metric, nominal: &Values, draws: &[Values]) -> Option<Self> {
         let nominal = nominal.get(metric);

@@ -7,7 +7,7 @@ use crate::map::{
 };
 use crate::sim::Settings;
 use crate::verify::Result;
-use crate::verify::plant::{Plant, torque_for};
+use crate::verify::exact_map::{ExactMap, torque_for};
 
 /// Fastest speed of the maps [m/s].
 const FASTEST_MPS: f64 = 1.0;
@@ -18,7 +18,7 @@ const FASTEST_MPS: f64 = 1.0;
 /// # Errors
 /// A world that cannot be simulated.
 pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
-    let plant = Plant::new(world)?;
+    let plant = ExactMap::new(world)?;
     let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: "given".to_owned() };
     let mut table1 = Table1File {
         format: TABLE1_FORMAT.to_owned(),
@@ -67,7 +67,7 @@ pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
     Ok((table1, table2))
 }
 
-fn accel_map(gear: Gear, exact: &AccelTable, plant: &Plant, world: &Settings) -> Result<AccelMap> {
+fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings) -> Result<AccelMap> {
     let speed = Axis::uniform("speed_mps", 0.0, 0.05, FASTEST_MPS)?;
     let torque = Axis::uniform("torque_nm", -plant.limit_nm(), 4.0, plant.limit_nm())?;
     let fine = Axis::uniform("speed_mps", 0.0, 0.01, FASTEST_MPS)?;
@@ -105,7 +105,7 @@ fn accel_map(gear: Gear, exact: &AccelTable, plant: &Plant, world: &Settings) ->
     })
 }
 
-fn torque_map(gear: Gear, exact: &AccelTable, plant: &Plant, world: &Settings) -> Result<TorqueMap> {
+fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings) -> Result<TorqueMap> {
     let speed = Axis::uniform("speed_mps", 0.0, 0.05, FASTEST_MPS)?;
     let ends =
         |v: f64| [exact.torque_nm().first(), exact.torque_nm().last()].map(|u| exact.accel_from_torque_clamped(v, u).unwrap_or_default());

@@ -7,7 +7,7 @@
 
 use crate::map::{AccelMap, AccelTable, CellStatus, Gear, SAME_ANGLE_DEG, TorqueTable, lookup};
 use crate::verify::Maps;
-use crate::verify::plant::torque_for;
+use crate::verify::exact_map::torque_for;
 use serde::{Deserialize, Serialize};
 
 /// What the gate allows of |Δa|.
@@ -27,7 +27,7 @@ pub struct RoundTripLimit {
 
 /// The round trip of one gear.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RoundTrip {
+pub struct RoundTripVerdict {
     /// Gear.
     pub gear: Gear,
     /// Wheel angle of the map [°], where it is not the test angle.
@@ -68,7 +68,7 @@ pub struct Worst {
     pub limit_mps2: f64,
 }
 
-impl RoundTrip {
+impl RoundTripVerdict {
     /// Which map: `forward gear`, or `forward gear at 30°`.
     pub fn name(&self) -> String {
         self.wheel_angle_deg.map_or_else(|| format!("{} gear", self.gear), |angle| format!("{} gear at {angle}°", self.gear))
@@ -79,7 +79,7 @@ impl RoundTrip {
 ///
 /// # Errors
 /// A surface of Table 1 that is not sound.
-pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<Vec<RoundTrip>> {
+pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<Vec<RoundTripVerdict>> {
     let angle_deg = maps.table2.vehicle.test_angle_deg;
     let mut all = Vec::new();
     for gear in Gear::ALL {
@@ -91,14 +91,21 @@ pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<
         let Some(map1) = maps.table1.map(map.gear, map.wheel_angle_deg, SAME_ANGLE_DEG) else { continue };
         let holds = maps.table2.map(map.gear, map.wheel_angle_deg, SAME_ANGLE_DEG).is_some_and(|m| m.zero_row != "moving");
         let trip = of_gear(map.gear, &map.table, map1, &map1.surface.table()?, holds, limit);
-        all.push(RoundTrip { wheel_angle_deg: Some(map.wheel_angle_deg), ..trip });
+        all.push(RoundTripVerdict { wheel_angle_deg: Some(map.wheel_angle_deg), ..trip });
     }
     Ok(all)
 }
 
-fn of_gear(gear: Gear, table2: &TorqueTable, map1: &AccelMap, surface: &AccelTable, holds: bool, limit: &RoundTripLimit) -> RoundTrip {
+fn of_gear(
+    gear: Gear,
+    table2: &TorqueTable,
+    map1: &AccelMap,
+    surface: &AccelTable,
+    holds: bool,
+    limit: &RoundTripLimit,
+) -> RoundTripVerdict {
     let starts_at_zero = table2.speed_mps().first() == 0.0;
-    let mut out = RoundTrip {
+    let mut out = RoundTripVerdict {
         gear,
         wheel_angle_deg: None,
         places: 0,
@@ -111,7 +118,7 @@ fn of_gear(gear: Gear, table2: &TorqueTable, map1: &AccelMap, surface: &AccelTab
         pass: false,
     };
     let mut excess = f64::NEG_INFINITY;
-    let mut check = |out: &mut RoundTrip, speed_mps: f64, accel_mps2: f64, right_torque_nm: f64, std_err_mps2: f64| {
+    let mut check = |out: &mut RoundTripVerdict, speed_mps: f64, accel_mps2: f64, right_torque_nm: f64, std_err_mps2: f64| {
         // a row that holds a resting wheel says nothing of one that just moves
         if holds && speed_mps == 0.0 && accel_mps2 <= 0.0 {
             return None;

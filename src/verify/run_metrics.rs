@@ -1,19 +1,22 @@
-//! What is measured while a run goes on; the definitions are in `docs/controller.md`.
+//! What is measured of a pivot while it is driven; the definitions are in `docs/controller.md`.
 
-use crate::control::{Phase, Settings};
+use crate::control::{DriveLaw, Phase, Settings};
 use crate::map::Gear;
 use crate::sim;
 use crate::sim::TrueState;
 use crate::units::RAD_PER_DEG;
-use crate::verify::bench::{Bench, Moment};
+use crate::verify::bench::{PivotBench, PivotMoment};
+use crate::verify::drive::{Observer, Period};
 use crate::verify::metric::{Metric, Values};
+use crate::verify::pivot_driver::{AskedTurn, PivotDriver};
 use crate::verify::scenario::{Expected, Scenario};
 
-/// Watches a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.
-pub(crate) struct Watch<'a> {
-    bench: &'a Bench<'a>,
+/// Observes a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.
+pub(crate) struct PivotMetrics<'a> {
+    bench: &'a PivotBench<'a>,
     settings: &'a Settings,
     wheelbase_m: f64,
+    turn: Option<AskedTurn>,
     start: TrueState,
     turn_rad: f64,
     length_m: f64,
@@ -42,12 +45,13 @@ pub(crate) struct Watch<'a> {
     travel_after_failure_m: f64,
 }
 
-impl<'a> Watch<'a> {
-    pub(crate) fn new(bench: &'a Bench<'a>, settings: &'a Settings, plant: &sim::Settings) -> Self {
+impl<'a> PivotMetrics<'a> {
+    pub(crate) fn new(bench: &'a PivotBench<'a>, settings: &'a Settings, plant: &sim::Settings) -> Self {
         Self {
             bench,
             settings,
             wheelbase_m: plant.vehicle.wheelbase_m,
+            turn: None,
             start: TrueState::default(),
             turn_rad: 0.0,
             length_m: 0.0,
@@ -78,7 +82,7 @@ impl<'a> Watch<'a> {
     }
 
     /// A turn of `turn_rad` begins.
-    pub(crate) fn begin(&mut self, state: &TrueState, turn_rad: f64) {
+    fn begin(&mut self, state: &TrueState, turn_rad: f64) {
         let sin = (self.settings.planning.test_angle_rad).sin().abs();
         (self.start, self.turn_rad, self.begun_s) = (*state, turn_rad, state.t_s);
         self.length_m = self.wheelbase_m * turn_rad.abs() / sin;
@@ -88,7 +92,7 @@ impl<'a> Watch<'a> {
     }
 
     /// One period. `mean_mps`: mean of the true speed over the period that `moment` began.
-    pub(crate) fn see(&mut self, moment: &Moment, mean_mps: f64) {
+    fn add(&mut self, moment: &PivotMoment, mean_mps: f64) {
         let (state, command, period_s) = (&moment.state, &moment.command, self.bench.period_s);
         if let Some(gear) = command.gear {
             self.gear = gear;
@@ -143,17 +147,21 @@ impl<'a> Watch<'a> {
     }
 
     /// The turn has ended.
-    pub(crate) fn end(&mut self, state: &TrueState, failed: bool) {
+    fn end(&mut self, state: &TrueState) {
         let turned_rad = state.heading_rad - self.start.heading_rad;
         self.heading_error_rad = self.heading_error_rad.max((turned_rad - self.turn_rad).abs());
         self.settling_s = self.settling_s.max(self.standing_since_s);
         self.time_s += state.t_s - self.begun_s;
-        self.failed |= failed;
     }
 
-    /// The metrics of the run.
-    pub(crate) fn values(&self, scenario: &Scenario) -> Values {
+    /// The metrics of the run, which ended at `state` with its last turn.
+    pub(crate) fn values<L: DriveLaw>(mut self, scenario: &Scenario, driver: &PivotDriver<'_, L>, state: &TrueState) -> Values {
+        if self.turn.is_some() {
+            self.end(state);
+        }
+        self.failed = driver.failed();
         let mut values = Values::default();
+        values.set(Metric::AsExpected, f64::from(u8::from(driver.as_expected())));
         values.set(Metric::PeakAccelMps2, self.peak_accel_mps2);
         values.set(Metric::PeakJerkMps3, self.peak_jerk_mps3);
         if self.failed {
@@ -177,5 +185,20 @@ impl<'a> Watch<'a> {
             values.set(Metric::OutsideShare, self.outside / self.driving_periods);
         }
         values
+    }
+}
+
+impl<'b, L: DriveLaw> Observer<PivotDriver<'b, L>> for PivotMetrics<'_> {
+    fn see(&mut self, period: &Period<'_, PivotDriver<'b, L>>) {
+        let (asked, state) = (period.driver.turn(), &period.moment.state);
+        if let Some(turn) = asked.filter(|_| asked != self.turn) {
+            // the turn before ended where this one begins
+            if self.turn.is_some() {
+                self.end(state);
+            }
+            self.turn = asked;
+            self.begin(state, turn.turn_rad);
+        }
+        self.add(period.moment, period.mean_speed_mps);
     }
 }

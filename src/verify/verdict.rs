@@ -2,11 +2,11 @@
 
 use crate::control::HeadingLawSettings;
 use crate::map::expect_format;
-use crate::verify::gate::{Check, Limit};
-use crate::verify::metric::Summary;
+use crate::verify::gate::{Gate, Limit, LimitCheck};
+use crate::verify::metric::MetricSummary;
 use crate::verify::perturbations::Spread;
 use crate::verify::replayed::ReplayedRun;
-use crate::verify::round_trip::{RoundTrip, RoundTripLimit};
+use crate::verify::round_trip::{RoundTripLimit, RoundTripVerdict};
 use crate::verify::scenario::Class;
 use serde::{Deserialize, Serialize};
 
@@ -21,13 +21,13 @@ pub enum Status {
     Pass,
     /// A limit is not.
     Fail,
-    /// It could not be run; that is told, and no failure.
+    /// It could not be run; a note says why. That is no failure.
     NotTested,
 }
 
 /// `verify.json`. The same maps, settings and seed give the same bytes: it holds no time of day.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Verdict {
+pub struct MapVerdict {
     /// Always [`FORMAT`].
     pub format: String,
     /// Version of this layout.
@@ -59,11 +59,11 @@ pub struct Verdict {
     /// The limits of the scenarios.
     pub limits: Vec<Limit>,
     /// The round trip, per gear.
-    pub round_trip: Vec<RoundTrip>,
+    pub round_trip: Vec<RoundTripVerdict>,
     /// The scenarios.
     pub scenarios: Vec<ScenarioVerdict>,
     /// The map beside other laws.
-    pub comparison: Option<Comparison>,
+    pub comparison: Option<LawComparison>,
     /// Recorded runs through the plant, when logs were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub replayed: Vec<ReplayedRun>,
@@ -98,14 +98,14 @@ pub struct ScenarioVerdict {
     /// What a reader should know: why it was not tested, what was assumed.
     pub notes: Vec<String>,
     /// The metrics.
-    pub metrics: Vec<Summary>,
+    pub metrics: Vec<MetricSummary>,
     /// The limits applied.
-    pub checks: Vec<Check>,
+    pub checks: Vec<LimitCheck>,
 }
 
 /// The map beside other laws, on the same plant and the same draws.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Comparison {
+pub struct LawComparison {
     /// The scenario that all of them drive.
     pub scenario: String,
     /// The laws.
@@ -126,7 +126,7 @@ pub struct LawSummary {
     /// `map`, `perfect inverse`, `constant gain`, `conventional`.
     pub name: String,
     /// The metrics.
-    pub metrics: Vec<Summary>,
+    pub metrics: Vec<MetricSummary>,
 }
 
 /// Tuned gains of the conventional law.
@@ -144,6 +144,21 @@ pub struct ConventionalGains {
     pub speed_integral_per_s2: f64,
 }
 
+impl ScenarioVerdict {
+    /// A scenario that could not be run.
+    pub(crate) fn not_tested(name: &str, what: &str, class: Class, why: String) -> Self {
+        let (name, what) = (name.to_owned(), what.to_owned());
+        Self { name, what, class, status: Status::NotTested, notes: vec![why], metrics: Vec::new(), checks: Vec::new() }
+    }
+
+    /// A scenario with its metrics, judged by the gate's limits on its class.
+    pub(crate) fn new(name: &str, what: &str, class: Class, metrics: Vec<MetricSummary>, gate: &Gate) -> Self {
+        let checks = gate.check(class, &metrics);
+        let status = if checks.iter().all(|c| c.pass) { Status::Pass } else { Status::Fail };
+        Self { name: name.to_owned(), what: what.to_owned(), class, status, notes: Vec::new(), metrics, checks }
+    }
+}
+
 impl From<&HeadingLawSettings> for ConventionalGains {
     fn from(settings: &HeadingLawSettings) -> Self {
         Self {
@@ -156,7 +171,7 @@ impl From<&HeadingLawSettings> for ConventionalGains {
     }
 }
 
-impl Verdict {
+impl MapVerdict {
     /// Reads the text of a `verify.json`.
     ///
     /// # Errors

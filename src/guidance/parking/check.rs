@@ -2,12 +2,12 @@
 
 use crate::guidance::PosePath;
 use crate::guidance::look_ahead::largest_steps;
-use crate::guidance::parking::Scene;
+use crate::guidance::parking::ParkingScene;
 use serde::Serialize;
 
 /// What the checks found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Judgement {
+pub struct PathJudgement {
     /// Distance of the last pose from the goal [m].
     pub position_m: f64,
     /// |heading error| of the last pose [rad].
@@ -23,7 +23,7 @@ pub struct Judgement {
 }
 
 /// Judges a path in a scene.
-pub fn judge(scene: &Scene, path: &PosePath) -> Judgement {
+pub fn judge(scene: &ParkingScene, path: &PosePath) -> PathJudgement {
     let (goal, obstacles) = (scene.goal(), scene.obstacles());
     let (position_m, heading_rad) = path.poses.last().map_or((f64::INFINITY, f64::INFINITY), |end| {
         let turns = (end.heading_rad - goal.heading_rad).sin_cos();
@@ -44,5 +44,5 @@ pub fn judge(scene: &Scene, path: &PosePath) -> Judgement {
         && clearance_m >= scene.tolerance.clearance_m
         && wheel_step_rad <= limits.wheel_step_rad + rounding
         && curvature_step_per_m <= limits.curvature_step_per_m(scene.body.wheelbase_m) + rounding;
-    Judgement { position_m, heading_rad, clearance_m, wheel_step_rad, curvature_step_per_m, pass }
+    PathJudgement { position_m, heading_rad, clearance_m, wheel_step_rad, curvature_step_per_m, pass }
 }

@@ -13,13 +13,13 @@
 //! R = c − √(2 (a − b)(y₁ − b)) or more, with a half the slot's width, b = W/2 + d, c = a + y₁ − b. Without an obstacle on the right, the
 //! vehicle's own smallest circle is the entry circle.
 
-use crate::guidance::parking::Scene;
+use crate::guidance::parking::ParkingScene;
 use crate::guidance::{Error, Result};
 use serde::Serialize;
 
 /// An entry circle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Entry {
+pub struct SlotEntry {
     /// Radius of the rear axle's middle [m].
     pub radius_m: f64,
     /// Where it touches the first line, along the row [m].
@@ -30,21 +30,21 @@ pub struct Entry {
     pub corner_clearance_m: f64,
 }
 
-impl Scene {
+impl ParkingScene {
     /// Smallest radius that planning uses: the wheel at its limit less the reserve [m].
     pub fn least_radius_m(&self) -> f64 {
         self.body.wheelbase_m / (self.look_ahead.wheel_limit_rad - self.wheel_reserve_rad).tan()
     }
 
     /// The circle of a radius [m].
-    pub fn circle(&self, radius_m: f64) -> Entry {
+    pub fn circle(&self, radius_m: f64) -> SlotEntry {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let (side, obstacle) = if self.nose_in { (-1.0, self.slot.obstacle_left) } else { (1.0, self.slot.obstacle_right) };
         let axis_m = (self.line_m() - radius_m * (1.0 - side * cos)) / sin;
         let (x, y) = (axis_m * cos + side * radius_m * sin, axis_m * sin - side * radius_m * cos);
         let corner = self.corner();
         let clearance = radius_m - 0.5 * self.body.width_m - (x - corner.x_m).hypot(y - corner.y_m);
-        Entry { radius_m, line_x_m: x, axis_m, corner_clearance_m: if obstacle { clearance } else { f64::INFINITY } }
+        SlotEntry { radius_m, line_x_m: x, axis_m, corner_clearance_m: if obstacle { clearance } else { f64::INFINITY } }
     }
 }
 
@@ -52,7 +52,7 @@ impl Scene {
 ///
 /// # Errors
 /// No circle passes the corner: the nearest width of the slot at which one does.
-pub fn entry_circle(scene: &Scene) -> Result<Entry> {
+pub fn entry_circle(scene: &ParkingScene) -> Result<SlotEntry> {
     let least_m = scene.least_radius_m();
     if let Some(entry) = smallest(scene) {
         return Ok(entry);
@@ -82,7 +82,7 @@ pub fn entry_circle(scene: &Scene) -> Result<Entry> {
 }
 
 /// The clearance is concave in R: up to its peak by golden section, then the first R at which it suffices by bisection.
-fn smallest(scene: &Scene) -> Option<Entry> {
+fn smallest(scene: &ParkingScene) -> Option<SlotEntry> {
     let least_m = scene.least_radius_m();
     let enough = |radius_m: f64| scene.circle(radius_m).corner_clearance_m >= scene.safety_m - 1e-12;
     if enough(least_m) {

@@ -1,12 +1,12 @@
 //! The plan: straight in where the start allows it; else start and adjust on the first line, enter on the circle, shuffle on the axis. In reverse, or nose in.
 
-use crate::guidance::look_ahead::{Follower, finite_start};
-use crate::guidance::parking::Scene;
-use crate::guidance::parking::check::{Judgement, judge};
-use crate::guidance::parking::entry::{Entry, entry_circle};
-use crate::guidance::parking::start::Start;
-use crate::guidance::reference::{Reference, ahead};
-use crate::guidance::{Error, Point, PosePath, Result};
+use crate::guidance::look_ahead::{LookAheadFollower, finite_start};
+use crate::guidance::parking::ParkingScene;
+use crate::guidance::parking::check::{PathJudgement, judge};
+use crate::guidance::parking::entry::{SlotEntry, entry_circle};
+use crate::guidance::parking::start::ParkingStart;
+use crate::guidance::reference::{ReferencePath, ahead};
+use crate::guidance::{Error, PlanePoint, PosePath, Result};
 use crate::map::Gear;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// A stage of parking.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Stage {
+pub enum ParkingStage {
     /// Forward along the first line, past the slot.
     Start,
     /// Back along the first line to the entry circle, until the vehicle stands along it.
@@ -29,22 +29,22 @@ pub enum Stage {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct StageSpan {
     /// Which.
-    pub stage: Stage,
+    pub stage: ParkingStage,
     /// Index of its first pose.
     pub from: usize,
 }
 
 /// A path into the slot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Plan {
+pub struct ParkingPlan {
     /// Poses of the rear axle's middle, every step.
     pub path: PosePath,
     /// Its stages in order.
     pub stages: Vec<StageSpan>,
     /// The entry circle; `None` when the vehicle goes straight in.
-    pub entry: Option<Entry>,
+    pub entry: Option<SlotEntry>,
     /// What the checks found: all within limits.
-    pub judgement: Judgement,
+    pub judgement: PathJudgement,
 }
 
 /// Radii that are tried, as factors of the smallest: a larger circle gives way to the other obstacles.
@@ -57,7 +57,7 @@ const SHUFFLES: usize = 3;
 /// # Errors
 /// A scene or start with a number out of range; a slot too small; a radius too large for it; no path that passes the checks. Each names the nearest
 /// feasible parameter.
-pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
+pub fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingPlan> {
     let scene = scene.checked()?;
     finite_start(start.x_m, start.y_m, start.heading_rad)?;
     finite_start(0.0, 0.0, start.wheel_angle_rad)?;
@@ -67,7 +67,7 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
         return Ok(best);
     }
     // the nearest start on the way to the first line from which it goes
-    let nearer = |share: f64| Start {
+    let nearer = |share: f64| ParkingStart {
         x_m: start.x_m,
         y_m: start.y_m + share * (scene.line_m() - start.y_m),
         heading_rad: start.heading_rad * (1.0 - share),
@@ -98,7 +98,7 @@ pub fn plan(scene: &Scene, start: Start) -> Result<Plan> {
 }
 
 /// The narrowest aisle in which a start on the first line is planned; `None` when eight times the aisle does not help.
-fn nearest_aisle_m(scene: &Scene, start: Start, entry: &Entry) -> Option<f64> {
+fn nearest_aisle_m(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> Option<f64> {
     narrowest_m(scene.slot.aisle_m.max(0.1), &[2.0, 4.0, 8.0], |aisle_m| {
         let mut wider = *scene;
         wider.slot.aisle_m = aisle_m;
@@ -107,7 +107,7 @@ fn nearest_aisle_m(scene: &Scene, start: Start, entry: &Entry) -> Option<f64> {
 }
 
 /// The narrowest slot into which a start on the first line is planned; `None` when four times the width does not help.
-fn nearest_slot_m(scene: &Scene, start: Start) -> Option<f64> {
+fn nearest_slot_m(scene: &ParkingScene, start: ParkingStart) -> Option<f64> {
     narrowest_m(scene.slot.width_m, &[1.25, 1.5, 2.0, 4.0], |width_m| {
         let mut wider = *scene;
         wider.slot.width_m = width_m;
@@ -131,11 +131,11 @@ fn narrowest_m(low_m: f64, multiples: &[f64], fits: impl Fn(f64) -> bool) -> Opt
 }
 
 /// The first plan that passes, else the one with the most clearance of those that end nearest.
-fn attempt(scene: &Scene, start: Start, entry: &Entry) -> (Plan, bool) {
+fn attempt(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> (ParkingPlan, bool) {
     if let Some(plan) = direct(scene, start).filter(|p| p.judgement.pass) {
         return (plan, true);
     }
-    let mut best: Option<Plan> = None;
+    let mut best: Option<ParkingPlan> = None;
     for factor in RADII {
         for drive_up in [true, false] {
             let plan = by_circle(scene, start, &scene.circle(entry.radius_m * factor), drive_up);
@@ -151,7 +151,7 @@ fn attempt(scene: &Scene, start: Start, entry: &Entry) -> (Plan, bool) {
 }
 
 /// Straight in: the axis alone is followed. Only before the mouth, looking along the axis within 80°: outward, or inward to go nose in.
-fn direct(scene: &Scene, start: Start) -> Option<Plan> {
+fn direct(scene: &ParkingScene, start: ParkingStart) -> Option<ParkingPlan> {
     let turn = start.heading_rad - scene.goal().heading_rad;
     if start.y_m <= 0.0 || turn.cos() < 80.0_f64.to_radians().cos() {
         return None;
@@ -161,13 +161,13 @@ fn direct(scene: &Scene, start: Start) -> Option<Plan> {
     let mut follower = follower(scene, start);
     let axis = axis_from(scene, outward_m.max(0.0) + scene.look_ahead.distance_m);
     enter(scene, &mut follower, &axis);
-    let mut stages = vec![StageSpan { stage: Stage::Enter, from: 0 }];
+    let mut stages = vec![StageSpan { stage: ParkingStage::Enter, from: 0 }];
     shuffle(scene, &mut follower, &mut stages);
     Some(finish(scene, follower, stages, None))
 }
 
 /// By the first line and the circle. `drive_up`: forward along the line first; else back along it at once.
-fn by_circle(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
+fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_up: bool) -> ParkingPlan {
     if scene.nose_in {
         return nose_in(scene, start, entry, drive_up);
     }
@@ -178,31 +178,31 @@ fn by_circle(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan
     let past_m = entry.line_x_m + 2.0 * ahead_m;
     if drive_up {
         let length = (past_m - start.x_m).max(0.0) + 1.0;
-        let line = Reference::starting(Point::new(start.x_m, line_m), 0.0).then(length, 0.0);
+        let line = ReferencePath::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(length, 0.0);
         let along = |p: &crate::guidance::PathPose| {
             (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02 && p.heading_rad.cos() > 0.0 && p.wheel_angle_rad.abs() < 0.05
         };
-        stages.push(StageSpan { stage: Stage::Start, from: 0 });
+        stages.push(StageSpan { stage: ParkingStage::Start, from: 0 });
         follower.follow(&line, Gear::Forward, length + 12.0 * ahead_m, |p, _| p.x_m >= past_m && along(p));
     }
     let from_m = follower.last().x_m;
-    let (back_m, end) = ((from_m - entry.line_x_m).max(0.0), Point::new(from_m.max(entry.line_x_m), line_m));
-    let way = Reference::starting(end, PI)
+    let (back_m, end) = ((from_m - entry.line_x_m).max(0.0), PlanePoint::new(from_m.max(entry.line_x_m), line_m));
+    let way = ReferencePath::starting(end, PI)
         .then(back_m, 0.0)
         .then(entry.radius_m * scene.slot.angle_rad, 1.0 / entry.radius_m)
         .then(entry.axis_m - scene.parked_at_m(), 0.0);
-    stages.push(StageSpan { stage: Stage::Adjust, from: follower.path.poses.len() - 1 });
+    stages.push(StageSpan { stage: ParkingStage::Adjust, from: follower.path.poses.len() - 1 });
     let first = follower.path.poses.len() - 1;
     enter(scene, &mut follower, &way);
     let turning = follower.path.poses[first..].iter().position(|p| p.x_m <= entry.line_x_m + ahead_m).unwrap_or(0);
-    stages.push(StageSpan { stage: Stage::Enter, from: first + turning });
+    stages.push(StageSpan { stage: ParkingStage::Enter, from: first + turning });
     shuffle(scene, &mut follower, &mut stages);
     finish(scene, follower, stages, Some(*entry))
 }
 
 /// Nose in: back along the first line where the circle is already behind, forward along it, the circle and the axis. `drive_up`: before backing up,
 /// forward along the line until the vehicle stands along it.
-fn nose_in(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
+fn nose_in(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_up: bool) -> ParkingPlan {
     let mut follower = follower(scene, start);
     let mut stages = Vec::new();
     let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
@@ -210,43 +210,43 @@ fn nose_in(scene: &Scene, start: Start, entry: &Entry, drive_up: bool) -> Plan {
     if start.x_m > before_m {
         let along = |p: &crate::guidance::PathPose| (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02;
         if drive_up {
-            let line = Reference::starting(Point::new(start.x_m, line_m), 0.0).then(12.0 * ahead_m, 0.0);
-            stages.push(StageSpan { stage: Stage::Start, from: 0 });
+            let line = ReferencePath::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(12.0 * ahead_m, 0.0);
+            stages.push(StageSpan { stage: ParkingStage::Start, from: 0 });
             follower.follow(&line, Gear::Forward, 12.0 * ahead_m, |p, _| along(p));
         }
         let from_m = follower.last().x_m;
         let length = from_m - before_m + 1.0;
-        let back = Reference::starting(Point::new(from_m, line_m), PI).then(length, 0.0);
-        stages.push(StageSpan { stage: Stage::Adjust, from: follower.path.poses.len() - 1 });
+        let back = ReferencePath::starting(PlanePoint::new(from_m, line_m), PI).then(length, 0.0);
+        stages.push(StageSpan { stage: ParkingStage::Adjust, from: follower.path.poses.len() - 1 });
         follower.follow(&back, Gear::Reverse, length + 12.0 * ahead_m, |p, _| p.x_m <= before_m && along(p));
     }
     let from = follower.path.poses.len() - 1;
     let from_m = follower.last().x_m;
-    let way = Reference::starting(Point::new(from_m.min(entry.line_x_m), line_m), 0.0)
+    let way = ReferencePath::starting(PlanePoint::new(from_m.min(entry.line_x_m), line_m), 0.0)
         .then((entry.line_x_m - from_m).max(0.0), 0.0)
         .then(entry.radius_m * (PI - scene.slot.angle_rad), -1.0 / entry.radius_m)
         .then(entry.axis_m - scene.parked_at_m(), 0.0);
-    stages.push(StageSpan { stage: Stage::Start, from });
+    stages.push(StageSpan { stage: ParkingStage::Start, from });
     enter(scene, &mut follower, &way);
     let turning = follower.path.poses[from..].iter().position(|p| p.x_m >= entry.line_x_m - ahead_m).unwrap_or(0);
-    stages.push(StageSpan { stage: Stage::Enter, from: from + turning });
+    stages.push(StageSpan { stage: ParkingStage::Enter, from: from + turning });
     shuffle(scene, &mut follower, &mut stages);
     finish(scene, follower, stages, Some(*entry))
 }
 
-fn follower(scene: &Scene, start: Start) -> Follower {
+fn follower(scene: &ParkingScene, start: ParkingStart) -> LookAheadFollower {
     let body = &scene.body;
-    Follower::new(start.x_m, start.y_m, start.heading_rad, start.wheel_angle_rad, body.wheelbase_m, scene.look_ahead)
+    LookAheadFollower::new(start.x_m, start.y_m, start.heading_rad, start.wheel_angle_rad, body.wheelbase_m, scene.look_ahead)
 }
 
 /// The slot's axis inward, from `outward_m` before the mouth to the goal.
-fn axis_from(scene: &Scene, outward_m: f64) -> Reference {
+fn axis_from(scene: &ParkingScene, outward_m: f64) -> ReferencePath {
     let angle = scene.slot.angle_rad;
-    Reference::starting(ahead(Point::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
+    ReferencePath::starting(ahead(PlanePoint::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
 }
 
 /// To the end of `way`, to half a step.
-fn enter(scene: &Scene, follower: &mut Follower, way: &Reference) {
+fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &ReferencePath) {
     let end_m = way.length_m() - 0.5 * scene.look_ahead.step_m;
     let start_m = follower.last();
     let room = way.length_m() + 2.0 * start_m.x_m.hypot(start_m.y_m);
@@ -254,7 +254,7 @@ fn enter(scene: &Scene, follower: &mut Follower, way: &Reference) {
 }
 
 /// Out and in again along the axis while the end is not as it should be.
-fn shuffle(scene: &Scene, follower: &mut Follower, stages: &mut Vec<StageSpan>) {
+fn shuffle(scene: &ParkingScene, follower: &mut LookAheadFollower, stages: &mut Vec<StageSpan>) {
     let out_m = scene.body.wheelbase_m;
     for _ in 0..SHUFFLES {
         let judgement = judge(scene, &follower.path);
@@ -263,15 +263,15 @@ fn shuffle(scene: &Scene, follower: &mut Follower, stages: &mut Vec<StageSpan>) 
         if straight || judgement.clearance_m < scene.tolerance.clearance_m || judgement.position_m > out_m {
             return;
         }
-        stages.push(StageSpan { stage: Stage::Shuffle, from: follower.path.poses.len() - 1 });
+        stages.push(StageSpan { stage: ParkingStage::Shuffle, from: follower.path.poses.len() - 1 });
         let goal = scene.goal();
-        let outward = Reference::starting(Point::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
+        let outward = ReferencePath::starting(PlanePoint::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
         follower.follow(&outward, scene.gear_out(), 2.0 * out_m, |_, s| s >= out_m - 0.5 * scene.look_ahead.step_m);
         enter(scene, follower, &axis_from(scene, scene.parked_at_m() + 2.0 * out_m));
     }
 }
 
-fn finish(scene: &Scene, follower: Follower, mut stages: Vec<StageSpan>, entry: Option<Entry>) -> Plan {
+fn finish(scene: &ParkingScene, follower: LookAheadFollower, mut stages: Vec<StageSpan>, entry: Option<SlotEntry>) -> ParkingPlan {
     stages.dedup_by(|next, before| {
         next.from == before.from && {
             before.stage = next.stage;
@@ -279,7 +279,7 @@ fn finish(scene: &Scene, follower: Follower, mut stages: Vec<StageSpan>, entry: 
         }
     });
     let judgement = judge(scene, &follower.path);
-    Plan { path: follower.path, stages, entry, judgement }
+    ParkingPlan { path: follower.path, stages, entry, judgement }
 }
 
 #[cfg(test)]
@@ -291,13 +291,18 @@ mod tests {
     use proptest::prelude::*;
 
     /// Starts on a grid beside the row, askew by up to `askew_deg`.
-    fn grid(askew_deg: f64) -> Vec<Start> {
+    fn grid(askew_deg: f64) -> Vec<ParkingStart> {
         let mut starts = Vec::new();
         for x in 0..5 {
             for y in 0..3 {
                 for heading in -1..=1 {
                     let heading_rad = (f64::from(heading) * askew_deg).to_radians();
-                    starts.push(Start { x_m: -3.0 + 1.5 * f64::from(x), y_m: 0.9 + 0.5 * f64::from(y), heading_rad, wheel_angle_rad: 0.0 });
+                    starts.push(ParkingStart {
+                        x_m: -3.0 + 1.5 * f64::from(x),
+                        y_m: 0.9 + 0.5 * f64::from(y),
+                        heading_rad,
+                        wheel_angle_rad: 0.0,
+                    });
                 }
             }
         }
@@ -329,9 +334,9 @@ mod tests {
     #[test]
     fn a_start_before_the_mouth_goes_straight_in() {
         let scene = scene(90.0);
-        let start = Start { x_m: 0.05, y_m: 1.5, heading_rad: std::f64::consts::FRAC_PI_2 - 0.05, wheel_angle_rad: 0.0 };
+        let start = ParkingStart { x_m: 0.05, y_m: 1.5, heading_rad: std::f64::consts::FRAC_PI_2 - 0.05, wheel_angle_rad: 0.0 };
         let plan = plan(&scene, start).unwrap();
-        assert_eq!(plan.stages, [StageSpan { stage: Stage::Enter, from: 0 }]);
+        assert_eq!(plan.stages, [StageSpan { stage: ParkingStage::Enter, from: 0 }]);
         assert!(plan.entry.is_none() && plan.path.poses.iter().all(|p| p.direction == Gear::Reverse));
     }
 
@@ -345,7 +350,7 @@ mod tests {
             if found.parked != found.tried {
                 lost.push((angle_deg, found));
             }
-            let plan = plan(&scene, Start { x_m: -3.0, y_m: 1.3, ..Start::default() }).unwrap();
+            let plan = plan(&scene, ParkingStart { x_m: -3.0, y_m: 1.3, ..ParkingStart::default() }).unwrap();
             assert!(plan.path.poses.iter().all(|p| p.direction == Gear::Forward), "{:?}", plan.stages);
             let end = plan.path.poses[plan.path.poses.len() - 1];
             assert!(end.heading_rad.sin() * scene.slot.angle_rad.sin() < 0.0, "the nose points inward");
@@ -353,7 +358,7 @@ mod tests {
         assert!(lost.is_empty(), "{lost:?}");
         let mut narrow = scene(90.0);
         narrow.nose_in = true;
-        let start = Start { x_m: -3.0, y_m: narrow.line_m(), ..Start::default() };
+        let start = ParkingStart { x_m: -3.0, y_m: narrow.line_m(), ..ParkingStart::default() };
         let error = plan(&narrow, start).unwrap_err();
         let Error::SlotTooNarrowToEnter { nearest_m, .. } = error else { panic!("{error}") };
         narrow.slot.width_m = nearest_m;
@@ -364,9 +369,9 @@ mod tests {
     fn a_start_that_looks_into_the_slot_goes_straight_in_nose_first() {
         let mut scene = scene(90.0);
         scene.nose_in = true;
-        let start = Start { x_m: 0.05, y_m: 2.2, heading_rad: -std::f64::consts::FRAC_PI_2 + 0.05, wheel_angle_rad: 0.0 };
+        let start = ParkingStart { x_m: 0.05, y_m: 2.2, heading_rad: -std::f64::consts::FRAC_PI_2 + 0.05, wheel_angle_rad: 0.0 };
         let plan = plan(&scene, start).unwrap();
-        assert_eq!(plan.stages, [StageSpan { stage: Stage::Enter, from: 0 }]);
+        assert_eq!(plan.stages, [StageSpan { stage: ParkingStage::Enter, from: 0 }]);
         assert!(plan.path.poses.iter().all(|p| p.direction == Gear::Forward));
     }
 
@@ -374,12 +379,12 @@ mod tests {
     fn a_vehicle_that_is_askew_in_the_slot_shuffles() {
         let mut scene = scene(90.0);
         scene.slot.width_m += 0.5;
-        let start = Start { x_m: 0.15, y_m: -0.45, heading_rad: std::f64::consts::FRAC_PI_2 - 0.12, wheel_angle_rad: 0.0 };
-        let (mut follower, mut stages) = (follower(&scene, start), vec![StageSpan { stage: Stage::Enter, from: 0 }]);
+        let start = ParkingStart { x_m: 0.15, y_m: -0.45, heading_rad: std::f64::consts::FRAC_PI_2 - 0.12, wheel_angle_rad: 0.0 };
+        let (mut follower, mut stages) = (follower(&scene, start), vec![StageSpan { stage: ParkingStage::Enter, from: 0 }]);
         enter(&scene, &mut follower, &axis_from(&scene, 0.5));
         shuffle(&scene, &mut follower, &mut stages);
         let plan = finish(&scene, follower, stages, None);
-        assert!(plan.stages.iter().any(|s| s.stage == Stage::Shuffle), "{:?}", plan.judgement);
+        assert!(plan.stages.iter().any(|s| s.stage == ParkingStage::Shuffle), "{:?}", plan.judgement);
         assert!(plan.judgement.pass, "{:?}", plan.judgement);
     }
 
@@ -387,10 +392,10 @@ mod tests {
     fn what_cannot_be_parked_names_what_can() {
         let mut scene = scene(90.0);
         scene.slot.aisle_m = 1.9;
-        let error = plan(&scene, Start { x_m: -2.0, y_m: 1.0, ..Start::default() }).unwrap_err();
+        let error = plan(&scene, ParkingStart { x_m: -2.0, y_m: 1.0, ..ParkingStart::default() }).unwrap_err();
         let Error::AisleTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
         scene.slot.aisle_m = nearest_m;
-        assert!(plan(&scene, Start { x_m: -2.0, y_m: scene.line_m(), ..Start::default() }).is_ok(), "{nearest_m}");
+        assert!(plan(&scene, ParkingStart { x_m: -2.0, y_m: scene.line_m(), ..ParkingStart::default() }).is_ok(), "{nearest_m}");
     }
 
     fn number() -> impl Strategy<Value = f64> {
@@ -402,7 +407,7 @@ mod tests {
         #[test]
         fn no_start_panics_and_every_path_keeps_its_limits(x_m in number(), y_m in number(), heading_rad in number(), wheel_angle_rad in number()) {
             let scene = scene(75.0);
-            if let Ok(plan) = plan(&scene, Start { x_m, y_m, heading_rad, wheel_angle_rad }) {
+            if let Ok(plan) = plan(&scene, ParkingStart { x_m, y_m, heading_rad, wheel_angle_rad }) {
                 let steps = crate::guidance::look_ahead::largest_steps(&plan.path);
                 prop_assert!(steps.0 <= scene.look_ahead.wheel_step_rad + 1e-9);
                 prop_assert!(plan.judgement.clearance_m >= scene.tolerance.clearance_m && plan.judgement.position_m <= 0.05);
@@ -417,7 +422,7 @@ mod tests {
             if step_m < 0.0 {
                 scene.look_ahead.step_m = -step_m;
             }
-            let _ = plan(&scene, Start { x_m: -2.0, y_m: 1.2, ..Start::default() });
+            let _ = plan(&scene, ParkingStart { x_m: -2.0, y_m: 1.2, ..ParkingStart::default() });
         }
     }
 }

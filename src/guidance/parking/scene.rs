@@ -3,8 +3,8 @@
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
 use crate::guidance::parking::Tolerance;
-use crate::guidance::parking::start::Start;
-use crate::guidance::{BodyShape, Error, Point, Polygon, Result};
+use crate::guidance::parking::start::ParkingStart;
+use crate::guidance::{BodyShape, Error, PlanePoint, Polygon, Result};
 use crate::map::Gear;
 use serde::Serialize;
 
@@ -41,7 +41,7 @@ impl Slot {
 
 /// Everything that parking is planned with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Scene {
+pub struct ParkingScene {
     /// Outline.
     pub body: BodyShape,
     /// Slot.
@@ -60,7 +60,7 @@ pub struct Scene {
     pub tolerance: Tolerance,
 }
 
-impl Scene {
+impl ParkingScene {
     /// The defaults for a body and a slot.
     pub fn new(body: BodyShape, slot: Slot) -> Self {
         Self {
@@ -138,18 +138,18 @@ impl Scene {
     }
 
     /// The pose to be reached.
-    pub fn goal(&self) -> Start {
+    pub fn goal(&self) -> ParkingStart {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let t = self.parked_at_m();
         let heading_rad = self.slot.angle_rad + if self.nose_in { std::f64::consts::PI } else { 0.0 };
-        Start { x_m: t * cos, y_m: t * sin, heading_rad, wheel_angle_rad: 0.0 }
+        ParkingStart { x_m: t * cos, y_m: t * sin, heading_rad, wheel_angle_rad: 0.0 }
     }
 
     /// Corner of the obstacle at the slot's mouth on the side from which the vehicle comes: on the right as it backs in, on the left, which it reaches
     /// first, nose in.
-    pub fn corner(&self) -> Point {
+    pub fn corner(&self) -> PlanePoint {
         let half = 0.5 * self.slot.width_m / self.slot.angle_rad.sin();
-        Point::new(if self.nose_in { -half } else { half }, 0.0)
+        PlanePoint::new(if self.nose_in { -half } else { half }, 0.0)
     }
 
     /// What may not be touched: the neighbours, the end of the slot, the other side of the aisle.
@@ -160,10 +160,20 @@ impl Scene {
         // a neighbour reaches as far as the vehicle could ever be
         let far = 30.0 + slot.aisle_m + slot.depth_m;
         let neighbour = |from: f64, to: f64| {
-            Polygon::trusted(vec![Point::new(from, 0.0), Point::new(from + dx, dy), Point::new(to + dx, dy), Point::new(to, 0.0)])
+            Polygon::trusted(vec![
+                PlanePoint::new(from, 0.0),
+                PlanePoint::new(from + dx, dy),
+                PlanePoint::new(to + dx, dy),
+                PlanePoint::new(to, 0.0),
+            ])
         };
         let band = |low: f64, high: f64| {
-            Polygon::trusted(vec![Point::new(-far, low), Point::new(far, low), Point::new(far, high), Point::new(-far, high)])
+            Polygon::trusted(vec![
+                PlanePoint::new(-far, low),
+                PlanePoint::new(far, low),
+                PlanePoint::new(far, high),
+                PlanePoint::new(-far, high),
+            ])
         };
         let mut all = vec![band(dy - 1.0, dy), band(slot.aisle_m, slot.aisle_m + 1.0)];
         if slot.obstacle_right {
@@ -178,12 +188,12 @@ impl Scene {
 
 /// The usual slot for a vehicle of wheelbase 0.9 m, slanted by `angle_deg` and as deep as that needs, for tests.
 #[cfg(test)]
-pub(crate) fn usual_scene(angle_deg: f64) -> Scene {
+pub(crate) fn usual_scene(angle_deg: f64) -> ParkingScene {
     let body = BodyShape::usual(0.9);
     let mut slot = Slot::usual(&body, 0.2);
     slot.angle_rad = angle_deg.to_radians();
     slot.depth_m = (body.length_m() + (0.3 + body.width_m * slot.angle_rad.cos().abs()) / slot.angle_rad.sin()).max(slot.depth_m);
-    Scene::new(body, slot)
+    ParkingScene::new(body, slot)
 }
 
 #[cfg(test)]

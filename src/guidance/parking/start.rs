@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Where parking starts: the middle of the rear axle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Start {
+pub struct ParkingStart {
     /// Along the row [m].
     pub x_m: f64,
     /// Away from the row's edge [m].

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One piece.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Piece {
+pub struct ClothoidPiece {
     /// Length [m].
     pub length_m: f64,
     /// Curvature at its start [1/m], tan δ/L, left positive.
@@ -19,7 +19,7 @@ pub struct Piece {
     pub direction: Gear,
 }
 
-impl Piece {
+impl ClothoidPiece {
     /// A straight, forward.
     pub fn straight(length_m: f64) -> Self {
         Self { length_m, from_per_m: 0.0, to_per_m: 0.0, direction: Gear::Forward }
@@ -42,26 +42,36 @@ const SPACING_M: f64 = 0.05;
 
 /// The task of the lateral calibration: a straight, a bend of 90°, a lane change around an obstacle and back, a straight; then a straight in
 /// reverse. 58 m.
-pub fn lateral_task() -> Vec<Piece> {
+pub fn lateral_task() -> Vec<ClothoidPiece> {
     let bend = 0.2;
     // two clothoids of 2 m turn by κ·2 in all, the arc by the rest of 90°
     let arc_m = 0.5 * PI / bend - 2.0;
     let swerve = |side: f64| {
         let k = side * 0.25;
-        [Piece::bend(1.0, 0.0, k), Piece::bend(1.0, k, 0.0), Piece::bend(1.0, 0.0, -k), Piece::bend(1.0, -k, 0.0)]
+        [
+            ClothoidPiece::bend(1.0, 0.0, k),
+            ClothoidPiece::bend(1.0, k, 0.0),
+            ClothoidPiece::bend(1.0, 0.0, -k),
+            ClothoidPiece::bend(1.0, -k, 0.0),
+        ]
     };
-    let mut pieces = vec![Piece::straight(12.0), Piece::bend(2.0, 0.0, bend), Piece::bend(arc_m, bend, bend), Piece::bend(2.0, bend, 0.0)];
-    pieces.push(Piece::straight(6.0));
+    let mut pieces = vec![
+        ClothoidPiece::straight(12.0),
+        ClothoidPiece::bend(2.0, 0.0, bend),
+        ClothoidPiece::bend(arc_m, bend, bend),
+        ClothoidPiece::bend(2.0, bend, 0.0),
+    ];
+    pieces.push(ClothoidPiece::straight(6.0));
     pieces.extend(swerve(-1.0));
-    pieces.push(Piece::straight(2.0));
+    pieces.push(ClothoidPiece::straight(2.0));
     pieces.extend(swerve(1.0));
-    pieces.push(Piece::straight(8.0));
-    pieces.push(Piece::straight(12.0).reversed());
+    pieces.push(ClothoidPiece::straight(8.0));
+    pieces.push(ClothoidPiece::straight(12.0).reversed());
     pieces
 }
 
 /// The path of `pieces` from the origin along x, one pose every 0.05 m; positions by Simpson's rule over each spacing.
-pub fn course(pieces: &[Piece], wheelbase_m: f64) -> PosePath {
+pub fn course(pieces: &[ClothoidPiece], wheelbase_m: f64) -> PosePath {
     let mut path = PosePath::default();
     let (mut x, mut y, mut heading, mut s) = (0.0, 0.0, 0.0, 0.0);
     let pose = |x_m: f64, y_m: f64, heading_rad: f64, curvature_per_m: f64, direction: Gear, s_m: f64| PathPose {
@@ -102,10 +112,10 @@ mod tests {
 
     #[test]
     fn a_circle_closes_and_a_reverse_piece_goes_back_the_same_way() {
-        let circle = course(&[Piece::bend(2.0 * PI * 3.0, 1.0 / 3.0, 1.0 / 3.0)], 0.9);
+        let circle = course(&[ClothoidPiece::bend(2.0 * PI * 3.0, 1.0 / 3.0, 1.0 / 3.0)], 0.9);
         let end = circle.poses[circle.poses.len() - 1];
         assert!(end.x_m.hypot(end.y_m) < 1e-9 && (end.heading_rad - 2.0 * PI).abs() < 1e-9);
-        let there_and_back = course(&[Piece::bend(3.0, 0.0, 0.4), Piece::bend(3.0, 0.4, 0.0).reversed()], 0.9);
+        let there_and_back = course(&[ClothoidPiece::bend(3.0, 0.0, 0.4), ClothoidPiece::bend(3.0, 0.4, 0.0).reversed()], 0.9);
         let end = there_and_back.poses[there_and_back.poses.len() - 1];
         assert!(end.x_m.hypot(end.y_m) < 1e-9 && end.heading_rad.abs() < 1e-12 && (end.s_m - 6.0).abs() < 1e-9);
     }

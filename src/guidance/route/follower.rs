@@ -7,7 +7,7 @@ use crate::control::numeric::sin_cos;
 use crate::control::{Inputs, Preview, SpeedLoop, SpeedLoopSettings};
 use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
 use crate::guidance::route::segment_speed::SegmentSpeed;
-use crate::guidance::route::track::{Limits, Track};
+use crate::guidance::route::track::{Limits, TrackState};
 use crate::guidance::route::tracking::{TrackingLaw, TrackingSettings};
 use crate::guidance::torque_source::TorqueSource;
 use crate::map::Gear;
@@ -60,7 +60,7 @@ impl FollowerSettings {
 /// Where a manoeuvre stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Stage {
+pub enum DriveStage {
     /// The wheel goes to its angle, the vehicle stands.
     Steering,
     /// It drives along a leg.
@@ -101,7 +101,7 @@ pub struct DriveCommand {
     /// Gear.
     pub gear: Option<Gear>,
     /// Where the manoeuvre stands.
-    pub stage: Stage,
+    pub stage: DriveStage,
     /// Front-wheel speed that was asked for [m/s].
     pub target_speed_mps: f64,
     /// Desired acceleration [m/s²].
@@ -115,22 +115,22 @@ pub struct DriveCommand {
 impl DriveCommand {
     /// Arrived: nothing more is asked for.
     pub fn at_rest(wheel_angle_rad: f64) -> Self {
-        Self::hold(wheel_angle_rad, None, Stage::Arrived)
+        Self::hold(wheel_angle_rad, None, DriveStage::Arrived)
     }
 
     /// Nothing but an angle to hold.
-    pub(crate) fn hold(wheel_angle_rad: f64, gear: Option<Gear>, stage: Stage) -> Self {
+    pub(crate) fn hold(wheel_angle_rad: f64, gear: Option<Gear>, stage: DriveStage) -> Self {
         Self { torque_nm: 0.0, wheel_angle_rad, gear, stage, target_speed_mps: 0.0, accel_mps2: 0.0, matched: None, lateral_error_m: 0.0 }
     }
 }
 
-/// Drives one leg after the other; which leg is told with every period.
-#[derive(Debug, Clone)]
-pub struct Follower {
+/// Drives one leg after the other; the leg is an argument of every period.
+#[derive(Debug)]
+pub struct PathFollower {
     settings: FollowerSettings,
     law: TrackingLaw,
     speed_loop: SpeedLoop,
-    stage: Stage,
+    stage: DriveStage,
     index: usize,
     accel_mps2: f64,
     standing_s: f64,
@@ -145,22 +145,22 @@ pub(crate) fn stop_decel(speed_mps: f64, left_m: f64, planned_mps2: f64) -> f64 
 /// Standing this long counts as at rest [s].
 const AT_REST_S: f64 = 0.3;
 
-impl Follower {
+impl PathFollower {
     /// A follower at the start of its first leg.
     pub fn new(settings: FollowerSettings) -> Self {
         let law = TrackingLaw::new(settings.tracking);
-        Self { settings, law, speed_loop: SpeedLoop::default(), stage: Stage::Steering, index: 0, accel_mps2: 0.0, standing_s: 0.0 }
+        Self { settings, law, speed_loop: SpeedLoop::default(), stage: DriveStage::Steering, index: 0, accel_mps2: 0.0, standing_s: 0.0 }
     }
 
     /// Where it stands.
-    pub fn stage(&self) -> Stage {
+    pub fn stage(&self) -> DriveStage {
         self.stage
     }
 
     /// Forgets the leg before.
     pub fn start(&mut self) {
         self.law.start();
-        (self.speed_loop, self.stage, self.index) = (SpeedLoop::default(), Stage::Steering, 0);
+        (self.speed_loop, self.stage, self.index) = (SpeedLoop::default(), DriveStage::Steering, 0);
         (self.accel_mps2, self.standing_s) = (0.0, 0.0);
     }
 
@@ -168,14 +168,14 @@ impl Follower {
     pub fn step<T: TorqueSource + ?Sized>(&mut self, leg: Leg<'_>, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
         let settings = self.settings;
         let (gear, sign) = (leg.gear(), leg.gear().sign());
-        if matches!(self.stage, Stage::Failed(_)) {
+        if matches!(self.stage, DriveStage::Failed(_)) {
             return DriveCommand::hold(inputs.wheel_angle_rad, Some(gear), self.stage);
         }
         if inputs.estop {
             return self.fail(Trouble::ObstacleStop, inputs, gear);
         }
         let Some(front_mps) = inputs.speed_mps else { return self.fail(Trouble::SpeedLost, inputs, gear) };
-        let track = Track::new(leg, inputs.pose, self.index, front_mps, inputs.wheel_angle_rad, &settings.limits);
+        let track = TrackState::new(leg, inputs.pose, self.index, front_mps, inputs.wheel_angle_rad, &settings.limits);
         self.index = track.index;
         let max_rad = settings.limits.max_wheel_rad;
         let wheel_angle_rad = (self.law.wheel_angle_rad(&track) + compensation_rad).max(-max_rad).min(max_rad);
@@ -184,40 +184,40 @@ impl Follower {
         let period_s = settings.limits.period_s;
         self.standing_s = if speed_mps < settings.standstill_mps { self.standing_s + period_s } else { 0.0 };
         match self.stage {
-            Stage::Steering => {
+            DriveStage::Steering => {
                 let off = wheel_angle_rad - inputs.wheel_angle_rad;
                 if off.abs() < settings.angle_tolerance_rad {
-                    (self.stage, self.standing_s) = (Stage::Driving, 0.0);
+                    (self.stage, self.standing_s) = (DriveStage::Driving, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Steering, inputs, gear);
                 }
             }
-            Stage::Driving => {
+            DriveStage::Driving => {
                 let needs_m = track.speed_mps * (settings.reaction_s + 0.5 * track.speed_mps / settings.stop_decel_mps2);
                 // faster than that the speed loop is still on its way down to the switch-over speed
                 let slow = speed_mps <= 2.0 * settings.speed.switch_mps;
                 if left_m <= 0.0 || (slow && left_m <= needs_m) {
-                    (self.stage, self.standing_s) = (Stage::Stopping, 0.0);
+                    (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled, inputs, gear);
                 }
             }
-            Stage::Stopping if self.standing_s >= AT_REST_S => self.stage = Stage::Arrived,
+            DriveStage::Stopping if self.standing_s >= AT_REST_S => self.stage = DriveStage::Arrived,
             _ => {}
         }
         let (target_speed_mps, accel_mps2) = match self.stage {
-            Stage::Driving => {
+            DriveStage::Driving => {
                 let cos = sin_cos(inputs.wheel_angle_rad).1.max(0.1);
                 let ahead_m = settings.preview.distance_m(speed_mps, self.accel_mps2) * cos;
                 let target = settings.speed.speed_at(track.matched.s_m - leg.start_m() + ahead_m, leg.end_m() - leg.start_m());
                 (target, self.speed_loop.step(&settings.speed_loop, target - speed_mps, false, period_s).0)
             }
-            Stage::Stopping => (0.0, -stop_decel(track.speed_mps, left_m, settings.stop_decel_mps2)),
+            DriveStage::Stopping => (0.0, -stop_decel(track.speed_mps, left_m, settings.stop_decel_mps2)),
             _ => (0.0, 0.0),
         };
         self.accel_mps2 = accel_mps2;
         let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
-        let drives = matches!(self.stage, Stage::Driving | Stage::Stopping) && rolls;
+        let drives = matches!(self.stage, DriveStage::Driving | DriveStage::Stopping) && rolls;
         let torque_nm = if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 };
         DriveCommand {
             torque_nm,
@@ -232,7 +232,7 @@ impl Follower {
     }
 
     fn fail(&mut self, trouble: Trouble, inputs: &Inputs, gear: Gear) -> DriveCommand {
-        self.stage = Stage::Failed(trouble);
+        self.stage = DriveStage::Failed(trouble);
         DriveCommand::hold(inputs.wheel_angle_rad, Some(gear), self.stage)
     }
 }

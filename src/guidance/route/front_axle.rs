@@ -6,7 +6,7 @@
 //! ½·√(v/(k L)) in the linear case.
 
 use crate::control::numeric::atan;
-use crate::guidance::route::track::Track;
+use crate::guidance::route::track::{Law, TrackState};
 use serde::Serialize;
 
 /// Its settings.
@@ -26,8 +26,8 @@ impl Default for FrontAxle {
     }
 }
 
-impl FrontAxle {
-    pub(crate) fn wheel_angle_rad(&self, track: &Track<'_>) -> f64 {
+impl Law for FrontAxle {
+    fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
         let (offset, gain, ahead_rad) = if track.is_reverse() {
             // the rear axle is not where the wheel steers: the path's curvature has to be fed forward
             (track.offset, self.reverse_gain_per_s, atan(track.wheelbase_m * track.matched.curvature_per_m))

@@ -5,7 +5,7 @@
 //! Moore (1990), *Optimal Control: Linear Quadratic Methods*, ch. 3; for path tracking Snider (2009), CMU-RI-TR-09-08, §4.
 
 use crate::control::numeric::atan;
-use crate::guidance::route::track::Track;
+use crate::guidance::route::track::{Law, TrackState};
 use serde::Serialize;
 
 /// Its settings.
@@ -54,8 +54,23 @@ impl Lqr {
         }
         gains
     }
+}
 
-    pub(crate) fn wheel_angle_rad([k_e, k_psi]: [f64; 2], track: &Track<'_>) -> f64 {
+/// The law with its gains, which are found once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LqrLaw {
+    gains: [f64; 2],
+}
+
+impl LqrLaw {
+    pub(crate) fn new(settings: &Lqr) -> Self {
+        Self { gains: settings.gains() }
+    }
+}
+
+impl Law for LqrLaw {
+    fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
+        let [k_e, k_psi] = self.gains;
         let (e, psi, curvature) = (track.offset.lateral_m, track.offset.heading_rad, track.matched.curvature_per_m);
         atan(track.wheelbase_m * (curvature - k_e * e - k_psi * psi))
     }

@@ -13,7 +13,7 @@
 //! (2015), *Adaptive Restart for Accelerated Gradient Schemes*, Found. Comput. Math. 15 (the method).
 
 use crate::control::numeric::{atan, sin_cos, sqrt};
-use crate::guidance::route::track::Track;
+use crate::guidance::route::track::{Law, TrackState};
 use serde::Serialize;
 
 /// Steps of the horizon.
@@ -54,7 +54,7 @@ impl Default for MpcSettings {
 
 /// A quadratic program `min ½ uᵀH u + fᵀu` over |u| ≤ bound.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Program {
+pub(crate) struct QuadraticProgram {
     pub(crate) h: [[f64; HORIZON]; HORIZON],
     pub(crate) f: [f64; HORIZON],
     pub(crate) bound: f64,
@@ -65,7 +65,7 @@ const ITERATIONS: usize = 200;
 /// The iteration ends when no angle moves by more than this [rad].
 const TOLERANCE_RAD: f64 = 1e-7;
 
-impl Program {
+impl QuadraticProgram {
     /// The minimiser, from a first guess.
     pub(crate) fn solve(&self, guess: [f64; HORIZON]) -> [f64; HORIZON] {
         // largest eigenvalue bounded by Gershgorin's circles
@@ -94,24 +94,35 @@ impl Program {
     }
 }
 
-/// The law's memory: its last plan.
-#[derive(Debug, Clone, Copy, Default)]
+/// The law with its memory: the last plan.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Mpc {
+    settings: MpcSettings,
     plan: Option<[f64; HORIZON]>,
 }
 
 impl Mpc {
-    pub(crate) fn wheel_angle_rad(&mut self, settings: &MpcSettings, track: &Track<'_>) -> f64 {
+    pub(crate) fn new(settings: &MpcSettings) -> Self {
+        Self { settings: *settings, plan: None }
+    }
+}
+
+impl Law for Mpc {
+    fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
         let last = self.plan.map_or(track.wheel_angle_rad, |plan| plan[0]);
-        let program = program(settings, track, last);
+        let program = program(&self.settings, track, last);
         let plan = program.solve(self.plan.unwrap_or([last; HORIZON]));
         self.plan = Some(plan);
         plan[0]
     }
+
+    fn forget(&mut self) {
+        self.plan = None;
+    }
 }
 
 /// The program of this period; `last` is the angle that was asked for before [rad].
-pub(crate) fn program(settings: &MpcSettings, track: &Track<'_>, last: f64) -> Program {
+pub(crate) fn program(settings: &MpcSettings, track: &TrackState<'_>, last: f64) -> QuadraticProgram {
     let way_m = track.speed_mps.max(settings.min_speed_mps) * settings.step_s;
     let mut reference = [0.0; HORIZON];
     let mut yaw_gain = [0.0; HORIZON];
@@ -138,7 +149,7 @@ pub(crate) fn program(settings: &MpcSettings, track: &Track<'_>, last: f64) -> P
     for (input, response) in single.iter_mut().enumerate() {
         *response = respond(0.0, 0.0, 0.0, false, input);
     }
-    let mut program = Program { h: [[0.0; HORIZON]; HORIZON], f: [0.0; HORIZON], bound: track.max_wheel_rad };
+    let mut program = QuadraticProgram { h: [[0.0; HORIZON]; HORIZON], f: [0.0; HORIZON], bound: track.max_wheel_rad };
     for i in 0..HORIZON {
         for k in i..HORIZON {
             let weights = [settings.offset_weight, settings.heading_weight];
@@ -174,7 +185,7 @@ mod tests {
     use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 
     /// The same program by an interior-point solver.
-    fn by_clarabel(program: &Program) -> Vec<f64> {
+    fn by_clarabel(program: &QuadraticProgram) -> Vec<f64> {
         let n = HORIZON;
         let upper: Vec<(usize, usize)> = (0..n).flat_map(|j| (0..=j).map(move |i| (i, j))).collect();
         let p = CscMatrix::new_from_triplets(
@@ -215,7 +226,7 @@ mod tests {
         // beside the line: bounds idle for the small offset, active for the large one
         for (y_m, bound) in [(0.05, 1.2), (-0.4, 0.3), (1.5, 0.2)] {
             let limits = Limits { max_wheel_rad: bound, ..Limits::new(0.9) };
-            let track = Track::new(leg, Pose { x_m: 2.0, y_m, heading_rad: 0.1 }, 0, 0.8, 0.05, &limits);
+            let track = TrackState::new(leg, Pose { x_m: 2.0, y_m, heading_rad: 0.1 }, 0, 0.8, 0.05, &limits);
             let program = program(&MpcSettings::default(), &track, 0.05);
             let (ours, theirs) = (program.solve([0.0; HORIZON]), by_clarabel(&program));
             for (a, b) in ours.iter().zip(&theirs) {

@@ -52,7 +52,7 @@ impl Default for PolylineSettings {
 
 /// One segment between two points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Segment {
+pub struct PolylineSegment {
     /// Its start [m].
     pub from_m: [f64; 2],
     /// Its end [m].
@@ -75,7 +75,7 @@ pub struct Segment {
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PolylinePlan {
     /// The segments.
-    pub segments: Vec<Segment>,
+    pub segments: Vec<PolylineSegment>,
     /// What is driven without a stop: one or more segments each.
     pub legs: Vec<PosePath>,
     /// Heading of the vehicle on each leg's first segment [rad].
@@ -116,8 +116,17 @@ impl PolylinePlan {
             let heading_rad = if forward { course_rad } else { wrapped(course_rad + PI) };
             let turn_rad = wrapped(heading_rad - before);
             let last = plan.segments.last();
-            let continues = last.is_some_and(|s: &Segment| s.gear == gear) && turn_rad.abs() <= settings.continues_rad;
-            plan.segments.push(Segment { from_m: pair[0], to_m: pair[1], course_rad, length_m, gear, heading_rad, turn_rad, continues });
+            let continues = last.is_some_and(|s: &PolylineSegment| s.gear == gear) && turn_rad.abs() <= settings.continues_rad;
+            plan.segments.push(PolylineSegment {
+                from_m: pair[0],
+                to_m: pair[1],
+                course_rad,
+                length_m,
+                gear,
+                heading_rad,
+                turn_rad,
+                continues,
+            });
             heading = Some(heading_rad);
         }
         for segment in &plan.segments {

@@ -2,19 +2,19 @@
 
 use crate::control::Inputs;
 use crate::control::numeric::wrapped;
-use crate::guidance::route::follower::{DriveCommand, Follower, FollowerSettings, Stage};
+use crate::guidance::route::follower::{DriveCommand, DriveStage, FollowerSettings, PathFollower};
 use crate::guidance::route::path_position::Leg;
 use crate::guidance::route::polyline::PolylinePlan;
-use crate::guidance::route::turn_law::{Turn, TurnSettings};
+use crate::guidance::route::turn_law::{SpotTurn, TurnSettings};
 use crate::guidance::torque_source::TorqueSource;
 
 /// The driver with its memory; it borrows the plan.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct PolylineDriver<'a> {
     plan: &'a PolylinePlan,
     turn_settings: TurnSettings,
-    follower: Follower,
-    turn: Option<Turn>,
+    follower: PathFollower,
+    turn: Option<SpotTurn>,
     leg: usize,
     begun: bool,
 }
@@ -22,7 +22,7 @@ pub struct PolylineDriver<'a> {
 impl<'a> PolylineDriver<'a> {
     /// At the start of `plan`.
     pub fn new(plan: &'a PolylinePlan, settings: FollowerSettings, turn_settings: TurnSettings) -> Self {
-        Self { plan, turn_settings, follower: Follower::new(settings), turn: None, leg: 0, begun: false }
+        Self { plan, turn_settings, follower: PathFollower::new(settings), turn: None, leg: 0, begun: false }
     }
 
     /// Index of the leg that is driven or turned to.
@@ -34,28 +34,28 @@ impl<'a> PolylineDriver<'a> {
     pub fn step<T: TorqueSource + ?Sized>(&mut self, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
         let poses = self.plan.legs.get(self.leg);
         let (Some(leg), Some(&heading_rad)) = (poses.and_then(|p| Leg::first(&p.poses)), self.plan.headings_rad.get(self.leg)) else {
-            return DriveCommand::hold(inputs.wheel_angle_rad, None, Stage::Arrived);
+            return DriveCommand::hold(inputs.wheel_angle_rad, None, DriveStage::Arrived);
         };
         if !self.begun {
             self.begun = true;
             let off = wrapped(heading_rad - inputs.pose.heading_rad);
             // what the tracking law straightens out while it drives is not turned for
             let turns = off.abs() > 2.0 * self.turn_settings.rate.dead_zone_rad;
-            self.turn = turns.then(|| Turn::new(self.turn_settings));
+            self.turn = turns.then(|| SpotTurn::new(self.turn_settings));
             self.follower.start();
         }
         if let Some(turn) = &mut self.turn {
             let command = turn.step(heading_rad, inputs, torque);
-            if command.stage != Stage::Arrived {
+            if command.stage != DriveStage::Arrived {
                 return command;
             }
             self.turn = None;
         }
         let command = self.follower.step(leg, inputs, torque, compensation_rad);
-        if command.stage == Stage::Arrived {
+        if command.stage == DriveStage::Arrived {
             (self.leg, self.begun) = (self.leg + 1, false);
             if self.leg < self.plan.legs.len() {
-                return DriveCommand { stage: Stage::Stopping, ..command };
+                return DriveCommand { stage: DriveStage::Stopping, ..command };
             }
         }
         command

@@ -6,7 +6,7 @@
 
 use crate::control::numeric::{atan, atan2, sin_cos};
 use crate::guidance::route::path_position::hypot;
-use crate::guidance::route::track::Track;
+use crate::guidance::route::track::{Law, TrackState};
 use serde::Serialize;
 
 /// Its settings.
@@ -24,8 +24,8 @@ impl Default for PurePursuit {
     }
 }
 
-impl PurePursuit {
-    pub(crate) fn wheel_angle_rad(&self, track: &Track<'_>) -> f64 {
+impl Law for PurePursuit {
+    fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
         let ahead_m = self.look_ahead_m + self.look_ahead_s * track.speed_mps;
         let goal = track.leg.at(track.matched.s_m + ahead_m, track.index);
         let (dx, dy) = (goal.x_m - track.pose.x_m, goal.y_m - track.pose.y_m);

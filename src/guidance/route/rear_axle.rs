@@ -5,7 +5,7 @@
 //! *A Survey of Motion Planning and Control Techniques for Self-Driving Urban Vehicles*, IEEE T-IV 1(1), eq. (13), whose gains are k_θ|v| and k_e v.
 
 use crate::control::numeric::{atan, sin_cos};
-use crate::guidance::route::track::Track;
+use crate::guidance::route::track::{Law, TrackState};
 use serde::Serialize;
 
 /// Its settings.
@@ -23,8 +23,8 @@ impl Default for RearAxle {
     }
 }
 
-impl RearAxle {
-    pub(crate) fn wheel_angle_rad(&self, track: &Track<'_>) -> f64 {
+impl Law for RearAxle {
+    fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
         let (e, psi, curvature) = (track.offset.lateral_m, track.offset.heading_rad, track.matched.curvature_per_m);
         let (sin, cos) = sin_cos(psi);
         let sinc = if psi.abs() < 1e-6 { 1.0 } else { sin / psi };

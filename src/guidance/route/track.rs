@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One period as the direction of travel sees it.
 #[derive(Debug, Clone, Copy)]
-pub struct Track<'a> {
+pub struct TrackState<'a> {
     /// The leg that is tracked.
     pub leg: Leg<'a>,
     /// Pose of the rear axle's middle in the travel frame.
@@ -31,7 +31,7 @@ pub struct Track<'a> {
     pub period_s: f64,
 }
 
-impl<'a> Track<'a> {
+impl<'a> TrackState<'a> {
     /// Of a vehicle at `pose` with front-wheel speed [m/s] and angle [rad] in the vehicle's frame; `hint` is the piece where it was last seen.
     pub fn new(leg: Leg<'a>, pose: Pose, hint: usize, front_speed_mps: f64, wheel_angle_rad: f64, limits: &Limits) -> Self {
         let (matched, index) = leg.nearest(pose.x_m, pose.y_m, hint);
@@ -68,6 +68,15 @@ impl<'a> Track<'a> {
     pub fn is_reverse(&self) -> bool {
         self.leg.gear() == Gear::Reverse
     }
+}
+
+/// A tracking law.
+pub trait Law: std::fmt::Debug {
+    /// Front-wheel angle that the law wants [rad] in the travel frame, beyond any limit; not finite when the numbers allow no answer.
+    fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64;
+
+    /// Forgets what was tracked before. Most laws remember nothing.
+    fn forget(&mut self) {}
 }
 
 /// What a law must know of the vehicle.

@@ -1,14 +1,14 @@
 //! What a tracking law is: from the vehicle's place beside a path to its front-wheel angle.
 //!
-//! In: [`Track`], one period as the direction of travel sees it. Out: the wheel angle in that frame. Every law is a pure step without
-//! allocation; which law tracks is a choice ([`TrackingSettings`]).
+//! In: [`TrackState`], one period as the direction of travel sees it. Out: the wheel angle in that frame. Every law is a step without
+//! allocation ([`Law`]); which law tracks is a choice ([`TrackingSettings`]).
 
 use crate::guidance::route::front_axle::FrontAxle;
-use crate::guidance::route::lqr::Lqr;
+use crate::guidance::route::lqr::{Lqr, LqrLaw};
 use crate::guidance::route::mpc::{Mpc, MpcSettings};
 use crate::guidance::route::pure_pursuit::PurePursuit;
 use crate::guidance::route::rear_axle::RearAxle;
-use crate::guidance::route::track::Track;
+use crate::guidance::route::track::{Law, TrackState};
 use serde::{Deserialize, Serialize};
 
 /// Which law tracks, by name.
@@ -89,37 +89,37 @@ impl TrackingSettings {
             LawName::Mpc => Self::Mpc(MpcSettings::default()),
         }
     }
+
+    /// The law itself, which has seen nothing.
+    fn law(&self) -> Box<dyn Law + Send> {
+        match self {
+            Self::PurePursuit(law) => Box::new(*law),
+            Self::FrontAxle(law) => Box::new(*law),
+            Self::RearAxle(law) => Box::new(*law),
+            Self::Lqr(settings) => Box::new(LqrLaw::new(settings)),
+            Self::Mpc(settings) => Box::new(Mpc::new(settings)),
+        }
+    }
 }
 
-/// A law with its memory; only the MPC has any.
-#[derive(Debug, Clone)]
-pub struct TrackingLaw {
-    settings: TrackingSettings,
-    lqr_gains: [f64; 2],
-    mpc: Mpc,
-}
+/// The law that was chosen, within the limits of the wheel.
+#[derive(Debug)]
+pub struct TrackingLaw(Box<dyn Law + Send>);
 
 impl TrackingLaw {
     /// A law that has seen nothing.
     pub fn new(settings: TrackingSettings) -> Self {
-        let lqr_gains = if let TrackingSettings::Lqr(lqr) = &settings { lqr.gains() } else { [0.0; 2] };
-        Self { settings, lqr_gains, mpc: Mpc::default() }
+        Self(settings.law())
     }
 
     /// Forgets the leg before.
     pub fn start(&mut self) {
-        self.mpc = Mpc::default();
+        self.0.forget();
     }
 
     /// Front-wheel angle to ask for [rad], in the vehicle's frame, within the limit; 0 when the numbers allow no answer.
-    pub fn wheel_angle_rad(&mut self, track: &Track<'_>) -> f64 {
-        let wanted_rad = match &self.settings {
-            TrackingSettings::PurePursuit(law) => law.wheel_angle_rad(track),
-            TrackingSettings::FrontAxle(law) => law.wheel_angle_rad(track),
-            TrackingSettings::RearAxle(law) => law.wheel_angle_rad(track),
-            TrackingSettings::Lqr(_) => Lqr::wheel_angle_rad(self.lqr_gains, track),
-            TrackingSettings::Mpc(law) => self.mpc.wheel_angle_rad(law, track),
-        };
+    pub fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
+        let wanted_rad = self.0.wheel_angle_rad(track);
         if wanted_rad.is_finite() { track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad) } else { 0.0 }
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::control::numeric::wrapped;
 use crate::control::{Inputs, SpeedLoop, SpeedLoopSettings};
-use crate::guidance::route::follower::{DriveCommand, Stage, Trouble, stop_decel};
+use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_decel};
 use crate::guidance::torque_source::TorqueSource;
 use crate::map::Gear;
 use crate::units::RAD_PER_DEG;
@@ -105,9 +105,9 @@ impl TurnSettings {
 
 /// One turn on the spot.
 #[derive(Debug, Clone)]
-pub struct Turn {
+pub struct SpotTurn {
     settings: TurnSettings,
-    stage: Stage,
+    stage: DriveStage,
     gear: Gear,
     asked_mps: f64,
     speed_loop: SpeedLoop,
@@ -115,18 +115,18 @@ pub struct Turn {
     stops: u32,
 }
 
-impl Turn {
+impl SpotTurn {
     /// A turn that has not begun.
     pub fn new(settings: TurnSettings) -> Self {
         let speed_loop = SpeedLoop::default();
-        Self { settings, stage: Stage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
+        Self { settings, stage: DriveStage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
     }
 
-    /// One period towards `heading_rad`. The wheel stands 90° to the left; forward gear turns left, reverse gear right. [`Stage::Arrived`] once
+    /// One period towards `heading_rad`. The wheel stands 90° to the left; forward gear turns left, reverse gear right. [`DriveStage::Arrived`] once
     /// it stands within the dead zone, or has used up its corrections within twice the dead zone.
     pub fn step<T: TorqueSource + ?Sized>(&mut self, heading_rad: f64, inputs: &Inputs, torque: &T) -> DriveCommand {
         let settings = self.settings;
-        if matches!(self.stage, Stage::Failed(_) | Stage::Arrived) {
+        if matches!(self.stage, DriveStage::Failed(_) | DriveStage::Arrived) {
             return DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage);
         }
         if inputs.estop {
@@ -137,20 +137,20 @@ impl Turn {
         let standing = front_mps.abs() < settings.standstill_mps;
         self.standing_s = if standing { self.standing_s + settings.period_s } else { 0.0 };
         match self.stage {
-            Stage::Steering => {
+            DriveStage::Steering => {
                 if (inputs.wheel_angle_rad - FRAC_PI_2).abs() < settings.angle_tolerance_rad {
                     self.begin(error_rad);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Steering);
                 }
             }
-            Stage::Turning => {
+            DriveStage::Turning => {
                 let speed = (self.gear.sign() * front_mps).max(0.0);
                 let way_m = speed * (settings.reaction_s + 0.5 * speed / settings.stop_decel_mps2);
                 let left_m = self.gear.sign() * error_rad * settings.wheelbase_m;
                 let slow = speed <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
                 if left_m <= 0.0 || (slow && left_m <= way_m) {
-                    (self.stage, self.standing_s) = (Stage::Stopping, 0.0);
+                    (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled);
                 }
@@ -158,7 +158,7 @@ impl Turn {
             _ if self.standing_s >= 0.3 => {
                 let small = settings.rate.dead_zone_rad;
                 if error_rad.abs() <= small || (self.stops >= settings.corrections && error_rad.abs() <= 2.0 * small) {
-                    self.stage = Stage::Arrived;
+                    self.stage = DriveStage::Arrived;
                 } else if self.stops >= settings.corrections {
                     return self.fail(Trouble::Heading);
                 } else {
@@ -170,24 +170,24 @@ impl Turn {
         }
         let (sign, speed_mps) = (self.gear.sign(), (self.gear.sign() * front_mps).max(0.0));
         let accel_mps2 = match self.stage {
-            Stage::Turning => {
+            DriveStage::Turning => {
                 let ahead_rad = error_rad - sign * speed_mps / settings.wheelbase_m * settings.preview_s;
                 let wanted = settings.wheelbase_m * (sign * settings.rate.rate_rad_s(ahead_rad)).max(settings.rate.min_rad_s);
                 let step = settings.accel_mps2 * settings.period_s;
                 self.asked_mps = wanted.max(self.asked_mps - step).min(self.asked_mps + step);
                 self.speed_loop.step(&settings.speed_loop, self.asked_mps - speed_mps, false, settings.period_s).0
             }
-            Stage::Stopping => {
+            DriveStage::Stopping => {
                 let left_m = sign * error_rad * settings.wheelbase_m;
                 -stop_decel(speed_mps, left_m, settings.stop_decel_mps2)
             }
             _ => 0.0,
         };
         let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
-        let drives = matches!(self.stage, Stage::Turning | Stage::Stopping) && rolls;
+        let drives = matches!(self.stage, DriveStage::Turning | DriveStage::Stopping) && rolls;
         DriveCommand {
             torque_nm: if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 },
-            target_speed_mps: if self.stage == Stage::Turning { sign * self.asked_mps } else { 0.0 },
+            target_speed_mps: if self.stage == DriveStage::Turning { sign * self.asked_mps } else { 0.0 },
             accel_mps2: sign * accel_mps2,
             ..DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage)
         }
@@ -195,12 +195,12 @@ impl Turn {
 
     fn begin(&mut self, error_rad: f64) {
         self.gear = if error_rad < 0.0 { Gear::Reverse } else { Gear::Forward };
-        (self.stage, self.asked_mps, self.standing_s) = (Stage::Turning, 0.0, 0.0);
+        (self.stage, self.asked_mps, self.standing_s) = (DriveStage::Turning, 0.0, 0.0);
         self.speed_loop = SpeedLoop::default();
     }
 
     fn fail(&mut self, trouble: Trouble) -> DriveCommand {
-        self.stage = Stage::Failed(trouble);
+        self.stage = DriveStage::Failed(trouble);
         DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage)
     }
 }

@@ -69,7 +69,7 @@ pub struct State {
 
 /// A time during which wheel rate and acceleration are constant.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Segment {
+pub struct SteeringSegment {
     /// Its length [s].
     pub duration_s: f64,
     /// w [rad/s], left positive.
@@ -92,7 +92,7 @@ pub enum Method {
 const MOST_STEPS: f64 = 1e6;
 
 /// Integrates from `start` over `segments` and hands every state after the first to `see`. A duration below zero or not finite counts as none.
-pub fn integrate(car: &Car, start: State, segments: &[Segment], step_s: f64, method: Method, mut see: impl FnMut(&State)) -> State {
+pub fn integrate(car: &Car, start: State, segments: &[SteeringSegment], step_s: f64, method: Method, mut see: impl FnMut(&State)) -> State {
     let mut state = start;
     for segment in segments {
         let duration_s = if segment.duration_s.is_finite() { segment.duration_s.max(0.0) } else { 0.0 };
@@ -123,7 +123,7 @@ fn rates(car: &Car, heading_rad: f64, wheel_angle_rad: f64, speed_mps: f64) -> [
     [speed_mps * cos, speed_mps * sin, speed_mps * tan / (1.0 + 0.25 * tan * tan).sqrt() / car.body.wheelbase_m]
 }
 
-fn advance(car: &Car, from: &State, segment: &Segment, h: f64, method: Method) -> State {
+fn advance(car: &Car, from: &State, segment: &SteeringSegment, h: f64, method: Method) -> State {
     let at = |part: f64, rate: &[f64; 3]| {
         rates(
             car,
@@ -157,7 +157,7 @@ mod tests {
     fn a_steady_wheel_draws_the_circle_of_the_slip_model() {
         let (car, angle) = (car(), 0.4);
         let start = State { wheel_angle_rad: angle, speed_mps: 1.0, ..State::default() };
-        let segment = Segment { duration_s: 3.0, ..Segment::default() };
+        let segment = SteeringSegment { duration_s: 3.0, ..SteeringSegment::default() };
         let end = integrate(&car, start, &[segment], 0.01, Method::RungeKutta, |_| {});
         let (kappa, slip) = (car.curvature_per_m(angle), slip_rad(angle));
         assert!((end.heading_rad - 3.0 * kappa).abs() < 1e-12);
@@ -168,8 +168,8 @@ mod tests {
     #[test]
     fn the_methods_have_their_orders() {
         let segments = [
-            Segment { duration_s: 1.2, wheel_rate_rad_s: 0.4, accel_mps2: 0.5 },
-            Segment { duration_s: 1.2, wheel_rate_rad_s: -0.4, accel_mps2: -0.5 },
+            SteeringSegment { duration_s: 1.2, wheel_rate_rad_s: 0.4, accel_mps2: 0.5 },
+            SteeringSegment { duration_s: 1.2, wheel_rate_rad_s: -0.4, accel_mps2: -0.5 },
         ];
         let start = State { speed_mps: 2.0, ..State::default() };
         let end = |step_s: f64, method| integrate(&car(), start, &segments, step_s, method, |_| {});

@@ -3,10 +3,10 @@
 //! The vehicle's dimensions are not published. [`PublishedCase::findings`] computes every answer for a body, so that the dimensions can be inferred
 //! (`examples/u_turn_inference.rs`); what cannot be met is told, not forced.
 
-use crate::guidance::geometry::{Point, Polygon};
+use crate::guidance::geometry::{PlanePoint, Polygon};
 use crate::guidance::u_turn::model::Car;
-use crate::guidance::u_turn::scene::{Lane, Scene, beyond_m};
-use crate::guidance::u_turn::track::{Settings, Track, Turn, drive};
+use crate::guidance::u_turn::scene::{Lane, UTurnScene, beyond_m};
+use crate::guidance::u_turn::track::{UTurnSettings, UTurnShape, UTurnTrack, drive};
 use crate::guidance::{BodyShape, Result};
 use serde::Serialize;
 
@@ -70,7 +70,7 @@ pub struct Hypothesis {
 
 /// One answer computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Finding {
+pub struct PublishedFinding {
     /// Which.
     pub answer: Answer,
     /// Computed less published [m]; for a lane or the curvature how much is lacking, 0 when it is met.
@@ -79,7 +79,7 @@ pub struct Finding {
     pub lane: Option<Lane>,
 }
 
-impl Finding {
+impl PublishedFinding {
     /// Whether the answer is met to `within_m`.
     pub fn met(&self, within_m: f64) -> bool {
         self.residual_m.abs() <= within_m
@@ -90,7 +90,7 @@ impl Finding {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PublishedCase {
     /// Field, obstacle, lane lines, clearance.
-    pub scene: Scene,
+    pub scene: UTurnScene,
 }
 
 impl PublishedCase {
@@ -99,9 +99,9 @@ impl PublishedCase {
     /// # Errors
     /// None: the published corners are convex.
     pub fn new() -> Result<Self> {
-        let p = Point::new;
+        let p = PlanePoint::new;
         Ok(Self {
-            scene: Scene {
+            scene: UTurnScene {
                 field: Polygon::new(vec![p(1.5024, -4.9270), p(1.5024, 26.5489), p(-13.5194, 27.6157), p(-13.4342, -5.3108)])?,
                 obstacles: vec![Polygon::new(vec![p(-1.5024, -5.0730), p(-1.4853, 10.9527), p(-3.0210, 10.7992), p(-2.9785, -5.6640)])?],
                 lines: vec![(p(-6.5063, 10.9170), p(-6.4637, -5.5463)), (p(-9.9915, 11.0347), p(-9.9489, -5.4286))],
@@ -119,15 +119,15 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub fn track(body: BodyShape, run_up_m: f64, speed_mps: f64, rate_deg_s: f64, settings: &Settings) -> Result<Track> {
-        drive(&Self::car(body), &Turn { run_up_m, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }, settings)
+    pub fn track(body: BodyShape, run_up_m: f64, speed_mps: f64, rate_deg_s: f64, settings: &UTurnSettings) -> Result<UTurnTrack> {
+        drive(&Self::car(body), &UTurnShape { run_up_m, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }, settings)
     }
 
     /// Shortest and longest run-up of a turn that keep the clearance [m].
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub fn run_ups(&self, body: BodyShape, (speed_mps, rate_deg_s): (f64, f64), settings: &Settings) -> Result<[f64; 2]> {
+    pub fn run_ups(&self, body: BodyShape, (speed_mps, rate_deg_s): (f64, f64), settings: &UTurnSettings) -> Result<[f64; 2]> {
         const FROM_M: f64 = 11.0;
         let track = Self::track(body, FROM_M, speed_mps, rate_deg_s, settings)?;
         let clearance_m = self.scene.clearance_m;
@@ -148,7 +148,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub fn findings(&self, body: BodyShape, hypothesis: &Hypothesis, settings: &Settings) -> Result<Vec<Finding>> {
+    pub fn findings(&self, body: BodyShape, hypothesis: &Hypothesis, settings: &UTurnSettings) -> Result<Vec<PublishedFinding>> {
         let track = |run_up, speed, rate| Self::track(body, run_up, speed, rate, settings);
         let [shortest, longest] = self.run_ups(body, hypothesis.run_up_turn, settings)?;
         let car = Self::car(body);
@@ -172,13 +172,13 @@ impl PublishedCase {
                     }
                     Answer::CurvatureReached => (0.21 - car.curvature_per_m(car.wheel_limit_rad())).max(0.0),
                 };
-                Ok(Finding { answer, residual_m, lane })
+                Ok(PublishedFinding { answer, residual_m, lane })
             })
             .collect()
     }
 
     /// How far the body at the end of a track is out of a lane [m]; 0 inside.
-    fn out_of_lane_m(&self, track: &Track, lane: usize) -> f64 {
+    fn out_of_lane_m(&self, track: &UTurnTrack, lane: usize) -> f64 {
         let body = track.body(&track.end());
         let past_inner = if lane > 0 { -beyond_m(self.scene.lines[lane - 1], &body).0 } else { 0.0 };
         let past_outer = self.scene.lines.get(lane).map_or(0.0, |&line| beyond_m(line, &body).1);
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn the_inferred_body_meets_every_length_and_no_body_can_meet_the_lanes() {
         let case = PublishedCase::new().unwrap();
-        let findings = case.findings(INFERRED_BODY, &INFERRED_HYPOTHESIS, &Settings::default()).unwrap();
+        let findings = case.findings(INFERRED_BODY, &INFERRED_HYPOTHESIS, &UTurnSettings::default()).unwrap();
         for finding in &findings {
             match finding.answer {
                 // the published lanes are the other way round: the slower wheel makes the wider turn, whatever the dimensions
@@ -223,7 +223,7 @@ mod tests {
     fn a_slower_wheel_always_turns_wider() {
         for wheelbase_m in [1.5, 2.1, 2.7] {
             let body = BodyShape { wheelbase_m, ..INFERRED_BODY };
-            let width = |rate| -PublishedCase::track(body, 11.0, 6.0, rate, &Settings::default()).unwrap().end().x_m;
+            let width = |rate| -PublishedCase::track(body, 11.0, 6.0, rate, &UTurnSettings::default()).unwrap().end().x_m;
             assert!(width(200.0) > width(400.0) + 1.0);
         }
     }
@@ -241,7 +241,9 @@ mod tests {
     #[test]
     fn euler_stays_within_the_way_of_two_steps_of_the_higher_order() {
         for (speed, rate) in [(0.7, 400.0), (3.4, 100.0), (6.0, 200.0), (6.0, 400.0)] {
-            let of = |method| PublishedCase::track(INFERRED_BODY, 11.0, speed, rate, &Settings { method, ..Settings::default() }).unwrap();
+            let of = |method| {
+                PublishedCase::track(INFERRED_BODY, 11.0, speed, rate, &UTurnSettings { method, ..UTurnSettings::default() }).unwrap()
+            };
             let (euler, higher) = (of(crate::guidance::u_turn::Method::Euler), of(crate::guidance::u_turn::Method::RungeKutta));
             let (along_m, end_m) = crate::guidance::u_turn::largest_difference_m(&euler, &higher);
             // each step goes where the vehicle looked at its start: half a step late all the way, which over half a turn adds up to two steps' way;

@@ -1,19 +1,19 @@
 //! The solution space: the field's quadrangle, the obstacles in it, the lane lines, and how far a track stays from them.
 
-use crate::guidance::geometry::{Point, Polygon};
-use crate::guidance::u_turn::track::Track;
+use crate::guidance::geometry::{PlanePoint, Polygon};
+use crate::guidance::u_turn::track::UTurnTrack;
 use serde::Serialize;
 
 /// Where a U-turn takes place. The vehicle starts with its control point at the origin and heads along y.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Scene {
+pub struct UTurnScene {
     /// The body stays inside.
     pub field: Polygon,
     /// The body stays outside.
     pub obstacles: Vec<Polygon>,
     /// Lane lines of the way back from the inner to the outer one, each from its far to its near end; the vehicle may cross them, and ends between
     /// them.
-    pub lines: Vec<(Point, Point)>,
+    pub lines: Vec<(PlanePoint, PlanePoint)>,
     /// Distance that the body keeps from border and obstacles [m].
     pub clearance_m: f64,
 }
@@ -46,9 +46,9 @@ impl Margins {
     }
 }
 
-impl Scene {
+impl UTurnScene {
     /// Margins of a track moved by `shift_m` along its run-up, looked at in every `every`-th state of the turn, its last, and the start.
-    pub fn margins(&self, track: &Track, shift_m: f64, every: usize) -> Margins {
+    pub fn margins(&self, track: &UTurnTrack, shift_m: f64, every: usize) -> Margins {
         let from = track.turn_from();
         let turning = track.states[from..].iter().step_by(every.max(1)).chain(track.states.last());
         let mut margins = Margins { border_m: f64::INFINITY, obstacle_m: f64::INFINITY, line_m: f64::INFINITY };
@@ -69,7 +69,7 @@ impl Scene {
     }
 
     /// The lane in which the moved track ends, and the distance of the body from the nearest line (negative on it).
-    pub fn lane(&self, track: &Track, shift_m: f64) -> (Lane, f64) {
+    pub fn lane(&self, track: &UTurnTrack, shift_m: f64) -> (Lane, f64) {
         let mut end = track.end();
         end.y_m += shift_m;
         let body = track.body(&end);
@@ -87,7 +87,7 @@ impl Scene {
 }
 
 /// Least and largest distance of the body's corners beyond a line, outward positive: to the right of the way from its far to its near end.
-pub(crate) fn beyond_m(line: (Point, Point), body: &Polygon) -> (f64, f64) {
+pub(crate) fn beyond_m(line: (PlanePoint, PlanePoint), body: &Polygon) -> (f64, f64) {
     let (far, near) = line;
     let length = far.distance_m(near);
     body.corners().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {

@@ -5,8 +5,8 @@
 
 use crate::guidance::body::within;
 use crate::guidance::u_turn::model::Car;
-use crate::guidance::u_turn::scene::{Margins, Scene};
-use crate::guidance::u_turn::track::{Settings, Track, Turn, drive};
+use crate::guidance::u_turn::scene::{Margins, UTurnScene};
+use crate::guidance::u_turn::track::{UTurnSettings, UTurnShape, UTurnTrack, drive};
 use crate::guidance::{Error, Result};
 use serde::Serialize;
 
@@ -25,13 +25,13 @@ pub struct Ranges {
 
 /// What the search found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Found {
+pub struct FoundUTurn {
     /// The turn.
-    pub turn: Turn,
+    pub turn: UTurnShape,
     /// Its margins.
     pub margins: Margins,
     /// Its track.
-    pub track: Track,
+    pub track: UTurnTrack,
     /// Turns that were looked at.
     pub tried: usize,
 }
@@ -47,7 +47,7 @@ const RUN_UPS: usize = 24;
 ///
 /// # Errors
 /// A range out of order or not finite; a turn that cannot be driven; no turn that keeps the scene's clearance, with the best and what it lacks.
-pub fn search(car: &Car, scene: &Scene, ranges: &Ranges, settings: &Settings) -> Result<Found> {
+pub fn search(car: &Car, scene: &UTurnScene, ranges: &Ranges, settings: &UTurnSettings) -> Result<FoundUTurn> {
     for (field, [low, high]) in
         [("run_up_m", ranges.run_up_m), ("speed_mps", ranges.speed_mps), ("steering_rate_rad_s", ranges.steering_rate_rad_s)]
     {
@@ -55,7 +55,7 @@ pub fn search(car: &Car, scene: &Scene, ranges: &Ranges, settings: &Settings) ->
         within(field, high, low, 1000.0, "the range's lower end to 1000")?;
     }
     let car = car.checked()?;
-    let mut best: Option<Found> = None;
+    let mut best: Option<FoundUTurn> = None;
     let mut tried = 0;
     let (mut speeds, mut rates) = (ranges.speed_mps, ranges.steering_rate_rad_s);
     for _ in 0..ROUNDS {
@@ -72,12 +72,12 @@ pub fn search(car: &Car, scene: &Scene, ranges: &Ranges, settings: &Settings) ->
                 if low > ranges.run_up_m[1] {
                     continue;
                 }
-                let track = drive(&car, &Turn { run_up_m: low, speed_mps, steering_rate_rad_s }, settings)?;
+                let track = drive(&car, &UTurnShape { run_up_m: low, speed_mps, steering_rate_rad_s }, settings)?;
                 let (shift_m, margins) = best_shift(scene, &track, ranges.run_up_m[1] - low);
                 tried += RUN_UPS;
                 if best.as_ref().is_none_or(|b| better(&margins, &b.margins)) {
-                    let turn = Turn { run_up_m: low + shift_m, speed_mps, steering_rate_rad_s };
-                    best = Some(Found { turn, margins, track, tried });
+                    let turn = UTurnShape { run_up_m: low + shift_m, speed_mps, steering_rate_rad_s };
+                    best = Some(FoundUTurn { turn, margins, track, tried });
                 }
             }
         }
@@ -132,7 +132,7 @@ fn drawn_together([low, high]: [f64; 2], middle: f64) -> [f64; 2] {
 }
 
 /// The shift of the track, up to `most_m`, with the largest margin: scanned, then drawn together.
-fn best_shift(scene: &Scene, track: &Track, most_m: f64) -> (f64, Margins) {
+fn best_shift(scene: &UTurnScene, track: &UTurnTrack, most_m: f64) -> (f64, Margins) {
     let (mut low, mut high) = (0.0, most_m);
     let mut best = (0.0, scene.margins(track, 0.0, 8));
     for _ in 0..3 {
@@ -154,21 +154,22 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::guidance::u_turn::PublishedCase;
-    use crate::guidance::{BodyShape, Point, Polygon};
+    use crate::guidance::{BodyShape, PlanePoint, Polygon};
     use proptest::prelude::*;
 
-    fn aisle(right_m: f64) -> (Car, Scene, Ranges, Settings) {
-        let rectangle =
-            |x0, x1, y0, y1| Polygon::new(vec![Point::new(x0, y0), Point::new(x1, y0), Point::new(x1, y1), Point::new(x0, y1)]).unwrap();
+    fn aisle(right_m: f64) -> (Car, UTurnScene, Ranges, UTurnSettings) {
+        let rectangle = |x0, x1, y0, y1| {
+            Polygon::new(vec![PlanePoint::new(x0, y0), PlanePoint::new(x1, y0), PlanePoint::new(x1, y1), PlanePoint::new(x0, y1)]).unwrap()
+        };
         let car = Car { body: BodyShape::usual(0.9), steering_ratio: 1.0, steering_limit_rad: 60.0_f64.to_radians() };
-        let scene = Scene {
+        let scene = UTurnScene {
             field: rectangle(-3.2, right_m, -1.2, 6.5),
             obstacles: vec![rectangle(-1.6, -0.8, -1.2, 3.4)],
             lines: Vec::new(),
             clearance_m: 0.3,
         };
         let ranges = Ranges { run_up_m: [1.0, 5.5], speed_mps: [0.3, 0.8], steering_rate_rad_s: [0.2, 0.7], yaw_rate_rad_s: None };
-        (car, scene, ranges, Settings { run_up_accel_mps2: 0.5, step_s: 0.02, ..Settings::default() })
+        (car, scene, ranges, UTurnSettings { run_up_accel_mps2: 0.5, step_s: 0.02, ..UTurnSettings::default() })
     }
 
     #[test]
@@ -182,7 +183,7 @@ mod tests {
         for speed in 0..5 {
             for rate in 0..6 {
                 let (speed_mps, steering_rate_rad_s) = (0.3 + 0.125 * f64::from(speed), 0.2 + 0.1 * f64::from(rate));
-                let track = drive(&car, &Turn { run_up_m: 1.0, speed_mps, steering_rate_rad_s }, &settings).unwrap();
+                let track = drive(&car, &UTurnShape { run_up_m: 1.0, speed_mps, steering_rate_rad_s }, &settings).unwrap();
                 let best = (0..=45).map(|k| scene.margins(&track, 0.1 * f64::from(k), 2).smallest_m()).fold(f64::MIN, f64::max);
                 assert!(best <= margin_m + 0.01, "{best} at {speed_mps} m/s, {steering_rate_rad_s} rad/s; found {margin_m}");
             }
@@ -208,7 +209,7 @@ mod tests {
             steering_rate_rad_s: [1.0, 400.0_f64.to_radians()],
             yaw_rate_rad_s: None,
         };
-        let settings = Settings { step_s: 0.02, ..Settings::default() };
+        let settings = UTurnSettings { step_s: 0.02, ..UTurnSettings::default() };
         let found = search(&car, &case.scene, &ranges, &settings).unwrap();
         assert!(found.margins.smallest_m() > 0.5 && found.margins.line_m > 0.0, "{:?} {:?}", found.turn, found.margins);
     }
@@ -222,8 +223,8 @@ mod tests {
         #[test]
         fn no_turn_panics_and_every_track_keeps_its_limits(run_up_m in number(), speed_mps in number(), steering_rate_rad_s in number(), accel in number()) {
             let (car, _, _, settings) = aisle(0.8);
-            let settings = Settings { step_s: 0.05, turn_accel_mps2: [0.0, -0.01 * accel, 0.0], ..settings };
-            if let Ok(track) = drive(&car, &Turn { run_up_m, speed_mps, steering_rate_rad_s }, &settings) {
+            let settings = UTurnSettings { step_s: 0.05, turn_accel_mps2: [0.0, -0.01 * accel, 0.0], ..settings };
+            if let Ok(track) = drive(&car, &UTurnShape { run_up_m, speed_mps, steering_rate_rad_s }, &settings) {
                 prop_assert!(track.states.iter().all(|s| s.wheel_angle_rad.abs() <= car.wheel_limit_rad() + 1e-9));
                 prop_assert!((track.end().heading_rad - 1.5 * std::f64::consts::PI).abs() < 1e-6);
             }

@@ -2,7 +2,7 @@
 
 use crate::guidance::body::within;
 use crate::guidance::geometry::Polygon;
-use crate::guidance::u_turn::model::{Car, Method, Segment, State, integrate};
+use crate::guidance::u_turn::model::{Car, Method, State, SteeringSegment, integrate};
 use crate::guidance::{Error, PathPose, PosePath, Result};
 use crate::map::Gear;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The three things that are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Turn {
+pub struct UTurnShape {
     /// Length of the straight run-up [m].
     pub run_up_m: f64,
     /// Speed of the control point at the end of the run-up [m/s].
@@ -21,7 +21,7 @@ pub struct Turn {
 
 /// How a U-turn is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+pub struct UTurnSettings {
     /// Step [s]. Default 0.01.
     pub step_s: f64,
     /// Method. Default Euler, the published one.
@@ -32,7 +32,7 @@ pub struct Settings {
     pub turn_accel_mps2: [f64; 3],
 }
 
-impl Default for Settings {
+impl Default for UTurnSettings {
     fn default() -> Self {
         Self { step_s: 0.01, method: Method::Euler, run_up_accel_mps2: 3.0, turn_accel_mps2: [0.0; 3] }
     }
@@ -40,9 +40,9 @@ impl Default for Settings {
 
 /// A U-turn to the left from the origin, heading along y.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Track {
+pub struct UTurnTrack {
     /// The turn.
-    pub turn: Turn,
+    pub turn: UTurnShape,
     /// The vehicle.
     pub car: Car,
     /// States of the control point, every step.
@@ -57,7 +57,7 @@ pub struct Track {
 ///
 /// # Errors
 /// A number out of its range, a run-up too short for the speed, or a vehicle that stops in the turn, with the nearest that goes.
-pub fn drive(car: &Car, turn: &Turn, settings: &Settings) -> Result<Track> {
+pub fn drive(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<UTurnTrack> {
     let car = car.checked()?;
     within("run_up_m", turn.run_up_m, 0.0, 1000.0, "0 to 1000")?;
     within("speed_mps", turn.speed_mps, 0.01, 50.0, "0.01 to 50")?;
@@ -80,8 +80,8 @@ pub fn drive(car: &Car, turn: &Turn, settings: &Settings) -> Result<Track> {
     let steady_s = (turn.run_up_m - rising_m) / turn.speed_mps;
     let mut states = vec![State { heading_rad: FRAC_PI_2, ..State::default() }];
     let run_up = [
-        Segment { duration_s: rising_s, accel_mps2: settings.run_up_accel_mps2, wheel_rate_rad_s: 0.0 },
-        Segment { duration_s: steady_s, ..Segment::default() },
+        SteeringSegment { duration_s: rising_s, accel_mps2: settings.run_up_accel_mps2, wheel_rate_rad_s: 0.0 },
+        SteeringSegment { duration_s: steady_s, ..SteeringSegment::default() },
     ];
     let mut state = integrate(&car, states[0], &run_up, settings.step_s, settings.method, |s| states.push(*s));
     // straight and exact: what Euler's method loses while the speed rises is not the turn's
@@ -93,17 +93,21 @@ pub fn drive(car: &Car, turn: &Turn, settings: &Settings) -> Result<Track> {
     let segments = segments(&car, turn, settings, phases_s);
     integrate(&car, state, &segments, settings.step_s, settings.method, |s| states.push(*s));
     let peak_wheel_rad = phases_s[0] * turn.steering_rate_rad_s / car.steering_ratio;
-    Ok(Track { turn: *turn, car, states, phases_s, peak_wheel_rad })
+    Ok(UTurnTrack { turn: *turn, car, states, phases_s, peak_wheel_rad })
 }
 
-fn segments(car: &Car, turn: &Turn, settings: &Settings, phases_s: [f64; 3]) -> [Segment; 3] {
+fn segments(car: &Car, turn: &UTurnShape, settings: &UTurnSettings, phases_s: [f64; 3]) -> [SteeringSegment; 3] {
     let rate = turn.steering_rate_rad_s / car.steering_ratio;
-    [0, 1, 2].map(|k| Segment { duration_s: phases_s[k], wheel_rate_rad_s: [rate, 0.0, -rate][k], accel_mps2: settings.turn_accel_mps2[k] })
+    [0, 1, 2].map(|k| SteeringSegment {
+        duration_s: phases_s[k],
+        wheel_rate_rad_s: [rate, 0.0, -rate][k],
+        accel_mps2: settings.turn_accel_mps2[k],
+    })
 }
 
 /// Lengths of the phases [s] for a turn of exactly 180° by this method and step: with the wheel to its limit the hold is what is missing; where
 /// wheel in and out alone turn further, there is no hold and the wheel stops short of its limit.
-fn phases(car: &Car, turn: &Turn, settings: &Settings) -> Result<[f64; 3]> {
+fn phases(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<[f64; 3]> {
     let start = State { speed_mps: turn.speed_mps, ..State::default() };
     let mut slowest = f64::INFINITY;
     let mut turned = |phases_s: [f64; 3]| {
@@ -165,7 +169,7 @@ fn phases(car: &Car, turn: &Turn, settings: &Settings) -> Result<[f64; 3]> {
     Ok(with(root))
 }
 
-impl Track {
+impl UTurnTrack {
     /// The last state.
     pub fn end(&self) -> State {
         self.states[self.states.len() - 1]
@@ -230,7 +234,7 @@ impl Track {
 }
 
 /// Largest distance of two tracks of the same turn at the same time [m], and of their ends: what the method of integration makes out.
-pub fn largest_difference_m(one: &Track, other: &Track) -> (f64, f64) {
+pub fn largest_difference_m(one: &UTurnTrack, other: &UTurnTrack) -> (f64, f64) {
     let apart = |a: &State, b: &State| (a.x_m - b.x_m).hypot(a.y_m - b.y_m);
     let at = |t_s: f64| {
         let k = other.states.partition_point(|s| s.t_s < t_s).clamp(1, other.states.len() - 1);
@@ -253,15 +257,15 @@ mod tests {
         Car { body: BodyShape::usual(2.1), steering_ratio: 16.0, steering_limit_rad: 470.0_f64.to_radians() }
     }
 
-    fn turn(speed_mps: f64, rate_deg_s: f64) -> Turn {
-        Turn { run_up_m: 11.0, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }
+    fn turn(speed_mps: f64, rate_deg_s: f64) -> UTurnShape {
+        UTurnShape { run_up_m: 11.0, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }
     }
 
     #[test]
     fn the_heading_turns_by_exactly_half_a_turn_and_the_wheel_ends_straight() {
         for method in [Method::Euler, Method::RungeKutta] {
             for (speed, rate) in [(0.7, 400.0), (3.4, 100.0), (6.0, 200.0), (6.0, 400.0), (6.0, 20.0)] {
-                let track = drive(&car(), &turn(speed, rate), &Settings { method, ..Settings::default() }).unwrap();
+                let track = drive(&car(), &turn(speed, rate), &UTurnSettings { method, ..UTurnSettings::default() }).unwrap();
                 let end = track.end();
                 assert!((end.heading_rad - 1.5 * PI).abs() < 1e-11, "{speed} {rate}: {}", end.heading_rad - 1.5 * PI);
                 assert!(end.wheel_angle_rad.abs() < 1e-12);
@@ -273,24 +277,24 @@ mod tests {
 
     #[test]
     fn slowing_down_in_the_turn_counts_and_stopping_is_an_error() {
-        let slowing = Settings { turn_accel_mps2: [0.0, -0.05, 0.0], ..Settings::default() };
+        let slowing = UTurnSettings { turn_accel_mps2: [0.0, -0.05, 0.0], ..UTurnSettings::default() };
         let track = drive(&car(), &turn(2.0, 400.0), &slowing).unwrap();
         assert!((track.end().heading_rad - 1.5 * PI).abs() < 1e-11 && track.end().speed_mps < 1.9);
-        let stopping = Settings { turn_accel_mps2: [0.0, -1.0, 0.0], ..Settings::default() };
+        let stopping = UTurnSettings { turn_accel_mps2: [0.0, -1.0, 0.0], ..UTurnSettings::default() };
         let Err(Error::StopsInTurn { nearest_mps, .. }) = drive(&car(), &turn(2.0, 400.0), &stopping) else { panic!() };
-        assert!(drive(&car(), &Turn { run_up_m: 30.0, ..turn(nearest_mps * 1.05, 400.0) }, &stopping).is_ok(), "{nearest_mps}");
+        assert!(drive(&car(), &UTurnShape { run_up_m: 30.0, ..turn(nearest_mps * 1.05, 400.0) }, &stopping).is_ok(), "{nearest_mps}");
     }
 
     #[test]
     fn a_run_up_too_short_names_the_one_that_is_not() {
-        let short = Turn { run_up_m: 5.0, ..turn(6.0, 200.0) };
-        let Err(Error::RunUpTooShort { nearest_m, .. }) = drive(&car(), &short, &Settings::default()) else { panic!() };
+        let short = UTurnShape { run_up_m: 5.0, ..turn(6.0, 200.0) };
+        let Err(Error::RunUpTooShort { nearest_m, .. }) = drive(&car(), &short, &UTurnSettings::default()) else { panic!() };
         assert!((nearest_m - 6.0).abs() < 1e-12);
     }
 
     #[test]
     fn the_path_of_the_rear_axle_has_even_steps_and_its_own_curvature() {
-        let track = drive(&car(), &turn(1.0, 200.0), &Settings { method: Method::RungeKutta, ..Settings::default() }).unwrap();
+        let track = drive(&car(), &turn(1.0, 200.0), &UTurnSettings { method: Method::RungeKutta, ..UTurnSettings::default() }).unwrap();
         let path = track.path(0.05);
         for pair in path.poses.windows(2).take(path.poses.len() - 2) {
             assert!((pair[1].s_m - pair[0].s_m - 0.05).abs() < 1e-9);

@@ -8,14 +8,14 @@ use crate::verify::Result;
 
 /// a(v, τ) of the plant, one fine table per gear.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plant {
+pub struct ExactMap {
     forward: AccelTable,
     reverse: Option<AccelTable>,
     limit_nm: f64,
     breakaway_nm: f64,
 }
 
-impl Plant {
+impl ExactMap {
     /// The exact map behind a world: the fitted surface of an identified plant, the equation of a physical one on a fine grid.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl Plant {
     }
 }
 
-impl TorqueMap for Plant {
+impl TorqueMap for ExactMap {
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         let (torque_nm, exact) = torque_for(self.table(gear)?, speed_mps, accel_mps2)?;
         let limited = torque_nm.clamp(-self.limit_nm, self.limit_nm);
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn the_inverse_of_the_exact_map_gives_the_acceleration_back() {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let plant = Plant::new(&Settings::physical(vehicle, PhysicalSettings::default())).unwrap();
+        let plant = ExactMap::new(&Settings::physical(vehicle, PhysicalSettings::default())).unwrap();
         for gear in Gear::ALL {
             for (v, a) in [(0.0, 0.0), (0.013, 0.4), (0.3, -1.0), (0.6, 1.2)] {
                 let found = plant.torque(gear, v, a).unwrap();

@@ -1,25 +1,27 @@
 //! A manoeuvre as a log of standard ROS 2 messages: pose as navigated and as true, commands, reference path and matched point.
 
 use crate::guidance::path::PosePath;
-use crate::guidance::route::follower::Stage;
-use crate::manoeuvre::drive::Moment;
-use crate::manoeuvre::judge::replay;
-use crate::manoeuvre::scenario::Manoeuvre;
+use crate::guidance::route::follower::DriveStage;
+use crate::manoeuvre::Result;
+use crate::manoeuvre::drive::{ManoeuvreDriver, ManoeuvreMoment};
 use crate::map::Vehicle;
+use crate::record;
 use crate::record::{LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
+use crate::verify::drive::{Observer, Period};
 use crate::verify::vehicle_log::{START_NS, log_time_ns, write_vehicle};
-use crate::verify::{Maps, Result};
 
-/// A log under construction.
-pub(crate) struct Log {
+/// A log under construction: observes a drive.
+pub(crate) struct ManoeuvreLog {
     log: LogWriter,
     wheel_radius_m: f64,
     /// Whether the matched point is logged.
     points: bool,
-    last_stage: Option<Stage>,
+    last_stage: Option<DriveStage>,
+    /// The first message that could not be written ends the log.
+    outcome: record::Result<()>,
 }
 
-impl Log {
+impl ManoeuvreLog {
     pub(crate) fn new(vehicle: &Vehicle) -> Self {
         let mut log = LogWriter::new();
         let mut entries = vec![
@@ -29,7 +31,7 @@ impl Log {
         ];
         entries.extend(vehicle.torque_limit_nm.map(|limit| ("torque_limit_nm", limit.to_string())));
         log.metadata("pivot-cal/vehicle", entries);
-        Self { log, wheel_radius_m: vehicle.wheel_radius_m, points: true, last_stage: None }
+        Self { log, wheel_radius_m: vehicle.wheel_radius_m, points: true, last_stage: None, outcome: Ok(()) }
     }
 
     /// Leaves out the matched point.
@@ -37,8 +39,15 @@ impl Log {
         Self { points: false, ..self }
     }
 
-    pub(crate) fn metadata<'a>(&mut self, name: &str, entries: impl IntoIterator<Item = (&'a str, String)>) {
-        self.log.metadata(name, entries);
+    /// The log of a manoeuvre, which begins with its name and its path.
+    ///
+    /// # Errors
+    /// What the MCAP writer refuses.
+    pub(crate) fn of_scenario(vehicle: &Vehicle, name: &str, what: &str, path: &PosePath) -> Result<Self> {
+        let mut log = Self::new(vehicle);
+        log.log.metadata("pivot-cal/scenario", [("name", name.to_owned()), ("what", what.to_owned())]);
+        log.reference(path)?;
+        Ok(log)
     }
 
     /// The reference path, once, at the start.
@@ -48,7 +57,7 @@ impl Log {
         Ok(self.log.write("/reference/path", START_NS, START_NS, &message)?)
     }
 
-    pub(crate) fn write(&mut self, moment: &Moment) -> Result<()> {
+    fn write(&mut self, moment: &ManoeuvreMoment) -> record::Result<()> {
         let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
         write_vehicle(&mut self.log, self.wheel_radius_m, state, seen, command.torque_nm, command.gear)?;
         let ns = log_time_ns(state.t_s);
@@ -82,25 +91,20 @@ impl Log {
         Ok(())
     }
 
+    /// The bytes of the MCAP file.
+    ///
+    /// # Errors
+    /// What the MCAP writer refuses.
     pub(crate) fn finish(self) -> Result<Vec<u8>> {
+        self.outcome?;
         Ok(self.log.finish()?)
     }
 }
 
-/// The bytes of an MCAP file with the nominal run of `manoeuvre`.
-///
-/// # Errors
-/// A vehicle that cannot be simulated, and what the MCAP writer refuses.
-pub fn log_of(maps: &Maps, settings: &crate::verify::Settings, manoeuvre: &Manoeuvre) -> Result<Vec<u8>> {
-    let mut log = Log::new(&settings.manoeuvre_vehicle.vehicle);
-    log.metadata("pivot-cal/scenario", [("name", manoeuvre.name.clone()), ("what", manoeuvre.what.clone())]);
-    log.reference(&manoeuvre.reference(settings.manoeuvre_vehicle.vehicle.wheelbase_m)?)?;
-    let mut outcome = Ok(());
-    replay(maps, settings, manoeuvre, |moment| {
-        if outcome.is_ok() {
-            outcome = log.write(moment);
+impl<'a> Observer<ManoeuvreDriver<'a>> for ManoeuvreLog {
+    fn see(&mut self, period: &Period<'_, ManoeuvreDriver<'a>>) {
+        if self.outcome.is_ok() {
+            self.outcome = self.write(period.moment);
         }
-    })?;
-    outcome?;
-    log.finish()
+    }
 }

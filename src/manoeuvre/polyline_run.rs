@@ -1,18 +1,19 @@
 //! The polyline scenario: eight segments that need every case of the plan, driven by each tracking law.
 
-use crate::control::Pose;
-use crate::guidance::route::follower::{FollowerSettings, Stage};
+use crate::control::{Inputs, Pose};
+use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::path_position::{Leg, Offset};
 use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 use crate::guidance::route::polyline_driver::PolylineDriver;
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::guidance::route::turn_law::TurnSettings;
-use crate::manoeuvre::bench::Bench;
-use crate::manoeuvre::drive::{Moment, Mounting, Start, drive};
+use crate::manoeuvre::Result;
+use crate::manoeuvre::bench::ManoeuvreBench;
+use crate::manoeuvre::drive::{Commanded, ManoeuvreDriver, ManoeuvreMoment, ManoeuvreObserver, ManoeuvreStart, Mounting, drive_manoeuvre};
 use crate::sim;
 use crate::sim::TrueState;
-use crate::verify::metric::{Metric, Values};
-use crate::verify::{Error, Result};
+use crate::verify::drive::{Observer, Period};
+use crate::verify::{Metric, Values};
 
 /// The corners [m]: a left turn of 90°, a right one, a bend of 3° without a stop, a short segment in reverse (half/half), and corners sharper
 /// than 90°, which are left in reverse.
@@ -20,30 +21,24 @@ pub const DEMO_POINTS: [[f64; 2]; 9] =
     [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [10.0, 4.0], [14.0, 4.2], [14.0, 2.8], [8.0, 1.0], [3.0, -2.0], [0.0, -2.0]];
 
 /// Settings of follower and turn for a wheelbase [m] and a law.
-pub fn polyline_settings(wheelbase_m: f64, law: LawName) -> (FollowerSettings, TurnSettings) {
+fn polyline_settings(wheelbase_m: f64, law: LawName) -> (FollowerSettings, TurnSettings) {
     (FollowerSettings::new(wheelbase_m, TrackingSettings::new(law)), TurnSettings::new(wheelbase_m))
 }
 
-/// What one leg came to.
+/// What was measured on one leg.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LegResult {
+struct LegResult {
     /// Distance from its end when the vehicle stood there, before or after the turn, the larger one [m].
-    pub corner_error_m: f64,
+    corner_error_m: f64,
     /// Largest distance from its line while driving [m].
-    pub segment_error_m: f64,
+    segment_error_m: f64,
+    /// Squares of that distance times the way, and the way [m].
     squares: f64,
     way_m: f64,
 }
 
-impl LegResult {
-    /// Root mean square of the distance from its line, over the way [m].
-    pub fn segment_rms_m(&self) -> f64 {
-        if self.way_m > 0.0 { (self.squares / self.way_m).sqrt() } else { 0.0 }
-    }
-}
-
-/// Measures a polyline while it is driven.
-struct Watch<'a> {
+/// Observes a polyline and adds up its metrics.
+struct PolylineMetrics<'a> {
     plan: &'a PolylinePlan,
     settings: FollowerSettings,
     legs: Vec<LegResult>,
@@ -56,18 +51,49 @@ struct Watch<'a> {
     end_s: f64,
 }
 
-impl Watch<'_> {
-    fn see(&mut self, moment: &Moment) {
+impl<'a> PolylineMetrics<'a> {
+    fn new(plan: &'a PolylinePlan, settings: FollowerSettings) -> Self {
+        Self {
+            plan,
+            settings,
+            legs: vec![LegResult::default(); plan.legs.len()],
+            index: 0,
+            leg: 0,
+            last: None,
+            squares: 0.0,
+            largest_mps: 0.0,
+            count: 0.0,
+            end_s: 0.0,
+        }
+    }
+
+    /// The metrics of a drive that ended in `stage`.
+    fn values(&self, stage: DriveStage) -> Values {
+        let mut values = Values::default();
+        values.set(Metric::AsExpected, f64::from(u8::from(stage == DriveStage::Arrived)));
+        values.set(Metric::CornerErrorM, self.legs.iter().fold(0.0, |m, l| l.corner_error_m.max(m)));
+        values.set(Metric::SegmentErrorM, self.legs.iter().fold(0.0, |m, l| l.segment_error_m.max(m)));
+        let (squares, way) = self.legs.iter().fold((0.0, 0.0), |(s, w), l| (s + l.squares, w + l.way_m));
+        values.set(Metric::SegmentRmsM, (squares / way).sqrt());
+        values.set(Metric::SpeedRmsMps, (self.squares / self.count).sqrt());
+        values.set(Metric::SpeedMaxMps, self.largest_mps);
+        if stage == DriveStage::Arrived {
+            values.set(Metric::TimeS, self.end_s);
+        }
+        values
+    }
+
+    fn add(&mut self, moment: &ManoeuvreMoment) {
         let state = moment.state;
         let pose = Pose { x_m: state.x_m, y_m: state.y_m, heading_rad: state.heading_rad };
         let moved_m = self.last.map_or(0.0, |l| f64::hypot(state.x_m - l.x_m, state.y_m - l.y_m));
         (self.last, self.end_s) = (Some(state), state.t_s);
-        if moment.leg != self.leg || moment.command.stage == Stage::Arrived {
+        if moment.leg != self.leg || moment.command.stage == DriveStage::Arrived {
             self.corner(pose);
             (self.leg, self.index) = (moment.leg, 0);
         }
         let Some(leg) = self.plan.legs.get(self.leg).and_then(|p| Leg::first(&p.poses)) else { return };
-        if !matches!(moment.command.stage, Stage::Driving | Stage::Stopping) || moment.command.matched.is_none() {
+        if !matches!(moment.command.stage, DriveStage::Driving | DriveStage::Stopping) || moment.command.matched.is_none() {
             return;
         }
         let (matched, index) = leg.nearest(pose.x_m, pose.y_m, self.index);
@@ -77,7 +103,7 @@ impl Watch<'_> {
         result.segment_error_m = result.segment_error_m.max(offset_m.abs());
         result.squares += moved_m * offset_m * offset_m;
         result.way_m += moved_m;
-        if moment.command.stage == Stage::Driving {
+        if moment.command.stage == DriveStage::Driving {
             let planned = self.settings.speed.speed_at(matched.s_m - leg.start_m(), leg.end_m() - leg.start_m());
             let error = leg.gear().sign() * state.speed_mps - planned;
             self.squares += error * error;
@@ -85,7 +111,7 @@ impl Watch<'_> {
             self.count += 1.0;
         }
         // standing at its start after the turn: where did the turn leave it?
-        if moment.command.stage == Stage::Driving && self.leg > 0 && moved_m < 1e-9 {
+        if moment.command.stage == DriveStage::Driving && self.leg > 0 && moved_m < 1e-9 {
             let start = self.plan.legs[self.leg].poses[0];
             let error_m = f64::hypot(pose.x_m - start.x_m, pose.y_m - start.y_m);
             let before = &mut self.legs[self.leg - 1];
@@ -100,51 +126,33 @@ impl Watch<'_> {
     }
 }
 
-/// Drives the points and measures it.
+impl<'b> Observer<ManoeuvreDriver<'b>> for PolylineMetrics<'_> {
+    fn see(&mut self, period: &Period<'_, ManoeuvreDriver<'b>>) {
+        self.add(period.moment);
+    }
+}
+
+/// Drives the points and measures.
 pub(crate) fn run(
-    bench: &Bench<'_>,
+    bench: &ManoeuvreBench<'_>,
     law: LawName,
     points_m: &[[f64; 2]],
     plant: &sim::Settings,
     seed: u64,
-    mut record: impl FnMut(&Moment),
+    observer: impl ManoeuvreObserver,
 ) -> Result<Values> {
-    let plan = PolylinePlan::new(points_m, &PolylineSettings::default()).map_err(Error::Polyline)?;
+    let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
     let (settings, turn) = polyline_settings(bench.wheelbase_m, law);
     settings.speed.checked()?;
     let mut driver = PolylineDriver::new(&plan, settings, turn);
-    let mut watch = Watch {
-        plan: &plan,
-        settings,
-        legs: vec![LegResult::default(); plan.legs.len()],
-        index: 0,
-        leg: 0,
-        last: None,
-        squares: 0.0,
-        largest_mps: 0.0,
-        count: 0.0,
-        end_s: 0.0,
-    };
-    let controller = |inputs: &crate::control::Inputs| {
+    let controller = |inputs: &Inputs| {
         let command = driver.step(inputs, &bench.torque, 0.0);
-        (command, 0.0, driver.leg())
+        Commanded { command, compensation_rad: 0.0, leg: driver.leg() }
     };
     let first = plan.legs[0].poses[0];
-    let start = Start { pose: Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad }, wheel_angle_rad: 0.0 };
-    let stage = drive(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, |moment| {
-        watch.see(moment);
-        record(moment);
-    })?;
-    let mut values = Values::default();
-    values.set(Metric::AsExpected, f64::from(u8::from(stage == Stage::Arrived)));
-    values.set(Metric::CornerErrorM, watch.legs.iter().fold(0.0, |m, l| l.corner_error_m.max(m)));
-    values.set(Metric::SegmentErrorM, watch.legs.iter().fold(0.0, |m, l| l.segment_error_m.max(m)));
-    let (squares, way) = watch.legs.iter().fold((0.0, 0.0), |(s, w), l| (s + l.squares, w + l.way_m));
-    values.set(Metric::SegmentRmsM, (squares / way).sqrt());
-    values.set(Metric::SpeedRmsMps, (watch.squares / watch.count).sqrt());
-    values.set(Metric::SpeedMaxMps, watch.largest_mps);
-    if stage == Stage::Arrived {
-        values.set(Metric::TimeS, watch.end_s);
-    }
-    Ok(values)
+    let pose = Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad };
+    let start = ManoeuvreStart { pose, wheel_angle_rad: 0.0 };
+    let mut observers = (PolylineMetrics::new(&plan, settings), observer);
+    let stage = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
+    Ok(observers.0.values(stage))
 }

@@ -1,41 +1,59 @@
 //! A scenario's nominal run as a log of standard ROS 2 messages, which Foxglove, `PlotJuggler` and rerun draw: what the vehicle did, what was
 //! desired, and the messages between the controller's modules.
 
-use crate::control::{AngleStatus, LateralTask, Phase, PivotRequest};
+use crate::control::{AngleStatus, DriveLaw, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
 use crate::record::{LogWriter, Message, Odometry, Stamp};
 use crate::units::RAD_PER_DEG;
-use crate::verify::bench::Moment;
-use crate::verify::judge::{Settings, replay};
+use crate::verify::bench::PivotMoment;
+use crate::verify::drive::{Observer, Period};
+use crate::verify::pivot_driver::PivotDriver;
 use crate::verify::scenario::Scenario;
 use crate::verify::vehicle_log::{log_time_ns, write_vehicle};
 use crate::verify::{Maps, Result};
 use std::fmt::Write as _;
 
-/// The bytes of an MCAP file with the nominal run of `scenario`.
-///
-/// # Errors
-/// As [`replay`], and what the MCAP writer refuses.
-pub fn log_of(maps: &Maps, settings: &Settings, scenario: &Scenario) -> Result<Vec<u8>> {
-    let mut log = LogWriter::new();
-    log.metadata("pivot-cal/scenario", [("name", scenario.name.clone()), ("what", scenario.what.clone())]);
-    let vehicle = &maps.table2.vehicle;
-    let mut outcome = Ok(());
-    let mut last = (None, None);
-    replay(maps, settings, scenario, |moment, request| {
-        if outcome.is_ok() {
-            outcome = write(&mut log, vehicle.wheel_radius_m, moment, request, last);
+/// A log under construction: observes a run.
+pub(crate) struct PivotLog {
+    log: LogWriter,
+    wheel_radius_m: f64,
+    last: (Option<Phase>, Option<LateralTask>),
+    /// The first message that could not be written ends the log.
+    outcome: crate::record::Result<()>,
+}
+
+impl PivotLog {
+    /// An empty log of `scenario`.
+    pub(crate) fn new(maps: &Maps, scenario: &Scenario) -> Self {
+        let mut log = LogWriter::new();
+        log.metadata("pivot-cal/scenario", [("name", scenario.name.clone()), ("what", scenario.what.clone())]);
+        Self { log, wheel_radius_m: maps.table2.vehicle.wheel_radius_m, last: (None, None), outcome: Ok(()) }
+    }
+
+    /// The bytes of the MCAP file.
+    ///
+    /// # Errors
+    /// What the MCAP writer refuses.
+    pub(crate) fn finish(self) -> Result<Vec<u8>> {
+        self.outcome?;
+        Ok(self.log.finish()?)
+    }
+}
+
+impl<'a, L: DriveLaw> Observer<PivotDriver<'a, L>> for PivotLog {
+    fn see(&mut self, period: &Period<'_, PivotDriver<'a, L>>) {
+        let moment = period.moment;
+        if self.outcome.is_ok() {
+            self.outcome = write(&mut self.log, self.wheel_radius_m, moment, period.driver.request(), self.last);
         }
-        last = (Some(moment.command.phase), Some(moment.command.task));
-    })?;
-    outcome?;
-    Ok(log.finish()?)
+        self.last = (Some(moment.command.phase), Some(moment.command.task));
+    }
 }
 
 fn write(
     log: &mut LogWriter,
     wheel_radius_m: f64,
-    moment: &Moment,
+    moment: &PivotMoment,
     request: Option<&PivotRequest>,
     (last_phase, last_task): (Option<Phase>, Option<LateralTask>),
 ) -> crate::record::Result<()> {

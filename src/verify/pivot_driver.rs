@@ -1,0 +1,196 @@
+//! Drives the turns of a scenario with the pivot controller, and lets the scenario's disturbance begin at its time.
+
+use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, Settings};
+use crate::sim::{Command, Fault, World};
+use crate::units::RAD_PER_DEG;
+use crate::verify::Result;
+use crate::verify::bench::{PivotBench, PivotMoment};
+use crate::verify::drive::{Driver, inputs, pose};
+use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
+
+/// Longest simulated time of one turn [s]: the controller's own time-outs come first.
+const LONGEST_S: f64 = 120.0;
+/// How long a failed run goes on [s]: a vehicle at 0.6 m/s has stopped by then, and the torque has to stay away.
+const AFTER_FAILURE_S: f64 = 2.5;
+/// Time before the first turn [s]: every sensor has read at least once.
+const SETTLE_S: f64 = 0.1;
+
+/// A turn of the scenario.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AskedTurn {
+    /// Its number, from 0.
+    pub(crate) index: usize,
+    /// Angle [rad], left positive.
+    pub(crate) turn_rad: f64,
+}
+
+/// Part of a run.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    /// Before the first turn, with periods left.
+    Settling(usize),
+    /// In a turn, with time left for it [s].
+    Turning(f64),
+    /// After a failure, with periods left.
+    Failed(usize),
+}
+
+/// The driver of a scenario.
+pub(crate) struct PivotDriver<'a, L: DriveLaw> {
+    bench: &'a PivotBench<'a>,
+    scenario: &'a Scenario,
+    controller: PivotController<L>,
+    part: Part,
+    turn: Option<AskedTurn>,
+    /// The disturbance that has not begun in this turn yet.
+    pending: Option<(Disturbance, Onset)>,
+    last_phase: Phase,
+    in_phase_s: f64,
+    as_expected: bool,
+}
+
+impl<'a, L: DriveLaw> PivotDriver<'a, L> {
+    /// At the start of `scenario`. A disturbance without an onset begins now.
+    ///
+    /// # Errors
+    /// Settings that the controller refuses.
+    pub(crate) fn new(bench: &'a PivotBench<'a>, scenario: &'a Scenario, settings: &Settings, law: L, world: &mut World) -> Result<Self> {
+        let controller = PivotController::new(settings, law)?;
+        world.place_wheel(scenario.start_wheel_deg * RAD_PER_DEG);
+        if let Some((disturbance, None)) = scenario.disturbance {
+            begin(world, disturbance, bench);
+        }
+        Ok(Self {
+            last_phase: controller.phase(),
+            bench,
+            scenario,
+            controller,
+            part: Part::Settling((SETTLE_S / bench.period_s) as usize),
+            turn: None,
+            pending: None,
+            in_phase_s: 0.0,
+            as_expected: true,
+        })
+    }
+
+    /// The turn that was asked for last; `None` before the first.
+    pub(crate) fn turn(&self) -> Option<AskedTurn> {
+        self.turn
+    }
+
+    /// The request that is under way.
+    pub(crate) fn request(&self) -> Option<&PivotRequest> {
+        self.controller.current()
+    }
+
+    /// Whether the last turn failed.
+    pub(crate) fn failed(&self) -> bool {
+        matches!(self.part, Part::Failed(_))
+    }
+
+    /// Whether every turn has ended as the scenario says.
+    pub(crate) fn as_expected(&self) -> bool {
+        self.as_expected
+    }
+
+    /// Asks for the next turn; `false` without one.
+    fn ask(&mut self, world: &World) -> Result<bool> {
+        let index = self.turn.map_or(0, |turn| turn.index + 1);
+        let Some(&turn_deg) = self.scenario.turns_deg.get(index) else { return Ok(false) };
+        let turn_rad = turn_deg * RAD_PER_DEG;
+        self.controller.request(turn_rad, pose(&world.measure()))?;
+        self.turn = Some(AskedTurn { index, turn_rad });
+        self.pending = match self.scenario.disturbance {
+            Some((disturbance, Some(onset))) => Some((disturbance, onset)),
+            _ => None,
+        };
+        (self.last_phase, self.in_phase_s) = (self.controller.phase(), 0.0);
+        self.part = Part::Turning(LONGEST_S);
+        Ok(true)
+    }
+
+    /// A turn is over: judges how it ended. `true` when it succeeded.
+    fn end_turn(&mut self) -> bool {
+        let phase = self.controller.phase();
+        let failed = phase != Phase::Succeeded;
+        self.as_expected &= match self.scenario.expected {
+            Expected::Success => !failed,
+            Expected::Failure(failure) => phase == Phase::Failed(failure),
+        };
+        if failed {
+            self.part = Part::Failed((AFTER_FAILURE_S / self.bench.period_s) as usize);
+        }
+        !failed
+    }
+
+    /// Lets the disturbance begin when its time has come.
+    fn disturb(&mut self, world: &mut World) {
+        if let Some((disturbance, Onset { phase, after_s })) = self.pending
+            && phase == self.controller.phase()
+            && self.in_phase_s >= after_s
+        {
+            begin(world, disturbance, self.bench);
+            self.pending = None;
+        }
+    }
+}
+
+impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
+    type Moment = PivotMoment;
+
+    fn prepare(&mut self, world: &mut World) -> Result<bool> {
+        loop {
+            match &mut self.part {
+                Part::Failed(0) => return Ok(false),
+                Part::Settling(left @ 1..) | Part::Failed(left) => {
+                    *left -= 1;
+                    return Ok(true);
+                }
+                Part::Turning(left_s) if self.controller.phase().is_active() && *left_s > 0.0 => {
+                    self.disturb(world);
+                    return Ok(true);
+                }
+                Part::Turning(_) => {
+                    if self.end_turn() && !self.ask(world)? {
+                        return Ok(false);
+                    }
+                }
+                Part::Settling(0) => {
+                    if !self.ask(world)? {
+                        return Ok(false);
+                    }
+                }
+            }
+        }
+    }
+
+    fn command(&mut self, world: &World) -> (PivotMoment, Command) {
+        let (state, seen) = (world.state(), world.measure());
+        let command = self.controller.step(&inputs(&seen));
+        if let Part::Turning(left_s) = &mut self.part {
+            let phase = self.controller.phase();
+            self.in_phase_s = if phase == self.last_phase { self.in_phase_s + self.bench.period_s } else { 0.0 };
+            self.last_phase = phase;
+            *left_s -= self.bench.period_s;
+        }
+        let order = Command { torque_nm: command.torque_nm, wheel_angle_rad: command.wheel_angle_rad, gear: command.gear };
+        (PivotMoment { state, seen, command }, order)
+    }
+}
+
+/// Lets a disturbance begin.
+fn begin(world: &mut World, disturbance: Disturbance, bench: &PivotBench<'_>) {
+    // never so little that the vehicle cannot set off
+    let [holding_nm, planned_nm] = bench.planned_nm;
+    let of_the_plan = |share: f64| (holding_nm + share * (planned_nm - holding_nm)).max(1.1 * bench.breakaway_nm);
+    match disturbance {
+        Disturbance::Obstacle => world.set_estop(true),
+        Disturbance::SteeringStuck => world.inject(Fault::SteeringStuck),
+        Disturbance::SteeringSlow { rate_factor } => world.inject(Fault::SteeringSlow { rate_factor }),
+        Disturbance::SteeringImplausible => world.inject(Fault::SteeringOffset { offset_rad: 3.0 }),
+        Disturbance::SpeedLost => world.inject(Fault::SpeedSensorLost),
+        Disturbance::Slope { grade } => world.inject(Fault::Slope { grade_rad: grade.atan(), uphill_heading_rad: 0.0 }),
+        Disturbance::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: of_the_plan(share) }),
+        Disturbance::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
+    }
+}

@@ -1,0 +1,200 @@
+//! `verify_traces.json`: the pivot of the comparison over time, by the map and by the conventional law, on the nominal plant and as quantiles
+//! over the draws. For people to look at; the verdict does not depend on it.
+
+use crate::control::{DriveLaw, Phase};
+use crate::map::{FORMAT_VERSION, expect_format};
+use crate::units::RAD_PER_DEG;
+use crate::verify::drive::{Observer, Period};
+use crate::verify::metric::quantile;
+use crate::verify::pivot_driver::PivotDriver;
+use crate::verify::scenario::Scenario;
+use crate::verify::{Maps, Result};
+use serde::{Deserialize, Serialize};
+
+/// What the `format` field of a `verify_traces.json` says.
+const FORMAT: &str = "pivot-cal/verify_traces";
+
+/// `verify_traces.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ClosedLoop {
+    /// Always `pivot-cal/verify_traces`.
+    pub format: String,
+    /// Version of this layout.
+    pub format_version: u32,
+    /// Version of the program that wrote it.
+    pub tool_version: String,
+    /// SHA-256 of the Table 2 files that drove, forward first.
+    pub table2_csv_sha256: Vec<String>,
+    /// The scenario.
+    pub scenario: String,
+    /// What it is.
+    pub what: String,
+    /// Draws behind the quantiles.
+    pub draws: usize,
+    /// Time since the gear was set [s].
+    pub t_s: Vec<f64>,
+    /// Speed that the map's law aims at on the nominal plant [m/s]; null after the end.
+    pub target_speed_mps: Vec<Option<f64>>,
+    /// `map` and `conventional`.
+    pub laws: Vec<LawTraces>,
+}
+
+/// One law over time, true values of the simulated plant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LawTraces {
+    /// Name as in the comparison.
+    pub name: String,
+    /// Front-wheel speed [m/s], gear frame.
+    pub speed_mps: Bands,
+    /// Its acceleration [m/s²].
+    pub accel_mps2: Bands,
+    /// Effective torque [N·m].
+    pub torque_nm: Bands,
+    /// Heading turned since the request [°].
+    pub heading_deg: Bands,
+}
+
+/// One quantity over time. A run that has ended keeps its last value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Bands {
+    /// On the plant as fitted.
+    pub nominal: Vec<f64>,
+    /// 5 of 100 draws are below.
+    pub p05: Vec<f64>,
+    /// A quarter of the draws is below.
+    pub p25: Vec<f64>,
+    /// Half of the draws are below.
+    pub median: Vec<f64>,
+    /// Three quarters of the draws are below.
+    pub p75: Vec<f64>,
+    /// 95 of 100 draws are below.
+    pub p95: Vec<f64>,
+}
+
+/// Every second control period is kept [s].
+const STEP_S: f64 = 0.04;
+/// Longest trace [s].
+const LONGEST_S: f64 = 20.0;
+/// Shown after the slower nominal run stands [s].
+const AFTER_S: f64 = 0.6;
+
+/// A point of a run.
+#[derive(Debug, Clone, Copy)]
+struct TracePoint {
+    /// Time since the gear was set [s].
+    t_s: f64,
+    /// Speed [m/s], acceleration [m/s²], effective torque [N·m], heading turned [°].
+    values: [f64; 4],
+    /// Speed that the law aims at [m/s].
+    target_speed_mps: Option<f64>,
+}
+
+/// A run from the gear being set: an observer that keeps what is drawn.
+#[derive(Debug, Default)]
+pub(crate) struct PivotTrace {
+    points: Vec<TracePoint>,
+    begun_s: Option<f64>,
+    start_rad: Option<f64>,
+}
+
+impl<'a, L: DriveLaw> Observer<PivotDriver<'a, L>> for PivotTrace {
+    fn see(&mut self, period: &Period<'_, PivotDriver<'a, L>>) {
+        let (state, command) = (&period.moment.state, &period.moment.command);
+        let start_rad = *self.start_rad.get_or_insert(state.heading_rad);
+        if self.begun_s.is_none() && command.phase == Phase::Driving {
+            self.begun_s = Some(state.t_s);
+        }
+        if let Some(begun_s) = self.begun_s {
+            let turned_deg = (state.heading_rad - start_rad) / RAD_PER_DEG;
+            self.points.push(TracePoint {
+                t_s: state.t_s - begun_s,
+                values: [state.speed_mps, state.accel_mps2, state.torque_nm, turned_deg],
+                target_speed_mps: command.drive.map(|d| d.target_speed_mps),
+            });
+        }
+    }
+}
+
+impl PivotTrace {
+    /// The last point at or before a time.
+    fn at(&self, t_s: f64) -> Option<&TracePoint> {
+        self.points.get(self.points.partition_point(|p| p.t_s <= t_s + 1e-6).saturating_sub(1))
+    }
+
+    /// When the wheel came to rest [s].
+    fn end_s(&self) -> f64 {
+        self.points.iter().rev().find(|p| p.values[0].abs() > 1e-3).map_or(0.0, |p| p.t_s)
+    }
+}
+
+/// The traces of one law: on the plant as fitted, and on each draw.
+type LawRuns = (PivotTrace, Vec<PivotTrace>);
+
+impl ClosedLoop {
+    /// From the runs of the comparison by the map and by the conventional law.
+    pub(crate) fn new(maps: &Maps, scenario: &Scenario, by_map: &LawRuns, conventional: &LawRuns) -> Self {
+        let end_s = (by_map.0.end_s().max(conventional.0.end_s()) + AFTER_S).min(LONGEST_S);
+        let t_s: Vec<f64> = (0..=(end_s / STEP_S).ceil() as u32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
+        let target = |t: f64| by_map.0.at(t).and_then(|p| p.target_speed_mps).map(|v| round(v, 1e4));
+        Self {
+            format: FORMAT.to_owned(),
+            format_version: FORMAT_VERSION,
+            tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            table2_csv_sha256: maps.csv_sha256.clone(),
+            scenario: scenario.name.clone(),
+            what: scenario.what.clone(),
+            draws: by_map.1.len(),
+            target_speed_mps: t_s.iter().map(|t| target(*t)).collect(),
+            laws: vec![law_traces("map", by_map, &t_s), law_traces("conventional", conventional, &t_s)],
+            t_s,
+        }
+    }
+
+    /// Reads the JSON text.
+    ///
+    /// # Errors
+    /// Not JSON, another format or version, a missing field.
+    pub fn from_json(text: &str) -> Result<Self> {
+        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+    }
+
+    /// The text of `verify_traces.json`, with a final line end.
+    ///
+    /// # Errors
+    /// None in practice; serialisation is fallible by its signature.
+    pub fn to_json(&self) -> Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
+}
+
+fn law_traces(name: &str, runs: &LawRuns, t_s: &[f64]) -> LawTraces {
+    let bands = |which: usize, steps: f64| {
+        let value = |run: &PivotTrace, t: f64| run.at(t).map_or(0.0, |p| p.values[which]);
+        let mut bands =
+            Bands { nominal: Vec::new(), p05: Vec::new(), p25: Vec::new(), median: Vec::new(), p75: Vec::new(), p95: Vec::new() };
+        for &t in t_s {
+            bands.nominal.push(round(value(&runs.0, t), steps));
+            let mut values: Vec<f64> = runs.1.iter().map(|r| value(r, t)).collect();
+            values.sort_by(f64::total_cmp);
+            let shares = [0.05, 0.25, 0.5, 0.75, 0.95];
+            let lists = [&mut bands.p05, &mut bands.p25, &mut bands.median, &mut bands.p75, &mut bands.p95];
+            for (list, share) in lists.into_iter().zip(shares) {
+                list.extend(quantile(&values, share).map(|v| round(v, steps)));
+            }
+        }
+        bands
+    };
+    LawTraces {
+        name: name.to_owned(),
+        speed_mps: bands(0, 1e4),
+        accel_mps2: bands(1, 1e3),
+        torque_nm: bands(2, 1e2),
+        heading_deg: bands(3, 1e2),
+    }
+}
+
+fn round(value: f64, steps: f64) -> f64 {
+    let rounded = (value * steps).round() / steps;
+    // no "-0" in a file
+    if rounded == 0.0 { 0.0 } else { rounded }
+}

@@ -1,0 +1,68 @@
+//! How a map is verified.
+
+use crate::control::WaypointLawSettings;
+use crate::sim;
+use crate::verify::Result;
+use crate::verify::gate::Gate;
+use crate::verify::perturbations::Spread;
+use crate::verify::scenario::Scenario;
+
+/// How a map is verified.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerifySettings {
+    /// The scenarios. Default all.
+    pub scenarios: Vec<Scenario>,
+    /// Perturbed plants per scenario. Default 200: the 99th percentile then rests on the two worst.
+    pub draws: usize,
+    /// Perturbed plants in the comparison. Default 20; 0 leaves the comparison out.
+    pub comparison_draws: usize,
+    /// How far they are perturbed.
+    pub spread: Spread,
+    /// Seed of everything random. Default 1.
+    pub seed: u64,
+    /// The limits.
+    pub gate: Gate,
+    /// The drive law; `None`, the default, is the usual one for the map's vehicle.
+    pub law: Option<WaypointLawSettings>,
+    /// The plant; `None`, the default, is the one that Table 1 identified.
+    pub plant: Option<sim::Settings>,
+}
+
+impl VerifySettings {
+    /// The defaults.
+    ///
+    /// # Errors
+    /// None in practice: the built-in gate is read.
+    pub fn new() -> Result<Self> {
+        Ok(Self {
+            scenarios: Scenario::all(),
+            draws: 200,
+            comparison_draws: 20,
+            spread: Spread::default(),
+            seed: 1,
+            gate: Gate::with(None)?,
+            law: None,
+            plant: None,
+        })
+    }
+}
+
+/// What is wanted beside the verdict. Default nothing.
+#[derive(Clone, Copy, Default)]
+pub struct Wanted<'a> {
+    /// The runs over time, for the report.
+    pub traces: bool,
+    /// A log of each nominal run.
+    pub logs: bool,
+    /// Called after every simulated run, from any thread, with the number of runs in all.
+    pub progress: Option<&'a (dyn Fn(usize) + Sync)>,
+}
+
+/// The log of a nominal run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunLog {
+    /// Name of the scenario.
+    pub name: String,
+    /// Bytes of an MCAP file of standard ROS 2 messages.
+    pub bytes: Vec<u8>,
+}

@@ -1,0 +1,108 @@
+//! The plant, the law and the controller of a verdict, and runs of one law over a scenario: nominal and on every draw.
+
+use crate::control::{DriveLaw, Settings, TorqueMap as _, WaypointLawSettings};
+use crate::map::Gear;
+use crate::sim;
+use crate::verify::bench::PivotBench;
+use crate::verify::drive::Observer;
+use crate::verify::exact_map::ExactMap;
+use crate::verify::laws::{law_settings, test_angle_rad};
+use crate::verify::measured_region::Region;
+use crate::verify::metric::{MetricSummary, Values};
+use crate::verify::pivot_driver::PivotDriver;
+use crate::verify::run::run;
+use crate::verify::scenario::Scenario;
+use crate::verify::settings::VerifySettings;
+use crate::verify::{Maps, Result};
+use rayon::prelude::*;
+
+/// Everything that a scenario is run with.
+pub(crate) struct PivotStage<'a> {
+    pub(crate) maps: &'a Maps,
+    pub(crate) control: Settings,
+    pub(crate) law: WaypointLawSettings,
+    region: Region,
+    pub(crate) plant: sim::Settings,
+    pub(crate) exact: ExactMap,
+    pub(crate) seed: u64,
+    /// Called each time a run has ended.
+    pub(crate) done: &'a (dyn Fn() + Sync),
+}
+
+/// Runs of one law over one scenario: what was measured of each, and its observer.
+pub(crate) struct PivotRuns<N, O> {
+    pub(crate) nominal: (Values, N),
+    pub(crate) draws: Vec<(Values, O)>,
+}
+
+impl<N, O> PivotRuns<N, O> {
+    /// The metrics over the runs.
+    pub(crate) fn summaries(&self) -> Vec<MetricSummary> {
+        let draws: Vec<Values> = self.draws.iter().map(|d| d.0).collect();
+        MetricSummary::all(&self.nominal.0, &draws)
+    }
+}
+
+impl<'a> PivotStage<'a> {
+    /// # Errors
+    /// A plant that cannot be simulated.
+    pub(crate) fn new(maps: &'a Maps, settings: &VerifySettings, done: &'a (dyn Fn() + Sync)) -> Result<Self> {
+        let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
+        let exact = ExactMap::new(&plant)?;
+        Ok(Self {
+            maps,
+            control: Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps)),
+            law: settings.law.unwrap_or_else(|| law_settings(maps)),
+            region: Region::new(&maps.table2),
+            plant,
+            exact,
+            seed: settings.seed,
+            done,
+        })
+    }
+
+    /// What a run needs to know of the vehicle.
+    pub(crate) fn bench(&self) -> PivotBench<'_> {
+        let profile = &self.control.planning.profile;
+        let torque_nm = |accel| self.exact.torque(Gear::Forward, 0.5 * profile.cruise_mps, accel).map_or(0.0, |found| found.torque_nm);
+        PivotBench {
+            planned_nm: [torque_nm(0.0), torque_nm(profile.accel_mps2)],
+            control: &self.control,
+            period_s: self.law.period_s,
+            torque_limit_nm: self.maps.torque_limit_nm(),
+            breakaway_nm: self.exact.breakaway_nm(),
+            region: &self.region,
+        }
+    }
+
+    /// The nominal run of a law and its runs on the plants `varied`. `nominal` observes the first, one of `draw` each of the others.
+    ///
+    /// # Errors
+    /// A plant that cannot be simulated, a controller that cannot be set up.
+    pub(crate) fn run_all<L, N, O>(
+        &self,
+        scenario: &Scenario,
+        varied: &[(sim::Settings, u64)],
+        law: impl Fn() -> L + Sync,
+        mut nominal: N,
+        draw: impl Fn() -> O + Sync,
+    ) -> Result<PivotRuns<N, O>>
+    where
+        L: DriveLaw,
+        N: for<'b> Observer<PivotDriver<'b, L>>,
+        O: for<'b> Observer<PivotDriver<'b, L>> + Send,
+    {
+        let bench = self.bench();
+        let values = run(&bench, scenario, &self.plant, law(), self.seed, &mut nominal);
+        (self.done)();
+        let nominal = (values?, nominal);
+        let one = |(plant, seed): &(sim::Settings, u64)| {
+            let mut observer = draw();
+            let values = run(&bench, scenario, plant, law(), *seed, &mut observer);
+            (self.done)();
+            Ok((values?, observer))
+        };
+        let draws: Result<Vec<_>> = varied.par_iter().map(one).collect();
+        Ok(PivotRuns { nominal, draws: draws? })
+    }
+}
