@@ -17,6 +17,7 @@ mod gear;
 mod json_text;
 mod lateral_table_file;
 pub mod lookup;
+mod per_gear;
 mod plan_file;
 mod save;
 mod table1_file;
@@ -37,6 +38,7 @@ pub(crate) use format::expect_format;
 pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
 pub use gear::Gear;
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
+pub use per_gear::PerGear;
 pub use plan_file::{PlanFile, PlannedRun, Proposal};
 pub use save::{sha256_hex, write_whole};
 pub use table1_file::{
