@@ -160,7 +160,7 @@ fn a_messy_drive_is_judged_as_its_answer_key_says_and_fits_its_dynamometer() {
 
 /// Both tables rise, everywhere.
 fn assert_monotone(file: &Table1File) {
-    let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default()).unwrap();
+    let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::InvertSettings::default()).unwrap();
     for map in &file.maps {
         for rows in map.accel_mps2.windows(2) {
             assert!(rows[0].iter().zip(&rows[1]).all(|(low, high)| high > low), "Table 1 does not rise");

@@ -29,6 +29,6 @@ pub fn ledger(samples: impl IntoIterator<Item = (Verdict, f64)>) -> Vec<LedgerRo
         .iter()
         .zip(counts)
         .filter(|(_, (samples, _))| *samples > 0)
-        .map(|(verdict, (samples, seconds))| LedgerRow { verdict: verdict.to_string(), samples, seconds: (seconds * 1e3).round() / 1e3 })
+        .map(|(verdict, (samples, seconds))| LedgerRow { verdict: *verdict, samples, seconds: (seconds * 1e3).round() / 1e3 })
         .collect()
 }

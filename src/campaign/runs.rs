@@ -23,7 +23,6 @@ pub fn runs(survey: &Survey, verdicts: &[Verdict], encoder_scale: f64) -> Vec<(H
             gear.sign() * encoder.value[near].iter().sum::<f64>() / n / encoder_scale
         };
         let table = ledger(samples.clone().map(|i| (verdicts[i], survey.seconds[i])));
-        let used = Verdict::Used.to_string();
         let row = RunRow {
             log: survey.track.source.file.clone(),
             wheel_angle_deg: None,
@@ -33,11 +32,11 @@ pub fn runs(survey: &Survey, verdicts: &[Verdict], encoder_scale: f64) -> Vec<(H
             torque_nm: round(gear.sign() * hold.torque_nm, 1e4),
             start_speed_mps: round(speed_at(samples.start), 1e4),
             end_speed_mps: round(speed_at(samples.end - 1), 1e4),
-            used_s: table.iter().find(|r| r.verdict == used).map_or(0.0, |r| r.seconds),
+            used_s: table.iter().find(|r| r.verdict == Verdict::Used).map_or(0.0, |r| r.seconds),
             speed_rmse_mps: None,
             r_squared: None,
             offset_mps2: None,
-            rejected: table.into_iter().filter(|r| r.verdict != used).collect(),
+            rejected: table.into_iter().filter(|r| r.verdict != Verdict::Used).collect(),
         };
         rows.push((*hold, row));
     }

@@ -1,12 +1,10 @@
 //! The comparison itself.
 
-use crate::diff::sheet::{Sheet, Side, Table};
+use crate::diff::sheet::{DiffSide, Sheet, Table};
 use crate::diff::significance::{threshold, two_sided_p};
-use crate::map::Gear;
+use crate::map::{Gear, WheelAngle};
 use serde::Serialize;
 
-/// Wheel angles that differ by less are the same one [°].
-const SAME_ANGLE_DEG: f64 = 1.0;
 /// Lengths of a vehicle that differ by less, as a share, are the same one.
 const SAME_LENGTH: f64 = 1e-3;
 /// Least standard error of a difference, in the values' unit: files hold six decimals, so that less is rounding.
@@ -14,7 +12,7 @@ const LEAST_STD_ERR: f64 = 1e-6;
 
 /// How a comparison judges.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+pub struct DiffSettings {
     /// Expected share of false ones among the cells called significant; the probability of finding anything when nothing changed.
     /// Default 0.05.
     pub false_discovery_rate: f64,
@@ -23,7 +21,7 @@ pub struct Settings {
     pub matters_mps2: f64,
 }
 
-impl Default for Settings {
+impl Default for DiffSettings {
     fn default() -> Self {
         Self { false_discovery_rate: 0.05, matters_mps2: 0.15 }
     }
@@ -32,7 +30,7 @@ impl Default for Settings {
 /// The outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum DiffVerdict {
     /// No cell differs by more than chance explains.
     Same,
     /// Cells differ by more than chance explains.
@@ -43,7 +41,7 @@ pub enum Verdict {
 
 /// What a comparison found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct MapComparison {
     /// The first file.
     pub a: String,
     /// The second file.
@@ -51,7 +49,7 @@ pub struct Comparison {
     /// Which table was compared.
     pub table: Table,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: DiffVerdict,
     /// Significant cells whose change matters.
     pub matters: usize,
     /// Why the maps are incompatible; empty otherwise.
@@ -59,7 +57,7 @@ pub struct Comparison {
     /// What a reader should know.
     pub notes: Vec<String>,
     /// Settings, as used.
-    pub settings: Settings,
+    pub settings: DiffSettings,
     /// Largest p that is significant; absent when none is.
     pub threshold_p: Option<f64>,
     /// Per gear.
@@ -124,30 +122,30 @@ pub struct Significant {
     pub accel_mps2: f64,
 }
 
-impl Comparison {
+impl MapComparison {
     /// The verdict in one sentence.
     pub fn sentence(&self) -> String {
         let (compared, significant): (usize, usize) =
             self.maps.iter().fold((0, 0), |sum, map| (sum.0 + map.compared, sum.1 + map.significant));
         match self.verdict {
-            Verdict::Same => format!("Same: none of {compared} cells differs by more than chance explains."),
-            Verdict::Changed => format!(
+            DiffVerdict::Same => format!("Same: none of {compared} cells differs by more than chance explains."),
+            DiffVerdict::Changed => format!(
                 "Changed: {significant} of {compared} cells differ by more than chance explains, {} of them by more than {} m/s².",
                 self.matters, self.settings.matters_mps2
             ),
-            Verdict::Incompatible => "Incompatible: the maps cannot be compared.".to_owned(),
+            DiffVerdict::Incompatible => "Incompatible: the maps cannot be compared.".to_owned(),
         }
     }
 }
 
 /// Compares `b` with `a`.
-pub fn compare(a: &Side, b: &Side, settings: &Settings) -> Comparison {
+pub fn compare(a: &DiffSide, b: &DiffSide, settings: &DiffSettings) -> MapComparison {
     let reasons = differences(a, b);
-    let mut comparison = Comparison {
+    let mut comparison = MapComparison {
         a: a.name.clone(),
         b: b.name.clone(),
         table: a.table,
-        verdict: Verdict::Incompatible,
+        verdict: DiffVerdict::Incompatible,
         matters: 0,
         reasons,
         notes: notes(a, b),
@@ -179,16 +177,16 @@ pub fn compare(a: &Side, b: &Side, settings: &Settings) -> Comparison {
         comparison.matters += map.matters;
         comparison.maps.push(map);
     }
-    comparison.verdict = if comparison.threshold_p.is_some() { Verdict::Changed } else { Verdict::Same };
+    comparison.verdict = if comparison.threshold_p.is_some() { DiffVerdict::Changed } else { DiffVerdict::Same };
     comparison
 }
 
 fn matching<'a>(sheet: &Sheet, others: &'a [Sheet]) -> Option<&'a Sheet> {
-    others.iter().find(|o| o.gear == sheet.gear && (o.wheel_angle_deg - sheet.wheel_angle_deg).abs() <= SAME_ANGLE_DEG)
+    others.iter().find(|o| o.gear == sheet.gear && WheelAngle::from_deg(o.wheel_angle_deg).is_same_deg(sheet.wheel_angle_deg))
 }
 
 /// Why the two cannot be compared.
-fn differences(a: &Side, b: &Side) -> Vec<String> {
+fn differences(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let mut reasons = Vec::new();
     if a.table != b.table {
         reasons.push(format!("{} is {:?}, {} is {:?}", a.name, a.table, b.name, b.table));
@@ -200,14 +198,15 @@ fn differences(a: &Side, b: &Side) -> Vec<String> {
         }
     }
     if reasons.is_empty() && !a.sheets.iter().any(|sheet| matching(sheet, &b.sheets).is_some()) {
-        let told =
-            |side: &Side| side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ");
+        let told = |side: &DiffSide| {
+            side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ")
+        };
         reasons.push(format!("no gear and wheel angle in common: {} and {}", told(a), told(b)));
     }
     reasons
 }
 
-fn notes(a: &Side, b: &Side) -> Vec<String> {
+fn notes(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let mut notes = Vec::new();
     let shared = a.logs.iter().filter(|log| b.logs.iter().any(|other| other.sha256 == log.sha256)).count();
     if shared > 0 {

@@ -1,7 +1,7 @@
 //! The comparison as one HTML page: heat maps of change over standard error with values on hover, and the largest changes. No script, no
 //! request; light and dark.
 
-use crate::diff::{Comparison, MapDiff, Significant};
+use crate::diff::{MapComparison, MapDiff, Significant};
 use std::fmt::Write as _;
 
 /// Changes listed in a table.
@@ -20,7 +20,7 @@ table{border-collapse:collapse}td,th{padding:.2rem .7rem;border-bottom:1px solid
 @media print{:root{--bg:#fff;--fg:#000;--soft:#444;--line:#999;--zero:#f2f3f5;--none:#ddd}}";
 
 /// The page. Files are named as they were given; nothing else of the machine is in it.
-pub fn html(comparison: &Comparison) -> String {
+pub fn html(comparison: &MapComparison) -> String {
     let mut page = String::from("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     page.push_str("<meta name=\"viewport\" content=\"width=device-width\">\n<title>Map difference</title>\n");
     let _ = writeln!(page, "<style>{STYLE}</style>\n</head>\n<body>\n<h1>Map difference</h1>");
@@ -36,7 +36,7 @@ pub fn html(comparison: &Comparison) -> String {
     page
 }
 
-fn heat_map(page: &mut String, comparison: &Comparison, map: &MapDiff) {
+fn heat_map(page: &mut String, comparison: &MapComparison, map: &MapDiff) {
     let [rows_name, columns_name] = comparison.table.axes();
     let unit = comparison.table.unit();
     let (left, top, width, height) = (64.0, 8.0, 880.0, 420.0);

@@ -9,12 +9,12 @@
 
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Error, Result, Source};
+use crate::export::{Error, MapSource, Result};
 use crate::map::{AccelTable, Gear};
 
 const FORMAT: &str = "autoware";
 
-pub(crate) fn files(source: &Source) -> Result<Vec<File>> {
+pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
     let full_nm = source.full_torque_nm();
     let mut files = Vec::new();
     for (gear, table) in &source.accel {

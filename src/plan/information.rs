@@ -7,7 +7,7 @@ use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::fit::{Error, Result, Settings};
 use crate::map::{DelayEstimate, Gear, Table1File};
-use crate::plan::drive::{Part, READING_S, Vehicle};
+use crate::plan::drive::{DrivenPart, PlannedVehicle, READING_S};
 use crate::plan::settings::PlanSettings;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
@@ -39,7 +39,7 @@ const MOST_SPEEDS: usize = 40;
 pub(crate) type Information = Mat<f64>;
 
 /// A cell whose torque is to be known.
-pub(crate) struct Cell {
+pub(crate) struct TorqueCell {
     pub(crate) gear: Gear,
     pub(crate) speed_mps: f64,
     pub(crate) torque_nm: f64,
@@ -52,7 +52,7 @@ pub(crate) struct Model {
     surface: LatticeSurface,
     pub(crate) design: Design,
     noise: Noise,
-    pub(crate) vehicles: Vec<Vehicle>,
+    pub(crate) vehicles: Vec<PlannedVehicle>,
     /// Torques that may be driven [N·m], rising.
     pub(crate) levels_nm: Vec<f64>,
     breaks: (Vec<f64>, Vec<f64>),
@@ -111,7 +111,7 @@ impl Model {
         };
         let mut vehicles = Vec::new();
         for map in &file.maps {
-            vehicles.push(Vehicle {
+            vehicles.push(PlannedVehicle {
                 gear: map.gear,
                 surface: map.surface.table()?,
                 dead_time_s: file.actuator.dead_time.value_s.clamp(0.0, 0.5),
@@ -149,7 +149,7 @@ impl Model {
     }
 
     /// The information of stretches of a gear, in the log driven before (0) or the one to come (1).
-    pub(crate) fn information(&self, gear: Gear, parts: &[Part], log: usize) -> Information {
+    pub(crate) fn information(&self, gear: Gear, parts: &[DrivenPart], log: usize) -> Information {
         let t = self.design.transform(gear);
         let (q, base) = (t.ncols(), t.nrows());
         let blocks: Vec<Mat<f64>> = parts
@@ -268,7 +268,7 @@ impl Model {
     }
 
     /// The cells of both gears whose torque is to be known.
-    pub(crate) fn cells(&self) -> Vec<Cell> {
+    pub(crate) fn cells(&self) -> Vec<TorqueCell> {
         let mut cells = Vec::new();
         let (speeds, torques) = &self.breaks;
         for vehicle in &self.vehicles {
@@ -286,7 +286,7 @@ impl Model {
                         .map(|c| spot.columns(&self.surface.lattice).map(|(r, w)| w * t[(r, c)]).sum::<f64>() / slope)
                         .collect();
                     contrast.resize(self.size(), 0.0);
-                    cells.push(Cell { gear: vehicle.gear, speed_mps, torque_nm, contrast });
+                    cells.push(TorqueCell { gear: vehicle.gear, speed_mps, torque_nm, contrast });
                 }
             }
         }

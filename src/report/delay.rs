@@ -21,7 +21,7 @@ const MOST_SIGMA: f64 = 12.0;
 pub(crate) fn delay(inputs: &Inputs) -> Section {
     let mut section = Section::new("delay", "Delay likelihood");
     let actuator = &inputs.table1.actuator;
-    let told = |d: &DelayEstimate| vec![num(1e3 * d.value_s, 1), d.std_err_s.map_or("–".into(), |e| num(1e3 * e, 1)), escaped(&d.status)];
+    let told = |d: &DelayEstimate| vec![num(1e3 * d.value_s, 1), d.std_err_s.map_or("–".into(), |e| num(1e3 * e, 1)), d.status.to_string()];
     let mut rows = vec![
         [vec!["dead time, all logs".to_owned()], told(&actuator.dead_time)].concat(),
         [vec!["lag, all logs".to_owned()], told(&actuator.lag)].concat(),
@@ -31,7 +31,7 @@ pub(crate) fn delay(inputs: &Inputs) -> Section {
         rows.push([vec![format!("clock offset, {}", escaped(&log.file))], told(&log.clock_offset)].concat());
     }
     section.table("narrow", &["delay|", "ms", "± ms", "status|"], &rows);
-    if actuator.input != "torque command" {
+    if !actuator.input.is_plain_command() {
         section.paragraph(&format!("The fit's input is the {}.", actuator.input));
     }
     let Some(likelihood) = inputs.fit_traces.as_ref().and_then(|t| t.delay.as_ref()) else {

@@ -102,9 +102,9 @@ fn planned(section: &mut Section, inputs: &Inputs) {
         .map(|(k, run)| {
             vec![
                 (k + 1).to_string(),
-                run.gear.to_string(),
-                num(run.torque_nm, 1),
-                escaped(&run.start()),
+                run.run.gear.to_string(),
+                num(run.run.torque_nm, 1),
+                escaped(&run.run.start()),
                 run.repeats.to_string(),
                 num(run.seconds, 1),
                 num(1e3 * run.gain_nm, 2),

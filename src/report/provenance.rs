@@ -34,7 +34,7 @@ pub(crate) fn provenance(inputs: &Inputs) -> crate::report::Result<Section> {
     for witness in &file.witnesses {
         let error = witness.scale_std_err.map_or(String::new(), |e| format!(" ± {}", num(e, 4)));
         rows.push(vec![
-            format!("speed by {}", escaped(&witness.name)),
+            format!("speed by {}", witness.name),
             format!(
                 "scale {}{error}, {} ms late, noise {} m/s",
                 num(witness.scale, 4),

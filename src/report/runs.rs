@@ -50,7 +50,7 @@ pub(crate) fn runs(inputs: &Inputs) -> Section {
     html.push_str("</tbody></table></div>\n");
     section.body.push_str(&html);
     let ledger: Vec<Vec<String>> =
-        inputs.table1.report.ledger.iter().map(|r| vec![escaped(&r.verdict), r.samples.to_string(), num(r.seconds, 2)]).collect();
+        inputs.table1.report.ledger.iter().map(|r| vec![r.verdict.to_string(), r.samples.to_string(), num(r.seconds, 2)]).collect();
     section.heading("What became of the samples");
     section.table("narrow", &["verdict|", "samples", "seconds"], &ledger);
     section
@@ -70,7 +70,8 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
 /// A run; with its log and its wheel angle where there are several.
 fn row(k: usize, run: &RunRow, (several, angles): (bool, bool), traced: bool) -> String {
     let told = |value: Option<f64>, digits| value.map_or("–".to_owned(), |v| num(v, digits));
-    let reasons: Vec<String> = run.rejected.iter().map(|r| format!("{}\u{a0}{}\u{a0}s", escaped(&r.verdict), num(r.seconds, 2))).collect();
+    let reasons: Vec<String> =
+        run.rejected.iter().map(|r| format!("{}\u{a0}{}\u{a0}s", r.verdict.to_string(), num(r.seconds, 2))).collect();
     let unused = if run.used_s > 0.0 { "" } else { " unused" };
     let click = if traced {
         format!(" class=\"click{unused}\" tabindex=\"0\" aria-expanded=\"false\"")

@@ -1,5 +1,6 @@
 //! The head of the page: the verdict, the three figures behind it, and what a reader should know.
 
+use crate::map::SampleVerdict;
 use crate::report::svg::{escaped, num};
 use crate::report::{Inputs, Judgement};
 use crate::verify::{Class, Metric, Statistic, Status, Verdict};
@@ -140,11 +141,11 @@ fn warnings(inputs: &Inputs) -> String {
 fn facts(inputs: &Inputs) -> String {
     let file = &inputs.table1;
     let report = &file.report;
-    let used = report.ledger.iter().find(|r| r.verdict == "used").map_or(0.0, |r| r.seconds);
+    let used = report.ledger.iter().find(|r| r.verdict == SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = report.ledger.iter().map(|r| r.seconds).sum();
     let delay = |d: &crate::map::DelayEstimate| {
         let error = d.std_err_s.map_or(String::new(), |e| format!(" ± {}", num(1e3 * e, 1)));
-        format!("{}{error} ms, {}", num(1e3 * d.value_s, 1), escaped(&d.status))
+        format!("{}{error} ms, {}", num(1e3 * d.value_s, 1), d.status)
     };
     let breakaway: Vec<String> = file
         .maps

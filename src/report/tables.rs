@@ -1,6 +1,6 @@
 //! Table 1 and Table 2: heat maps, and surfaces over the same cells.
 
-use crate::map::{AccelMap, Surface, TorqueMap};
+use crate::map::{AccelMap, FineSurface, TorqueMap};
 use crate::report::Inputs;
 use crate::report::heat::{Heat, Quantity};
 use crate::report::scale::Colours;
@@ -17,7 +17,7 @@ pub(crate) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digit
 pub(crate) const SIZE: (f64, f64) = (560.0, 400.0);
 
 /// Torque at which the speed neither rises nor falls, over speed: where the surface crosses zero.
-pub(crate) fn holding_torque(surface: &Surface) -> Vec<(f64, f64)> {
+pub(crate) fn holding_torque(surface: &FineSurface) -> Vec<(f64, f64)> {
     let torques = &surface.torque_nm;
     let crossing = |j: usize| {
         let k = (1..torques.len()).rev().find(|k| surface.accel_mps2[k - 1][j] <= 0.0 && surface.accel_mps2[*k][j] > 0.0)?;

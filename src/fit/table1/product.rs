@@ -11,8 +11,8 @@ use crate::fit::table1::soundness::coverage;
 use crate::fit::table1::traces::traces;
 use crate::fit::{Error, Result, Settings};
 use crate::map::{
-    AccelMap, Actuator, DelayEstimate, FORMAT_VERSION, FitTraces, LogActuator, PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units,
-    Vehicle, Witness,
+    AccelMap, Actuator, DelayEstimate, DelayStatus, FORMAT_VERSION, FitTraces, LogActuator, PlantNoise, SpeedReading, SpeedSource,
+    Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle,
 };
 use crate::signal::median;
 
@@ -155,17 +155,17 @@ pub(crate) struct Delays {
 pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &Choice, settings: &Settings) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
-            "given"
+            DelayStatus::Given
         } else if std_err_s > 0.01 {
-            "weakly determined"
+            DelayStatus::WeaklyDetermined
         } else {
-            "estimated"
+            DelayStatus::Estimated
         }
     };
     let told = |value_s: f64, std_err_s: f64, given: bool| DelayEstimate {
         value_s: round(value_s, 1e6),
         std_err_s: (!given).then(|| round(std_err_s, 1e6)),
-        status: status(given, std_err_s).to_owned(),
+        status: status(given, std_err_s),
     };
     let given = settings.dead_time_s.is_some();
     let mut std_errs_s = Vec::new();
@@ -188,11 +188,11 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &Choice, set
                     let estimate = DelayEstimate {
                         value_s: round(offset, 1e6),
                         std_err_s: Some(round(error, 1e6)),
-                        status: if real { "estimated" } else { "none found" }.to_owned(),
+                        status: if real { DelayStatus::Estimated } else { DelayStatus::NoneFound },
                     };
                     (estimate, if real { f.dead_time_s } else { total })
                 }
-                _ => (DelayEstimate { value_s: 0.0, std_err_s: None, status: "not separable".to_owned() }, total),
+                _ => (DelayEstimate { value_s: 0.0, std_err_s: None, status: DelayStatus::NotSeparable }, total),
             };
             LogActuator {
                 sha256: survey.track.source.sha256.clone(),
@@ -228,9 +228,9 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, spread)
 }
 
-pub(crate) fn witnesses(estimate: &Estimate) -> Vec<Witness> {
-    let encoder = Witness {
-        name: "encoder".to_owned(),
+pub(crate) fn witnesses(estimate: &Estimate) -> Vec<SpeedReading> {
+    let encoder = SpeedReading {
+        name: SpeedSource::Encoder,
         scale: round(estimate.calibration.encoder_scale, 1e6),
         scale_std_err: estimate.has_yaw.then(|| round(estimate.calibration_errors.encoder_scale, 1e6)),
         delay_s: round(estimate.calibration.encoder_delay_s, 1e6),
@@ -238,8 +238,8 @@ pub(crate) fn witnesses(estimate: &Estimate) -> Vec<Witness> {
     };
     let mut all = vec![encoder];
     if estimate.has_yaw {
-        all.push(Witness {
-            name: "yaw rate".to_owned(),
+        all.push(SpeedReading {
+            name: SpeedSource::YawRate,
             scale: 1.0,
             scale_std_err: None,
             delay_s: 0.0,

@@ -4,7 +4,7 @@ use crate::campaign::Verdict;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::{Result, Settings};
-use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
+use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
 /// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
@@ -149,7 +149,7 @@ pub(crate) fn accel_map(
         status,
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
-        surface: Surface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
+        surface: FineSurface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
         speed_mps: speed,
         torque_nm: torque,
     };
@@ -184,7 +184,7 @@ fn statuses(measured: &[Vec<bool>]) -> Vec<Vec<CellStatus>> {
 }
 
 /// The torque at which the surface at standstill crosses zero, held within what the starts from rest showed.
-fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Breakaway {
+fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> BreakawayTorque {
     let surface = estimate.surface(gear);
     let trials = || estimate.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);
     let moved_from_nm = trials().filter(|t| t.moved).map(|t| t.torque_nm).min_by(f64::total_cmp);
@@ -202,7 +202,7 @@ fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Brea
         let slope = surface.value_and_slope(0.0, u).1.max(1e-6);
         round6(uncertainty.std_errs_mps2(estimate, gear, &[(0.0, u)])[0] / slope)
     });
-    Breakaway { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
+    BreakawayTorque { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
 }
 
 /// From the last reading used of each run of a log that ends in a stop to the rest, in order [s].

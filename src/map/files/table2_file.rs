@@ -1,9 +1,11 @@
-//! `table2.json`: Table 2 with everything that its CSV does not tell.
+//! `table2.json`: Table 2 with everything that its CSV does not say.
 
-use crate::map::accel_table::SPEED_AXIS;
-use crate::map::format::{TABLE2_FORMAT, expect_format};
-use crate::map::torque_table::ACCEL_AXIS;
-use crate::map::{AngleFamily, Axis, CellStatus, CsvRef, Gear, LogRef, Result, TorqueTable, Units, Vehicle};
+use crate::map::files::format::{TABLE2_FORMAT, expect_format};
+use crate::map::files::named;
+use crate::map::files::shape::Field;
+use crate::map::files::status::ZeroRow;
+use crate::map::files::table1_file::{CsvRef, LogRef, Units};
+use crate::map::{ACCEL_AXIS, AngleFamily, Axis, CellStatus, Gear, Result, SPEED_AXIS, TorqueTable, Vehicle, WheelAngle};
 use serde::{Deserialize, Serialize};
 
 /// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.
@@ -15,7 +17,7 @@ pub struct Table2File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
-    /// Units of every number whose name does not tell.
+    /// Units of every number whose name does not say them.
     pub units: Units,
     /// The vehicle.
     pub vehicle: Vehicle,
@@ -59,10 +61,11 @@ pub struct TorqueMap {
     pub reachable_accel_mps2: Vec<[f64; 2]>,
     /// Torques at which a resting wheel stays at rest.
     pub dead_band: DeadBand,
-    /// How the row at speed 0 was made: `moving` or `hold`.
-    pub zero_row: String,
+    /// How the row at speed 0 was made.
+    #[serde(with = "named")]
+    pub zero_row: ZeroRow,
     /// What is lost by the grid: A(v, Table 2(v, a)) − a over what was measured.
-    pub round_trip: RoundTrip,
+    pub round_trip: RoundTripErrors,
 }
 
 /// Torques [N·m] at which a resting wheel stays at rest, gear frame.
@@ -78,24 +81,24 @@ pub struct DeadBand {
 
 /// A(v, Table 2(v, a)) − a [m/s²].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RoundTrip {
+pub struct RoundTripErrors {
     /// Root mean square at the nodes.
     pub node_rms_mps2: f64,
     /// Largest at the nodes.
     pub node_max_mps2: f64,
     /// Where the largest one at the nodes is.
-    pub node_max_at: Place,
+    pub node_max_at: GridPoint,
     /// Root mean square over a dense grid between the nodes.
     pub between_rms_mps2: f64,
     /// Largest between the nodes.
     pub between_max_mps2: f64,
     /// Where the largest one between the nodes is.
-    pub between_max_at: Place,
+    pub between_max_at: GridPoint,
 }
 
-/// A place in Table 2.
+/// A point of Table 2, at a node or between nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Place {
+pub struct GridPoint {
     /// Speed [m/s].
     pub speed_mps: f64,
     /// Desired acceleration [m/s²].
@@ -106,14 +109,13 @@ impl Table2File {
     /// Reads the JSON text.
     ///
     /// # Errors
-    /// Not JSON, another format, an unknown version, a missing or misplaced field, or tables that [`TorqueTable::new`] refuses.
+    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not among the allowed ones, an array whose
+    /// size is not that of its axes, or tables that [`TorqueTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
         let value = expect_format(text, TABLE2_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;
         file.vehicle.checked()?;
-        for map in &file.maps {
-            map.table()?;
-        }
+        file.maps.iter().enumerate().try_for_each(|(k, map)| map.check(&format!("maps[{k}]")))?;
         file.families.iter().try_for_each(AngleFamily::check)?;
         Ok(file)
     }
@@ -123,16 +125,45 @@ impl Table2File {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        crate::map::json_text::to_text(self)
+        crate::map::files::json_text::to_text(self)
     }
 
-    /// The map of a gear at a wheel angle within `tolerance_deg` of `wheel_angle_deg`.
-    pub fn map(&self, gear: Gear, wheel_angle_deg: f64, tolerance_deg: f64) -> Option<&TorqueMap> {
-        self.maps.iter().find(|m| m.gear == gear && (m.wheel_angle_deg - wheel_angle_deg).abs() <= tolerance_deg)
+    /// The map of a gear at a wheel angle.
+    pub fn map(&self, gear: Gear, angle: WheelAngle) -> Option<&TorqueMap> {
+        self.maps.iter().find(|m| m.gear == gear && m.angle().is_same(angle))
+    }
+
+    /// The map of a gear at the test angle.
+    pub fn map_at_test_angle(&self, gear: Gear) -> Option<&TorqueMap> {
+        self.map(gear, self.vehicle.test_angle())
+    }
+
+    /// Whether the maps belong to more than one wheel angle.
+    pub fn has_several_angles(&self) -> bool {
+        WheelAngle::several(self.maps.iter().map(|m| m.wheel_angle_deg))
     }
 }
 
 impl TorqueMap {
+    /// The wheel angle of the map.
+    pub fn angle(&self) -> WheelAngle {
+        WheelAngle::from_deg(self.wheel_angle_deg)
+    }
+
+    /// Every array against the axes; `place` is the map in errors.
+    fn check(&self, place: &str) -> Result<()> {
+        self.table()?;
+        let field = |name| Field { map: place, name };
+        let (rows, columns) = (self.speed_mps.len(), self.accel_mps2.len());
+        field("torque_nm").expect_numbers(rows, columns, &self.torque_nm)?;
+        field("std_err_nm").expect_cells(rows, columns, &self.std_err_nm)?;
+        field("status").expect_cells(rows, columns, &self.status)?;
+        field("reachable_accel_mps2").expect_len("", rows, self.reachable_accel_mps2.len())?;
+        field("wheel_angle_deg").expect_finite("", self.wheel_angle_deg)?;
+        field("dead_band.low_nm").expect_finite("", self.dead_band.low_nm)?;
+        field("dead_band.high_nm").expect_finite("", self.dead_band.high_nm)
+    }
+
     /// The table itself.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! One value for each gear.
 
-use crate::map::Gear;
+use super::gear::Gear;
 use core::ops::{Index, IndexMut};
 
 /// A value for forward gear and one for reverse, asked for by the gear itself.
