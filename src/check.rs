@@ -1,4 +1,4 @@
-//! Judges a map: ours, or one of another system. Nothing is refused at the first flaw; every broken rule is told with its place.
+//! Judges a map: ours, or one of another system. Nothing is refused at the first flaw; every broken rule is reported with its place.
 //!
 //! In: a file. Out: a [`CheckReport`] of findings. What is read as what: JSON by its `format` field; a corner cell `rows\columns` is one of our
 //! CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form CSV; any other CSV is an
@@ -17,7 +17,7 @@ use crate::check::foreign::{cells_of_csv, says_long_form};
 use crate::map::{Error, Result};
 use std::path::Path;
 
-/// What a check may be told.
+/// Settings of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckSettings {
     /// A step is a jump when its slope is more than this many times the slope that nine in ten steps along the same axis stay below.

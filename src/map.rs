@@ -13,8 +13,8 @@ pub use error::{Error, Result};
 pub(crate) use files::expect_format;
 pub use files::{
     AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DeadBand, DeadTimeLikelihood, DelayEstimate, DelayLikelihood, DelayStatus,
-    FIT_TRACES_FORMAT, FORMAT_VERSION, FineSurface, FitTraces, FolderError, GridPoint, InputSource, LATERAL_TABLE_FORMAT, LateralCurve,
-    LateralEntry, LateralMean, LateralTableFile, LedgerRow, LogActuator, LogRef, MapFolder, Mismatch, Named, PlanEntry, PlanFile,
+    FIT_TRACES_FORMAT, FORMAT_VERSION, FineSurface, FitTraces, FixedText, FolderError, GridPoint, InputSource, LATERAL_TABLE_FORMAT,
+    LateralCurve, LateralEntry, LateralMean, LateralTableFile, LedgerRow, LogActuator, LogRef, MapFolder, Mismatch, PlanEntry, PlanFile,
     PlannedRun, PlantNoise, Proposal, ResidualCells, ResidualTimes, RoundTripErrors, RunRow, RunTrace, SampleVerdict, SpeedReading,
     SpeedSource, Stage1Report, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, Units, ZeroRow, csv_name,
     is_csv_name, sha256_hex, write_whole,

@@ -210,8 +210,7 @@ fn a_gap_of_the_feedback_is_left_out_and_a_lost_reading_is_bridged() {
     let usable = surveyed(&recording, |_| ());
     let stretch = usable.stretches.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s))).unwrap();
     let middle_s = 0.5 * (stretch.from_s + stretch.to_s);
-    let seconds =
-        |fit: &Fit| fit.file.report.ledger.iter().find(|row| row.verdict == Verdict::Gap).map_or(0.0, |row| row.seconds);
+    let seconds = |fit: &Fit| fit.file.report.ledger.iter().find(|row| row.verdict == Verdict::Gap).map_or(0.0, |row| row.seconds);
     let whole = fitted(&recording, |_| ());
     let with_gap = fitted(&recording, |track| {
         let own = feedback(track);

@@ -17,7 +17,7 @@ pub enum Rule {
     NotANumber,
     /// Breaks increase strictly.
     AxisOrder,
-    /// A place is told once.
+    /// A place is given once.
     Duplicate,
     /// More command, more acceleration.
     NotMonotone,
@@ -31,7 +31,7 @@ pub enum Rule {
     Jump,
     /// The axes begin where they should, and leave no hole.
     RangeGap,
-    /// The torques at which a resting wheel stays at rest are told.
+    /// The torques at which a resting wheel stays at rest are given.
     DeadBand,
     /// The file is the one that the JSON beside it describes.
     HashMismatch,
@@ -169,7 +169,7 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// Counts and orders `findings`; `judged` tells for a rule how many places of which kind were judged.
+    /// Counts and orders `findings`; `judged` has for each rule how many places of which kind were judged.
     pub(crate) fn new(
         map: String,
         format: &str,

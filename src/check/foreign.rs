@@ -1,4 +1,4 @@
-//! Maps of other systems, read without judging them: what cannot be read stays empty, with its place, for [`crate::check`] to tell.
+//! Maps of other systems, read without judging them: what cannot be read stays empty, with its place, for [`crate::check`] to report.
 
 mod apollo;
 mod autoware;

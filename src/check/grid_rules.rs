@@ -53,8 +53,8 @@ pub(crate) fn misread(misread: &[Misread]) -> impl Iterator<Item = RuleBreach> +
 impl JudgedGrid<'_> {
     /// The place of a cell.
     pub(crate) fn cell(&self, rule: Rule, severity: Severity, i: usize, j: usize, what: String) -> RuleBreach {
-        let told = |breaks: &[Option<f64>], k: usize| breaks.get(k).copied().flatten().map_or("?".to_owned(), |b| b.to_string());
-        let (row, column) = (told(&self.grid.row_breaks, i), told(&self.grid.column_breaks, j));
+        let text = |breaks: &[Option<f64>], k: usize| breaks.get(k).copied().flatten().map_or("?".to_owned(), |b| b.to_string());
+        let (row, column) = (text(&self.grid.row_breaks, i), text(&self.grid.column_breaks, j));
         let at = format!("{}{} {row}, {} {column}", self.of, self.meaning.rows, self.meaning.columns);
         RuleBreach::at(rule, severity, at, what).on(self.grid.lines.get(i).copied(), j + 2)
     }

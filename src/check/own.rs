@@ -236,7 +236,7 @@ fn signs(table: OwnTable, judged: &JudgedGrid, findings: &mut Vec<RuleBreach>) {
 
 /// The dead band of a map: `breakaway` in Table 1, `dead_band` in Table 2.
 fn dead_band(table: OwnTable, map: &Value, of: &str, findings: &mut Vec<RuleBreach>) {
-    let (told, sound) = match table {
+    let (band, sound) = match table {
         OwnTable::One => {
             let torque = map["breakaway"]["torque_nm"].as_f64();
             (torque.map(|t| format!("breakaway torque {t} N·m")), torque.is_some_and(|t| t > 0.0))
@@ -247,7 +247,7 @@ fn dead_band(table: OwnTable, map: &Value, of: &str, findings: &mut Vec<RuleBrea
         }
     };
     if !sound {
-        let what = told.map_or("no dead band is told".to_owned(), |t| format!("{t}: a resting wheel has friction both ways"));
+        let what = band.map_or("no dead band is told".to_owned(), |t| format!("{t}: a resting wheel has friction both ways"));
         findings.push(RuleBreach::at(Rule::DeadBand, Severity::Error, of.trim_end_matches(", "), what));
     }
 }

@@ -57,7 +57,7 @@ pub(crate) fn judge(points: &CommandPoints, sign: SignRule, findings: &mut Vec<R
 /// One finding per speed row and rule: the pairs whose command falls, does not change, or stands twice.
 fn monotone(speed: f64, row: &[CommandPoint], findings: &mut Vec<RuleBreach>) {
     let at = || format!("speed {speed}");
-    let told = |pairs: &[(CommandPoint, CommandPoint)]| {
+    let text = |pairs: &[(CommandPoint, CommandPoint)]| {
         let shown = pairs.iter().take(3).map(|(a, b)| format!("{} → {} at acceleration {} → {}", a.command, b.command, a.accel, b.accel));
         let more = pairs.len().saturating_sub(3);
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
@@ -73,7 +73,7 @@ fn monotone(speed: f64, row: &[CommandPoint], findings: &mut Vec<RuleBreach>) {
         (Rule::Plateau, Severity::Warning, level, "one command for several accelerations: "),
     ] {
         if let Some((_, first)) = found.first() {
-            let what = format!("{what}{}", told(&found));
+            let what = format!("{what}{}", text(&found));
             findings.push(RuleBreach::at(rule, severity, at(), what).on(Some(first.line), 0));
         }
     }

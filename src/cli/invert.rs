@@ -5,7 +5,7 @@ use crate::cli::breaks::Breaks;
 use crate::cli::outcome::Outcome;
 use crate::cli::table1;
 use crate::invert::{Inversion, InvertSettings, ZeroRow, invert};
-use crate::map::{CsvRef, Mismatch, Named, Table1File, Table2File, write_whole};
+use crate::map::{CsvRef, FixedText, Mismatch, Table1File, Table2File, write_whole};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 

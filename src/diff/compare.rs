@@ -198,10 +198,10 @@ fn differences(a: &DiffSide, b: &DiffSide) -> Vec<String> {
         }
     }
     if reasons.is_empty() && !a.sheets.iter().any(|sheet| matching(sheet, &b.sheets).is_some()) {
-        let told = |side: &DiffSide| {
+        let maps_of = |side: &DiffSide| {
             side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ")
         };
-        reasons.push(format!("no gear and wheel angle in common: {} and {}", told(a), told(b)));
+        reasons.push(format!("no gear and wheel angle in common: {} and {}", maps_of(a), maps_of(b)));
     }
     reasons
 }
@@ -215,8 +215,8 @@ fn notes(a: &DiffSide, b: &DiffSide) -> Vec<String> {
         ));
     }
     if a.vehicle.torque_limit_nm != b.vehicle.torque_limit_nm {
-        let told = |limit: Option<f64>| limit.map_or("none".to_owned(), |l| format!("{l} N·m"));
-        notes.push(format!("torque limit {} and {}", told(a.vehicle.torque_limit_nm), told(b.vehicle.torque_limit_nm)));
+        let text = |limit: Option<f64>| limit.map_or("none".to_owned(), |l| format!("{l} N·m"));
+        notes.push(format!("torque limit {} and {}", text(a.vehicle.torque_limit_nm), text(b.vehicle.torque_limit_nm)));
     }
     for (side, other) in [(a, b), (b, a)] {
         for sheet in side.sheets.iter().filter(|sheet| matching(sheet, &other.sheets).is_none()) {

@@ -60,14 +60,14 @@ fn heat_map(page: &mut String, comparison: &MapComparison, map: &MapDiff) {
             let (x, y) = (left + w * j as f64, top + h * (rows - 1 - i) as f64);
             let cell = map.change[i][j].zip(map.std_err[i][j]).zip(map.z[i][j]);
             let significant = map.largest.iter().any(|c| c.row == *row && c.column == *column);
-            let (fill, told) = match cell {
+            let (fill, title) = match cell {
                 Some(((change, error), z)) => (colour(z), format!("{change:+.4} ± {error:.4} {unit}, z {z:+.1}")),
                 None => ("var(--none)".to_owned(), "not compared".to_owned()),
             };
             let stroke = if significant { " stroke=\"var(--fg)\" stroke-width=\"1\"" } else { "" };
             let _ = writeln!(
                 page,
-                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\"{stroke}><title>{rows_name} {row}, {columns_name} {column}: {told}</title></rect>",
+                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\"{stroke}><title>{rows_name} {row}, {columns_name} {column}: {title}</title></rect>",
                 w - 0.5,
                 h - 0.5
             );

@@ -1,7 +1,7 @@
 //! Where an exported map comes from, as lines for a comment.
 
 use crate::export::MapSource;
-use crate::map::Named;
+use crate::map::FixedText;
 
 /// The lines. Without time and machine, so that the same map gives the same bytes; without characters that could end a comment.
 pub(crate) fn lines(source: &MapSource) -> Vec<String> {

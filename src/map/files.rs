@@ -23,7 +23,7 @@ pub use folder::{FolderError, MapFolder, Mismatch, StoredFile};
 pub(crate) use format::expect_format;
 pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
-pub use named::Named;
+pub use named::FixedText;
 pub use plan_file::{PlanEntry, PlanFile, PlannedRun, Proposal};
 pub use save::{sha256_hex, write_whole};
 pub use status::{ActuatorInput, DelayStatus, InputSource, SampleVerdict, SpeedSource, ZeroRow};

@@ -34,7 +34,7 @@ const SETTLE_S: f64 = 0.63;
 const LONGEST_SPIN_UP_S: f64 = 5.0;
 /// Longest coast [s].
 const LONGEST_COAST_S: f64 = 10.0;
-/// What a message that tells a step is late by, from one to the next, root mean square [s]: a usual bus.
+/// Scatter of the delay of the messages that carry a step, root mean square [s]: a usual bus.
 const STEPS_LATE_S: f64 = 1e-3;
 /// A level that slows down is not ended by speed: noise and what the surface does not know stay below this [m/s].
 const SPEED_MARGIN_MPS: f64 = 0.2;

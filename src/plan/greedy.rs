@@ -1,7 +1,7 @@
 //! One run after the other, each the one that takes most off the cells' mean variance per second.
 //!
 //! With W the posterior covariance, R the rows of a run and M the sum of kᵀk over the cells' contrasts k, a run takes
-//! tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] off the sum of the variances (Woodbury). All is told in coordinates in which the covariance before the
+//! tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] off the sum of the variances (Woodbury). All is written in coordinates in which the covariance before the
 //! plan is the identity, as many as it takes: what the data so far leave open is far less than the design has coefficients. R·W and R·W·F of
 //! all runs, with F·Fᵀ = M, are kept, and follow each choice by an update of low rank.
 

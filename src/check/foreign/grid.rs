@@ -105,9 +105,9 @@ mod tests {
     #[test]
     fn every_unreadable_cell_is_told_and_the_others_are_kept() {
         let (grid, misread) = CellGrid::of_cells(&cells_of_csv("v,0,5\n0,1,x\n1,2\n2,nan,4\n"));
-        let told: Vec<_> = misread.iter().map(|m| (m.kind, m.line, m.column)).collect();
+        let found: Vec<_> = misread.iter().map(|m| (m.kind, m.line, m.column)).collect();
         let expected = [(MisreadKind::NotANumber, 2, 3), (MisreadKind::Ragged, 3, 0), (MisreadKind::NotANumber, 4, 2)];
-        assert_eq!(told, expected);
+        assert_eq!(found, expected);
         assert_eq!(grid.values, [vec![Some(1.0), None], vec![Some(2.0), None], vec![None, Some(4.0)]]);
     }
 }

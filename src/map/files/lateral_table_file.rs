@@ -1,4 +1,4 @@
-//! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not tell.
+//! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not say.
 
 use crate::map::decimal;
 use crate::map::files::format::{LATERAL_TABLE_FORMAT, expect_format};

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Deserializer, Serializer};
 
 /// A value with a fixed text.
-pub trait Named: Copy + PartialEq + 'static {
+pub trait FixedText: Copy + PartialEq + 'static {
     /// The field that holds it, as errors call it.
     const FIELD: &'static str;
     /// Every value with its text.
@@ -29,11 +29,11 @@ pub trait Named: Copy + PartialEq + 'static {
     }
 }
 
-pub(crate) fn serialize<T: Named, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn serialize<T: FixedText, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(value.name())
 }
 
-pub(crate) fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+pub(crate) fn deserialize<'de, T: FixedText, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     let text = String::deserialize(deserializer)?;
     T::from_name(&text).map_err(serde::de::Error::custom)
 }

@@ -4,14 +4,14 @@ use crate::map::{Error, Result};
 
 /// Says where an array stands, for an error: the map and the field.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Field<'a> {
+pub(crate) struct ArrayField<'a> {
     /// The map, as `maps[0]`.
     pub(crate) map: &'a str,
     /// The field within it.
     pub(crate) name: &'static str,
 }
 
-impl Field<'_> {
+impl ArrayField<'_> {
     /// Checks that a matrix has `rows` rows of `columns` cells.
     pub(crate) fn expect_cells<T>(self, rows: usize, columns: usize, cells: &[Vec<T>]) -> Result<()> {
         self.expect_len("", rows, cells.len())?;
@@ -49,7 +49,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    const STD_ERR: Field = Field { map: "maps[1]", name: "std_err_mps2" };
+    const STD_ERR: ArrayField = ArrayField { map: "maps[1]", name: "std_err_mps2" };
 
     #[test]
     fn a_short_row_is_named_with_its_place() {

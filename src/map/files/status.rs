@@ -1,6 +1,6 @@
 //! What the files say in words: how a delay is known, what the fit's input was, what became of a sample, how the row at speed 0 was made.
 
-use crate::map::files::named::Named;
+use crate::map::files::named::FixedText;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub enum DelayStatus {
     NoneFound,
 }
 
-impl Named for DelayStatus {
+impl FixedText for DelayStatus {
     const FIELD: &'static str = "status";
     const NAMES: &'static [(Self, &'static str)] = &[
         (Self::Estimated, "estimated"),
@@ -45,7 +45,7 @@ pub enum InputSource {
     TorqueFeedback,
 }
 
-impl Named for InputSource {
+impl FixedText for InputSource {
     const FIELD: &'static str = "input";
     const NAMES: &'static [(Self, &'static str)] = &[(Self::TorqueCommand, "torque command"), (Self::TorqueFeedback, "torque feedback")];
 }
@@ -109,7 +109,7 @@ pub enum SpeedSource {
     YawRate,
 }
 
-impl Named for SpeedSource {
+impl FixedText for SpeedSource {
     const FIELD: &'static str = "name";
     const NAMES: &'static [(Self, &'static str)] = &[(Self::Encoder, "encoder"), (Self::YawRate, "yaw rate")];
 }
@@ -132,7 +132,7 @@ pub enum ZeroRow {
     Hold,
 }
 
-impl Named for ZeroRow {
+impl FixedText for ZeroRow {
     const FIELD: &'static str = "zero_row";
     const NAMES: &'static [(Self, &'static str)] = &[(Self::Moving, "moving"), (Self::Hold, "hold")];
 }
@@ -194,7 +194,7 @@ impl SampleVerdict {
     ];
 }
 
-impl Named for SampleVerdict {
+impl FixedText for SampleVerdict {
     const FIELD: &'static str = "verdict";
     const NAMES: &'static [(Self, &'static str)] = &[
         (Self::Used, "used"),

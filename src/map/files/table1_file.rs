@@ -2,7 +2,7 @@
 
 use crate::map::files::format::{TABLE1_FORMAT, expect_format};
 use crate::map::files::named;
-use crate::map::files::shape::Field;
+use crate::map::files::shape::ArrayField;
 use crate::map::files::status::{ActuatorInput, DelayStatus, SampleVerdict, SpeedSource};
 use crate::map::{
     AccelMaps, AccelTable, AngleFamily, AngleSurface, Axis, CellStatus, Gear, Result, SPEED_AXIS, TORQUE_AXIS, Vehicle, WheelAngle,
@@ -319,7 +319,7 @@ impl AccelMap {
     fn check(&self, place: &str) -> Result<()> {
         self.table()?;
         self.surface.table()?;
-        let field = |name| Field { map: place, name };
+        let field = |name| ArrayField { map: place, name };
         let (rows, columns) = (self.torque_nm.len(), self.speed_mps.len());
         field("accel_mps2").expect_numbers(rows, columns, &self.accel_mps2)?;
         field("std_err_mps2").expect_numbers(rows, columns, &self.std_err_mps2)?;
@@ -370,5 +370,68 @@ impl AccelMaps {
             })
         };
         Ok(Self::from_surfaces(maps.into_iter().map(one).collect::<Result<_>>()?, families.to_vec()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use serde_json::Value;
+
+    fn error_after(change: impl Fn(&mut Value)) -> String {
+        let mut json: Value = serde_json::from_str(include_str!("../../../maps/table1.json")).unwrap();
+        change(&mut json);
+        Table1File::from_json(&json.to_string()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_array_of_a_map_must_have_the_size_of_its_axes() {
+        for field in ["accel_mps2", "std_err_mps2", "count", "confidence", "status"] {
+            let short_row = error_after(|json| drop(json["maps"][0][field][2].as_array_mut().unwrap().pop()));
+            assert!(short_row.contains(&format!("maps[0].{field}[2] has ")) || field == "accel_mps2", "{short_row}");
+            let missing_row = error_after(|json| drop(json["maps"][1][field].as_array_mut().unwrap().pop()));
+            assert!(missing_row.contains(&format!("maps[1].{field} has ")) || field == "accel_mps2", "{missing_row}");
+        }
+        let error = error_after(|json| drop(json["maps"][0]["measured_torque_nm"].as_array_mut().unwrap().pop()));
+        assert!(error.starts_with("maps[0].measured_torque_nm has "), "{error}");
+    }
+
+    #[test]
+    fn a_cell_that_slipped_into_the_next_row_is_found() {
+        let error = error_after(|json| {
+            let rows = json["maps"][0]["accel_mps2"].as_array_mut().unwrap();
+            let cell = rows[0].as_array_mut().unwrap().pop().unwrap();
+            rows[1].as_array_mut().unwrap().insert(0, cell);
+        });
+        assert!(error.starts_with("maps[0].accel_mps2[0] has "), "{error}");
+    }
+
+    #[test]
+    fn a_status_that_does_not_exist_is_refused_with_its_field() {
+        let error = error_after(|json| json["actuator"]["lag"]["status"] = "at bound".into());
+        assert!(error.contains("status is \"at bound\"; allowed: estimated, "), "{error}");
+        let error = error_after(|json| json["actuator"]["input"] = "pedal".into());
+        assert!(error.contains("input is \"pedal\"; allowed: torque command, torque feedback"), "{error}");
+        let error = error_after(|json| json["report"]["ledger"][0]["verdict"] = "good".into());
+        assert!(error.contains("verdict is \"good\"; allowed: used, "), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_is_read_and_written_keeps_its_bytes() {
+        let text = include_str!("../../../maps/table1.json");
+        assert!(Table1File::from_json(text).unwrap().to_json().unwrap() == text);
+    }
+
+    #[test]
+    fn a_map_is_found_by_gear_and_angle() {
+        let file = Table1File::from_json(include_str!("../../../maps/table1.json")).unwrap();
+        let test_angle = file.vehicle.test_angle();
+        for gear in Gear::ALL {
+            assert_eq!(file.map_at_test_angle(gear).unwrap().gear, gear);
+            assert!(file.map(gear, WheelAngle::from_deg(test_angle.deg() - 0.9)).is_some());
+            assert!(file.map(gear, WheelAngle::from_deg(test_angle.deg() - 1.0)).is_none());
+        }
+        assert!(!file.has_several_angles());
     }
 }

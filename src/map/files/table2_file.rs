@@ -2,7 +2,7 @@
 
 use crate::map::files::format::{TABLE2_FORMAT, expect_format};
 use crate::map::files::named;
-use crate::map::files::shape::Field;
+use crate::map::files::shape::ArrayField;
 use crate::map::files::status::ZeroRow;
 use crate::map::files::table1_file::{CsvRef, LogRef, Units};
 use crate::map::{ACCEL_AXIS, AngleFamily, Axis, CellStatus, Gear, Result, SPEED_AXIS, TorqueTable, Vehicle, WheelAngle};
@@ -153,7 +153,7 @@ impl TorqueMap {
     /// Every array against the axes; `place` is the map in errors.
     fn check(&self, place: &str) -> Result<()> {
         self.table()?;
-        let field = |name| Field { map: place, name };
+        let field = |name| ArrayField { map: place, name };
         let (rows, columns) = (self.speed_mps.len(), self.accel_mps2.len());
         field("torque_nm").expect_numbers(rows, columns, &self.torque_nm)?;
         field("std_err_nm").expect_cells(rows, columns, &self.std_err_nm)?;
@@ -172,5 +172,43 @@ impl TorqueMap {
         let speed = Axis::new(SPEED_AXIS, self.speed_mps.clone())?;
         let accel = Axis::new(ACCEL_AXIS, self.accel_mps2.clone())?;
         TorqueTable::new(speed, accel, self.torque_nm.concat())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use serde_json::Value;
+
+    fn error_after(change: impl Fn(&mut Value)) -> String {
+        let mut json: Value = serde_json::from_str(include_str!("../../../maps/table2.json")).unwrap();
+        change(&mut json);
+        Table2File::from_json(&json.to_string()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_array_of_a_map_must_have_the_size_of_its_axes() {
+        for field in ["std_err_nm", "status"] {
+            let short_row = error_after(|json| drop(json["maps"][0][field][2].as_array_mut().unwrap().pop()));
+            assert!(short_row.starts_with(&format!("maps[0].{field}[2] has ")), "{short_row}");
+        }
+        for field in ["std_err_nm", "status", "reachable_accel_mps2"] {
+            let missing_row = error_after(|json| drop(json["maps"][1][field].as_array_mut().unwrap().pop()));
+            assert!(missing_row.starts_with(&format!("maps[1].{field} has ")), "{missing_row}");
+        }
+        assert!(error_after(|json| drop(json["maps"][0]["torque_nm"].as_array_mut().unwrap().pop())).starts_with("Table 2 has "));
+    }
+
+    #[test]
+    fn a_row_at_speed_0_of_another_kind_is_refused() {
+        let error = error_after(|json| json["maps"][0]["zero_row"] = "still".into());
+        assert!(error.contains("zero_row is \"still\"; allowed: moving, hold"), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_is_read_and_written_keeps_its_bytes() {
+        let text = include_str!("../../../maps/table2.json");
+        assert!(Table2File::from_json(text).unwrap().to_json().unwrap() == text);
     }
 }
