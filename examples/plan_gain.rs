@@ -131,7 +131,7 @@ fn main() -> Fallible<()> {
             torque_breaks_nm: Some(in_steps(torques_nm, case.step_nm)),
         };
         let planned = plan(&start, &wish)?;
-        let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml())? };
+        let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml(None)?)? };
         let wanted_runs = in_order(&campaign)?;
         let wanted = drive(&vehicle, &campaign, &wanted_runs, more_s, 100 * seed + 1)?;
         let first_cells = model_cells(&start, &wish, &[])?;
@@ -146,7 +146,7 @@ fn main() -> Fallible<()> {
                 plan_expected / uniform_expected
             );
             if !dump.is_empty() {
-                std::fs::write(&dump, planned.to_toml())?;
+                std::fs::write(&dump, planned.to_toml(None)?)?;
             }
             continue;
         }

@@ -20,6 +20,7 @@ mod plan;
 mod points;
 mod record;
 mod report;
+mod table1;
 mod ui;
 mod verify;
 mod verify_text;

@@ -11,7 +11,7 @@ use pivot_cal::fit::{Fit, fit_angles};
 use pivot_cal::invert;
 use pivot_cal::invert::{Inversion, invert};
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable};
+use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable, WheelAngle};
 use pivot_cal::record::{Campaign, record};
 use pivot_cal::sim::{Truth, VehicleFile};
 use pivot_cal::units::RAD_PER_DEG;
@@ -43,7 +43,7 @@ fn grouped(recording: &Recording, angles_deg: &[f64]) -> Grouped {
 }
 
 fn inverted(fit: &Fit) -> Inversion {
-    invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default()).unwrap()
+    invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::InvertSettings::default()).unwrap()
 }
 
 /// Calls `look` with the maps of an inversion as a controller holds them.
@@ -62,7 +62,7 @@ fn with_tables<T>(inversion: &Inversion, look: impl FnOnce(&AngleTables) -> T) -
 
 /// Speeds and torques of the cells that the campaign measured at an angle, forward gear.
 fn measured_cells(fit: &Fit, angle_deg: f64) -> Vec<(f64, f64)> {
-    let map = fit.file.map(Gear::Forward, angle_deg, 0.5).unwrap();
+    let map = fit.file.map(Gear::Forward, WheelAngle::from_deg(angle_deg)).unwrap();
     let mut cells = Vec::new();
     for (i, u) in map.torque_nm.iter().enumerate() {
         for (j, v) in map.speed_mps.iter().enumerate() {

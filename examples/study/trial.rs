@@ -87,7 +87,7 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
     let file = &fit.file;
     let reference = || CsvRef { file: "table1.json".into(), sha256: String::new() };
     let table = |file: &pivot_cal::map::Table1File, node_exact: bool| -> Fallible<TorqueTable> {
-        let settings = invert::Settings { node_exact, ..invert::Settings::default() };
+        let settings = invert::InvertSettings { node_exact, ..invert::InvertSettings::default() };
         Ok(invert(file, reference(), &settings)?.file.maps[0].table()?)
     };
     let ours = table(file, false)?;

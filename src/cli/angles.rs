@@ -4,7 +4,7 @@ use crate::campaign;
 use crate::campaign::{Census, Grouped, group_by_angle};
 use crate::cli::Ui;
 use crate::log::Recording;
-use crate::map::{AngleFamily, SAME_ANGLE_DEG, Table1File, is_csv_name};
+use crate::map::{AngleFamily, Table1File, WheelAngle, is_csv_name};
 use anyhow::bail;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub(crate) struct AngleChoice {
 pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<AngleChoice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
     let settings = campaign::Settings::default();
-    let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
+    let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     if asked.len() == 1 {
         return Ok(None);
     }
@@ -84,7 +84,7 @@ pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], u
 
 /// Leaves the maps at the angles asked for in `file`; families stay, since they hold over the angle.
 pub(crate) fn keep(file: &mut Table1File, asked: &[f64]) -> anyhow::Result<()> {
-    let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
+    let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     for angle in asked {
         if !file.maps.iter().any(|m| is(m.wheel_angle_deg, *angle)) {
             let mut found: Vec<f64> = file.maps.iter().map(|m| m.wheel_angle_deg).collect();
@@ -105,7 +105,7 @@ pub(crate) fn at(mut file: Table1File, angle_deg: f64, ui: Ui) -> anyhow::Result
     if file.maps.len() < maps {
         ui.say(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)"));
     }
-    let is = |a: f64| (a - angle_deg).abs() < SAME_ANGLE_DEG;
+    let is = |a: f64| WheelAngle::from_deg(angle_deg).is_same_deg(a);
     file.report.runs.retain(|run| run.wheel_angle_deg.is_none_or(is));
     file.families.clear();
     file.vehicle.test_angle_deg = angle_deg;

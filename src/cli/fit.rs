@@ -6,7 +6,7 @@ use crate::cli::breaks::Breaks;
 use crate::cli::logs::{LogArguments, survey};
 use crate::cli::outcome::Outcome;
 use crate::fit::{Fit, Settings, fit_angles, fit_traced};
-use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, write_whole};
+use crate::map::{FitTraces, Table1File, write_whole};
 use anyhow::Context;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::{Path, PathBuf};
@@ -106,7 +106,7 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(["verdict on samples", "samples", "seconds"]);
     for row in &file.report.ledger {
-        table.add_row([row.verdict.clone(), row.samples.to_string(), format!("{:.2}", row.seconds)]);
+        table.add_row([row.verdict.to_string(), row.samples.to_string(), format!("{:.2}", row.seconds)]);
     }
     for column in 1..3 {
         if let Some(column) = table.column_mut(column) {
@@ -120,7 +120,7 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
         let error = d.std_err_s.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         format!("{:.1}{error} ms ({})", 1e3 * d.value_s, d.status)
     };
-    if actuator.input != "torque command" {
+    if !actuator.input.is_plain_command() {
         ui.say(format!("input      {}", actuator.input));
     }
     ui.say(format!("dead time  {}", told(&actuator.dead_time)));
@@ -136,7 +136,7 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
             witness.name, witness.scale, witness.noise_mps
         ));
     }
-    let several = file.maps.iter().any(|m| (m.wheel_angle_deg - file.maps[0].wheel_angle_deg).abs() >= SAME_ANGLE_DEG);
+    let several = file.has_several_angles();
     for map in &file.maps {
         let b = &map.breakaway;
         let bound = |label: &str, v: Option<f64>| v.map_or(String::new(), |v| format!(", {label} {v:.1}"));

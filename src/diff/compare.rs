@@ -1,24 +1,23 @@
 //! The comparison itself.
 
-use crate::diff::comparison::{Comparison, MapDiff, Settings, Significant, Verdict};
-use crate::diff::sheet::{Sheet, Side, Table};
+use crate::diff::comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
+use crate::diff::sheet::{DiffSide, Sheet, Table};
 use crate::diff::significance::{threshold, two_sided_p};
+use crate::map::WheelAngle;
 
-/// Wheel angles that differ by less are the same one [°].
-const SAME_ANGLE_DEG: f64 = 1.0;
 /// Lengths of a vehicle that differ by less, as a share, are the same one.
 const SAME_LENGTH: f64 = 1e-3;
 /// Least standard error of a difference, in the values' unit: files hold six decimals, so that less is rounding.
 const LEAST_STD_ERR: f64 = 1e-6;
 
 /// Compares `b` with `a`.
-pub fn compare(a: &Side, b: &Side, settings: &Settings) -> Comparison {
+pub fn compare(a: &DiffSide, b: &DiffSide, settings: &DiffSettings) -> MapComparison {
     let reasons = differences(a, b);
-    let mut comparison = Comparison {
+    let mut comparison = MapComparison {
         a: a.name.clone(),
         b: b.name.clone(),
         table: a.table,
-        verdict: Verdict::Incompatible,
+        verdict: DiffVerdict::Incompatible,
         matters: 0,
         reasons,
         notes: notes(a, b),
@@ -50,16 +49,16 @@ pub fn compare(a: &Side, b: &Side, settings: &Settings) -> Comparison {
         comparison.matters += map.matters;
         comparison.maps.push(map);
     }
-    comparison.verdict = if comparison.threshold_p.is_some() { Verdict::Changed } else { Verdict::Same };
+    comparison.verdict = if comparison.threshold_p.is_some() { DiffVerdict::Changed } else { DiffVerdict::Same };
     comparison
 }
 
 fn matching<'a>(sheet: &Sheet, others: &'a [Sheet]) -> Option<&'a Sheet> {
-    others.iter().find(|o| o.gear == sheet.gear && (o.wheel_angle_deg - sheet.wheel_angle_deg).abs() <= SAME_ANGLE_DEG)
+    others.iter().find(|o| o.gear == sheet.gear && WheelAngle::from_deg(o.wheel_angle_deg).is_same_deg(sheet.wheel_angle_deg))
 }
 
 /// Why the two cannot be compared.
-fn differences(a: &Side, b: &Side) -> Vec<String> {
+fn differences(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let mut reasons = Vec::new();
     if a.table != b.table {
         reasons.push(format!("{} is {:?}, {} is {:?}", a.name, a.table, b.name, b.table));
@@ -71,14 +70,15 @@ fn differences(a: &Side, b: &Side) -> Vec<String> {
         }
     }
     if reasons.is_empty() && !a.sheets.iter().any(|sheet| matching(sheet, &b.sheets).is_some()) {
-        let maps =
-            |side: &Side| side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ");
+        let maps = |side: &DiffSide| {
+            side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ")
+        };
         reasons.push(format!("no gear and wheel angle in common: {} and {}", maps(a), maps(b)));
     }
     reasons
 }
 
-fn notes(a: &Side, b: &Side) -> Vec<String> {
+fn notes(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let mut notes = Vec::new();
     let shared = a.logs.iter().filter(|log| b.logs.iter().any(|other| other.sha256 == log.sha256)).count();
     if shared > 0 {

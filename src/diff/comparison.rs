@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// How a comparison judges.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+pub struct DiffSettings {
     /// Expected share of false ones among the cells called significant; the probability of finding anything when nothing changed.
     /// Default 0.05.
     pub false_discovery_rate: f64,
@@ -15,7 +15,7 @@ pub struct Settings {
     pub matters_mps2: f64,
 }
 
-impl Default for Settings {
+impl Default for DiffSettings {
     fn default() -> Self {
         Self { false_discovery_rate: 0.05, matters_mps2: 0.15 }
     }
@@ -24,7 +24,7 @@ impl Default for Settings {
 /// The outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum DiffVerdict {
     /// No cell differs by more than chance explains.
     Same,
     /// Cells differ by more than chance explains.
@@ -35,7 +35,7 @@ pub enum Verdict {
 
 /// What a comparison found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct MapComparison {
     /// The first file.
     pub a: String,
     /// The second file.
@@ -43,15 +43,15 @@ pub struct Comparison {
     /// Which table was compared.
     pub table: Table,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: DiffVerdict,
     /// Significant cells whose change matters.
     pub matters: usize,
     /// Why the maps are incompatible; empty otherwise.
     pub reasons: Vec<String>,
     /// What a reader should know.
     pub notes: Vec<String>,
-    /// Settings, as used.
-    pub settings: Settings,
+    /// DiffSettings, as used.
+    pub settings: DiffSettings,
     /// Largest p that is significant; absent when none is.
     pub threshold_p: Option<f64>,
     /// Per gear.
@@ -116,18 +116,18 @@ pub struct Significant {
     pub accel_mps2: f64,
 }
 
-impl Comparison {
+impl MapComparison {
     /// The verdict in one sentence.
     pub fn sentence(&self) -> String {
         let (compared, significant): (usize, usize) =
             self.maps.iter().fold((0, 0), |sum, map| (sum.0 + map.compared, sum.1 + map.significant));
         match self.verdict {
-            Verdict::Same => format!("Same: none of {compared} cells differs by more than chance explains."),
-            Verdict::Changed => format!(
+            DiffVerdict::Same => format!("Same: none of {compared} cells differs by more than chance explains."),
+            DiffVerdict::Changed => format!(
                 "Changed: {significant} of {compared} cells differ by more than chance explains, {} of them by more than {} m/s².",
                 self.matters, self.settings.matters_mps2
             ),
-            Verdict::Incompatible => "Incompatible: the maps cannot be compared.".to_owned(),
+            DiffVerdict::Incompatible => "Incompatible: the maps cannot be compared.".to_owned(),
         }
     }
 }

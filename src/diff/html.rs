@@ -2,7 +2,7 @@
 //! request; light and dark.
 
 use crate::diff::heat_map::heat_map;
-use crate::diff::{Comparison, MapDiff, Significant, Table};
+use crate::diff::{MapComparison, MapDiff, Significant, Table};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Changes listed in a table.
@@ -19,7 +19,7 @@ table{border-collapse:collapse}td,th{padding:.2rem .7rem;border-bottom:1px solid
 @media print{:root{--bg:#fff;--fg:#000;--soft:#444;--line:#999;--zero:#f2f3f5;--none:#ddd}}";
 
 /// The page. Files are named as they were given; nothing else of the machine is in it.
-pub fn html(comparison: &Comparison) -> String {
+pub fn html(comparison: &MapComparison) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -90,7 +90,7 @@ fn changes(table: Table, largest: &[Significant]) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diff::{Settings, Verdict};
+    use crate::diff::{DiffSettings, DiffVerdict};
 
     fn change(row: usize) -> Significant {
         Significant { row: row as f64, column: 0.5, a: 1.0, b: 2.0, change: 1.0, std_err: 0.1, z: 10.0, p: 1e-6, accel_mps2: -0.25 }
@@ -98,15 +98,15 @@ mod tests {
 
     #[test]
     fn names_of_files_are_escaped() {
-        let page = html(&Comparison {
+        let page = html(&MapComparison {
             a: "<script>\"&".to_owned(),
             b: "b".to_owned(),
             table: Table::Table1,
-            verdict: Verdict::Incompatible,
+            verdict: DiffVerdict::Incompatible,
             matters: 0,
             reasons: vec!["a <is> b".to_owned()],
             notes: Vec::new(),
-            settings: Settings::default(),
+            settings: DiffSettings::default(),
             threshold_p: None,
             maps: Vec::new(),
         });

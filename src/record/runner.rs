@@ -62,7 +62,7 @@ const STEER_LIMIT_S: f64 = 20.0;
 const DITHER_S: f64 = 0.3;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Phase {
+enum RunPhase {
     Steer,
     SpinUp,
     Hold,
@@ -75,7 +75,7 @@ pub(crate) struct Runner {
     plan: Vec<RunPlan>,
     test_angle_deg: f64,
     index: usize,
-    phase: Phase,
+    phase: RunPhase,
     since_s: f64,
     settled_since_s: f64,
     moved_at_s: f64,
@@ -92,7 +92,7 @@ impl Runner {
             plan,
             test_angle_deg: vehicle.test_angle_deg,
             index: 0,
-            phase: Phase::Steer,
+            phase: RunPhase::Steer,
             since_s: 0.0,
             settled_since_s: 0.0,
             moved_at_s: 0.0,
@@ -122,38 +122,38 @@ impl Runner {
             self.moved_at_s = now_s;
         }
         match self.phase {
-            Phase::Steer => self.steer(now_s, &seen, angle_rad, &run, world),
-            Phase::SpinUp => {
+            RunPhase::Steer => self.steer(now_s, &seen, angle_rad, &run, world),
+            RunPhase::SpinUp => {
                 if speed_mps >= run.settings.start_speed_mps {
-                    self.go(Phase::Hold, now_s);
+                    self.go(RunPhase::Hold, now_s);
                 } else if now_s - self.since_s > SPIN_UP_LIMIT_S {
                     self.begin_level(&run, now_s, speed_mps);
                     self.end_level(End::NoSpinUp, now_s, speed_mps);
                 }
             }
-            Phase::Hold | Phase::Coast | Phase::Pause => {}
+            RunPhase::Hold | RunPhase::Coast | RunPhase::Pause => {}
         }
         match self.phase {
-            Phase::Hold => self.hold(now_s, speed_mps, &run, world, &mut command),
-            Phase::SpinUp => command.torque_nm = sign * run.settings.spin_up_nm,
-            Phase::Coast => {
+            RunPhase::Hold => self.hold(now_s, speed_mps, &run, world, &mut command),
+            RunPhase::SpinUp => command.torque_nm = sign * run.settings.spin_up_nm,
+            RunPhase::Coast => {
                 if now_s - self.moved_at_s > SETTLED_S && now_s - self.since_s > SETTLED_S {
                     world.set_estop(false);
-                    self.go(Phase::Pause, now_s);
+                    self.go(RunPhase::Pause, now_s);
                 }
             }
-            Phase::Pause => {
+            RunPhase::Pause => {
                 if now_s - self.since_s >= run.settings.pause_s {
                     self.index += 1;
-                    self.go(Phase::Steer, now_s);
+                    self.go(RunPhase::Steer, now_s);
                 }
             }
-            Phase::Steer => {}
+            RunPhase::Steer => {}
         }
         Some(command)
     }
 
-    fn go(&mut self, phase: Phase, now_s: f64) {
+    fn go(&mut self, phase: RunPhase, now_s: f64) {
         self.phase = phase;
         self.since_s = now_s;
         self.settled_since_s = now_s;
@@ -166,7 +166,7 @@ impl Runner {
         let settled = now_s - self.settled_since_s >= SETTLED_S && now_s - self.moved_at_s >= SETTLED_S;
         if settled || now_s - self.since_s > STEER_LIMIT_S {
             world.begin_run();
-            self.go(if run.settings.start_speed_mps > 0.0 { Phase::SpinUp } else { Phase::Hold }, now_s);
+            self.go(if run.settings.start_speed_mps > 0.0 { RunPhase::SpinUp } else { RunPhase::Hold }, now_s);
         }
     }
 
@@ -188,7 +188,7 @@ impl Runner {
         if let Some(outcome) = self.outcome.take() {
             self.outcomes.push(RunOutcome { duration_s: now_s - outcome.start_s, end_speed_mps: speed_mps, end, ..outcome });
         }
-        self.go(Phase::Coast, now_s);
+        self.go(RunPhase::Coast, now_s);
     }
 
     fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut Command) {

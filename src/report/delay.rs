@@ -30,7 +30,7 @@ pub(crate) fn delay(inputs: &Inputs) -> Section {
     let actuator = &inputs.table1.actuator;
     let body = html! {
         (estimates(actuator))
-        @if actuator.input != "torque command" { p { "The fit's input is the " (actuator.input) "." } }
+        @if !actuator.input.is_plain_command() { p { "The fit's input is the " (actuator.input) "." } }
         @if let Some(likelihood) = inputs.fit_traces.as_ref().and_then(|t| t.delay.as_ref()) {
             p { (meaning(likelihood)) }
             div.row {
@@ -50,7 +50,7 @@ pub(crate) fn delay(inputs: &Inputs) -> Section {
 /// Every delay with its standard error.
 fn estimates(actuator: &Actuator) -> Markup {
     let row = |name: String, d: &DelayEstimate| {
-        vec![name, num(1e3 * d.value_s, 1), num_or_dash(d.std_err_s.map(|e| 1e3 * e), 1), d.status.clone()]
+        vec![name, num(1e3 * d.value_s, 1), num_or_dash(d.std_err_s.map(|e| 1e3 * e), 1), d.status.to_string()]
     };
     let mut rows = vec![row("dead time, all logs".to_owned(), &actuator.dead_time), row("lag, all logs".to_owned(), &actuator.lag)];
     for log in &actuator.per_log {

@@ -1,6 +1,6 @@
 //! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
 
-use crate::map::{AccelMap, CellStatus, PlannedRun, Proposal};
+use crate::map::{AccelMap, CellStatus, PlanEntry, Proposal};
 use crate::report::Inputs;
 use crate::report::html::{
     Column::{Number, Text},
@@ -60,17 +60,18 @@ fn planned(plan: &Proposal) -> Markup {
         Number("gain %"),
         Text("why"),
     ];
-    let row = |(k, run): (usize, &PlannedRun)| {
+    let row = |(k, entry): (usize, &PlanEntry)| {
+        let run = &entry.run;
         vec![
             (k + 1).to_string(),
             run.gear.to_string(),
             num(run.torque_nm, 1),
             run.start(),
-            run.repeats.to_string(),
-            num(run.seconds, 1),
-            num(1e3 * run.gain_nm, 2),
-            num(run.gain_percent, 2),
-            run.reason.replace(" -", " −"),
+            entry.repeats.to_string(),
+            num(entry.seconds, 1),
+            num(1e3 * entry.gain_nm, 2),
+            num(entry.gain_percent, 2),
+            entry.reason.replace(" -", " −"),
         ]
     };
     let rows: Vec<Vec<String>> = plan.entries.iter().take(PLANNED).enumerate().map(row).collect();

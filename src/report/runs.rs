@@ -133,7 +133,7 @@ fn left_out(rejected: &[LedgerRow]) -> String {
 }
 
 fn ledger(ledger: &[LedgerRow]) -> Markup {
-    let rows: Vec<_> = ledger.iter().map(|r| vec![r.verdict.clone(), r.samples.to_string(), num(r.seconds, 2)]).collect();
+    let rows: Vec<_> = ledger.iter().map(|r| vec![r.verdict.to_string(), r.samples.to_string(), num(r.seconds, 2)]).collect();
     table("narrow", &[Text("verdict"), Number("samples"), Number("seconds")], &rows)
 }
 
@@ -172,7 +172,7 @@ mod tests {
             speed_rmse_mps,
             r_squared: None,
             offset_mps2: None,
-            rejected: vec![LedgerRow { verdict: "slip & <push>".to_owned(), samples: 3, seconds: 0.5 }],
+            rejected: vec![LedgerRow { verdict: crate::map::SampleVerdict::Slip, samples: 3, seconds: 0.5 }],
         }
     }
 
@@ -196,7 +196,7 @@ mod tests {
             opened.starts_with("<tr data-row=\"4\" class=\"click unused\" tabindex=\"0\" aria-expanded=\"false\"><td>5</td>"),
             "{opened}"
         );
-        assert!(opened.contains(">&lt;a&gt;.mcap<") && opened.contains("slip &amp; &lt;push&gt;\u{a0}0.50\u{a0}s"), "{opened}");
+        assert!(opened.contains(">&lt;a&gt;.mcap<") && opened.contains("slip\u{a0}0.50\u{a0}s"), "{opened}");
         let closed = row(4, &run(1.0, None), every, false).into_string();
         assert!(closed.starts_with("<tr data-row=\"4\" class=\"\"><td>"), "{closed}");
         for extra in [every, Extra { log: false, angle: true }, Extra { log: true, angle: false }] {

@@ -1,6 +1,6 @@
 //! The head of the page: the verdict, the three figures behind it, and what a reader should know.
 
-use crate::map::{AccelMap, DelayEstimate};
+use crate::map::{AccelMap, DelayEstimate, SampleVerdict};
 use crate::report::svg::num;
 use crate::report::{Inputs, Judgement};
 use crate::verify::{Class, MapVerdict, Metric, Statistic, Status, Worst};
@@ -166,7 +166,7 @@ fn warnings(inputs: &Inputs) -> Markup {
 fn facts(inputs: &Inputs) -> Markup {
     let file = &inputs.table1;
     let report = &file.report;
-    let used = report.ledger.iter().find(|r| r.verdict == "used").map_or(0.0, |r| r.seconds);
+    let used = report.ledger.iter().find(|r| r.verdict == SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = report.ledger.iter().map(|r| r.seconds).sum();
     let runs = report.runs.iter().filter(|r| r.used_s > 0.0).count();
     let facts = [

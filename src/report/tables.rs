@@ -1,6 +1,6 @@
 //! Table 1 and Table 2: heat maps, and surfaces over the same cells.
 
-use crate::map::{AccelMap, Surface, TorqueMap};
+use crate::map::{AccelMap, FineSurface, TorqueMap};
 use crate::report::Inputs;
 use crate::report::heat::{Heat, Quantity};
 use crate::report::scale::Colours;
@@ -18,7 +18,7 @@ pub(crate) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digit
 pub(crate) const SIZE: (f64, f64) = (560.0, 400.0);
 
 /// Torque at which the speed neither rises nor falls, over speed: where the surface crosses zero.
-pub(crate) fn holding_torque(surface: &Surface) -> Vec<(f64, f64)> {
+pub(crate) fn holding_torque(surface: &FineSurface) -> Vec<(f64, f64)> {
     let torques = &surface.torque_nm;
     let crossing = |j: usize| {
         let k = (1..torques.len()).rev().find(|k| surface.accel_mps2[k - 1][j] <= 0.0 && surface.accel_mps2[*k][j] > 0.0)?;
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn the_holding_torque_is_where_the_acceleration_crosses_zero() {
-        let surface = Surface {
+        let surface = FineSurface {
             speed_mps: vec![0.0, 0.5, 1.0],
             torque_nm: vec![-10.0, 0.0, 10.0],
             // at 0 m/s zero lies a quarter of the way from 0 to 10 N·m, at 0.5 m/s on a node, at 1 m/s beyond the torques

@@ -47,13 +47,12 @@ impl IdentifiedSettings {
     /// # Errors
     /// No forward map at the vehicle's test angle, or a table that is not sound.
     pub fn from_table1(file: &Table1File) -> Result<Self> {
-        let wheel_angle_deg = file.vehicle.test_angle_deg;
         let direction = |gear| -> Result<Option<Direction>> {
-            let Some(map) = file.map(gear, wheel_angle_deg, 1.0) else { return Ok(None) };
+            let Some(map) = file.map_at_test_angle(gear) else { return Ok(None) };
             Ok(Some(Direction { table: map.surface.table()?, breakaway_nm: map.breakaway.torque_nm }))
         };
         Ok(Self {
-            forward: direction(Gear::Forward)?.ok_or(Error::NoForwardMap { wheel_angle_deg })?,
+            forward: direction(Gear::Forward)?.ok_or(Error::NoForwardMap { wheel_angle_deg: file.vehicle.test_angle_deg })?,
             reverse: direction(Gear::Reverse)?,
             disturbance_mps2: file.noise.disturbance_mps2,
             disturbance_time_s: file.noise.disturbance_time_s,

@@ -52,7 +52,7 @@ impl Settings {
         let drive = DriveSettings {
             dead_time_s: file.actuator.dead_time.value_s.max(0.0),
             lag_s: file.actuator.lag.value_s.max(0.0),
-            torque_limit_nm: file.vehicle.torque_limit_nm.unwrap_or_else(|| motion.largest_torque_nm()),
+            torque_limit_nm: file.vehicle.torque_limit_or_largest_nm([motion.largest_torque_nm()]),
             ..DriveSettings::default()
         };
         drive.check()?;
@@ -152,13 +152,15 @@ impl Perturbation {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::map::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, Gear, PlantNoise, Surface, Table1File};
+    use crate::map::{
+        AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DelayEstimate, DelayStatus, FineSurface, Gear, PlantNoise, Table1File,
+    };
     use crate::sim::{Command, SensorSettings, World};
     use std::f64::consts::FRAC_PI_2;
 
     /// A fit that found a = (τ − 8)/13 forward and nothing in reverse.
     fn fit() -> Table1File {
-        let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: "given".into() };
+        let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: DelayStatus::Given };
         let (speed_mps, torque_nm) = (vec![0.0, 1.0], vec![-40.0, 40.0]);
         let accel_mps2: Vec<Vec<f64>> = torque_nm.iter().map(|u| vec![(u - 8.0) / 13.0; 2]).collect();
         let csv = CsvRef { file: "table1.csv".into(), sha256: String::new() };
@@ -174,8 +176,8 @@ mod tests {
             confidence: Vec::new(),
             status: Vec::new(),
             measured_torque_nm: Vec::new(),
-            breakaway: Breakaway { torque_nm: 8.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
-            surface: Surface { speed_mps, torque_nm, accel_mps2 },
+            breakaway: BreakawayTorque { torque_nm: 8.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
+            surface: FineSurface { speed_mps, torque_nm, accel_mps2 },
         };
         Table1File {
             format: crate::map::TABLE1_FORMAT.into(),
@@ -185,7 +187,7 @@ mod tests {
             vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
             logs: Vec::new(),
             settings: serde_json::Value::Null,
-            actuator: Actuator { dead_time: delay(0.05), lag: delay(0.05), input: "torque command".into(), per_log: Vec::new() },
+            actuator: Actuator { dead_time: delay(0.05), lag: delay(0.05), input: ActuatorInput::COMMAND, per_log: Vec::new() },
             witnesses: Vec::new(),
             noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.2, run_offset_mps2: 0.0, speed_noise_mps: 0.004 },
             maps: vec![map],

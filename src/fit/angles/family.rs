@@ -12,7 +12,7 @@
 //! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
 
 use crate::fit::Result;
-use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, Gear, LeftOutAngle, Side};
+use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, DepartureFrom, Gear, LeftOutAngle, Side};
 use crate::units::RAD_PER_DEG;
 
 /// Spacing of the speeds compared [m/s].
@@ -81,7 +81,7 @@ fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Op
     if count > 0 {
         let departure_nm = (squares / f64::from(count)).sqrt().max(family.spread_nm.unwrap_or(0.0));
         told.departure_nm = round6(departure_nm);
-        "angles left out".clone_into(&mut told.departure_from);
+        told.departure_from = DepartureFrom::AnglesLeftOut;
     } else {
         let mut widest: f64 = 0.0;
         for pair in maps.windows(2) {
@@ -91,7 +91,7 @@ fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Op
             }
         }
         told.departure_nm = round6(ASSUMED_SHARE * widest);
-        "assumed".clone_into(&mut told.departure_from);
+        told.departure_from = DepartureFrom::Assumed;
     }
     Ok(Some(family))
 }
@@ -224,7 +224,7 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Opt
         speed_mps: Vec::new(),
         friction_nm: [Vec::new(), Vec::new(), Vec::new()],
         departure_nm: 0.0,
-        departure_from: String::new(),
+        departure_from: DepartureFrom::Assumed,
         left_out: Vec::new(),
     };
     for (i, v) in grid.speed_mps.iter().enumerate() {

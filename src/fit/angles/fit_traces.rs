@@ -1,6 +1,6 @@
 //! What a report shows of a fit, for all angles.
 
-use crate::campaign::Verdict;
+use crate::campaign::SampleVerdict;
 use crate::fit::Result;
 use crate::fit::angles::fitted_angles::FittedAngles;
 use crate::fit::angles::table1_file::Fit;
@@ -34,7 +34,7 @@ impl FittedAngles<'_> {
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
             table1: CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(fit.file.to_json()?.as_bytes()) },
-            verdicts: Verdict::ALL.iter().map(ToString::to_string).collect(),
+            verdicts: SampleVerdict::ALL.iter().map(ToString::to_string).collect(),
             runs,
             residual_cells,
             residual_times,

@@ -1,6 +1,6 @@
 //! One `table1.json` from the fits of all angles.
 
-use crate::campaign::{Verdict, ledger};
+use crate::campaign::{SampleVerdict, ledger};
 use crate::fit::Result;
 use crate::fit::angles::family::families;
 use crate::fit::angles::fitted_angles::FittedAngles;
@@ -20,7 +20,7 @@ pub struct Fit {
     /// Name and text of each CSV beside it.
     pub csvs: Vec<(String, String)>,
     /// The final verdict on every encoder sample, per log in the order of `file.logs`.
-    pub verdicts: Vec<Vec<Verdict>>,
+    pub verdicts: Vec<Vec<SampleVerdict>>,
     /// Whether the table may be trusted: enough of it measured or interpolated, torque varied, no log against another. The report's notes
     /// say what is missing.
     pub sound: bool,
@@ -77,13 +77,13 @@ impl FittedAngles<'_> {
     }
 
     /// One verdict per sample and log: that of the angle at which the wheel was, else *wheel not at angle*.
-    fn verdicts(&self) -> Vec<Vec<Verdict>> {
+    fn verdicts(&self) -> Vec<Vec<SampleVerdict>> {
         let of_log = |(log, survey): (&LogRef, &crate::campaign::Survey)| {
-            let mut merged = vec![Verdict::WheelNotAtAngle; survey.verdicts.len()];
+            let mut merged = vec![SampleVerdict::WheelNotAtAngle; survey.verdicts.len()];
             for fit in &self.angles {
                 let Some(k) = fit.estimate.data.logs.iter().position(|l| l.survey.track.source == *log) else { continue };
                 for (all, own) in merged.iter_mut().zip(&fit.verdicts[k]) {
-                    if *all == Verdict::WheelNotAtAngle {
+                    if *all == SampleVerdict::WheelNotAtAngle {
                         *all = *own;
                     }
                 }

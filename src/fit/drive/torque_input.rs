@@ -12,7 +12,7 @@ use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delay
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
 use crate::fit::drive::settled_holds::{FeedbackReading, Settled, reading, settled};
-use crate::map::LogRef;
+use crate::map::{ActuatorInput, InputSource, LogRef};
 use crate::signal::{Series, Track};
 use std::collections::BTreeMap;
 
@@ -123,9 +123,9 @@ impl TorqueChoice {
     }
 
     /// The input by name, with the reason where there is one.
-    pub(crate) fn told(&self) -> String {
-        let name = if self.feedback { "torque feedback" } else { "torque command" };
-        self.reason.as_ref().map_or_else(|| name.to_owned(), |reason| format!("{name} ({reason})"))
+    pub(crate) fn told(&self) -> ActuatorInput {
+        let source = if self.feedback { InputSource::TorqueFeedback } else { InputSource::TorqueCommand };
+        ActuatorInput { source, reason: self.reason.clone() }
     }
 
     /// What a reader should know of it.

@@ -1,6 +1,6 @@
 //! Readings and stretches that do not belong: spikes, slip that no second witness shows, pushes by hand.
 
-use crate::campaign::Verdict;
+use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::integration::courses;
@@ -96,7 +96,7 @@ fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mu
     for end in 1..=n {
         if let Some(window) = beyond(end) {
             let (from, to) = (segment.readings[end - window].t_s - MARGIN_S, segment.readings[end - 1].t_s + MARGIN_S);
-            cuts.intervals.push((from, to, Verdict::Push));
+            cuts.intervals.push((from, to, SampleVerdict::Push));
             cut = true;
             if !whole {
                 break;
@@ -119,7 +119,7 @@ fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mu
 /// Joins cuts that overlap or leave less between them than can be judged.
 fn join(cuts: &mut Cuts) {
     cuts.intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut joined: Vec<(f64, f64, Verdict)> = Vec::new();
+    let mut joined: Vec<(f64, f64, SampleVerdict)> = Vec::new();
     for cut in cuts.intervals.drain(..) {
         match joined.last_mut() {
             Some(last) if cut.0 - last.1 < JOINED_S => last.1 = last.1.max(cut.1),
@@ -158,6 +158,6 @@ mod tests {
         assert_eq!(cuts.intervals.len(), 1);
         let (from, to, verdict) = cuts.intervals[0];
         assert!(from < 1.0 && to > 1.19 && from > 0.6 && to < 1.6, "{from} {to}");
-        assert_eq!(verdict, Verdict::Push);
+        assert_eq!(verdict, SampleVerdict::Push);
     }
 }

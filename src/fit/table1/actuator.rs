@@ -5,7 +5,7 @@ use crate::fit::Settings;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
-use crate::map::{Actuator, DelayEstimate, LogActuator};
+use crate::map::{Actuator, DelayEstimate, DelayStatus, LogActuator};
 
 /// An offset between the clocks of command and speed counts from here on [s]: smaller ones are sampling phases.
 const CLOCK_OFFSET_S: f64 = 0.02;
@@ -39,17 +39,17 @@ impl From<&Estimate<'_>> for Delays {
 pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoice, settings: &Settings) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
-            "given"
+            DelayStatus::Given
         } else if std_err_s > WEAK_S {
-            "weakly determined"
+            DelayStatus::WeaklyDetermined
         } else {
-            "estimated"
+            DelayStatus::Estimated
         }
     };
     let estimate = |value_s: f64, std_err_s: f64, given: bool| DelayEstimate {
         value_s: round(value_s, 1e6),
         std_err_s: (!given).then(|| round(std_err_s, 1e6)),
-        status: status(given, std_err_s).to_owned(),
+        status: status(given, std_err_s),
     };
     let given = settings.dead_time_s.is_some();
     let mut std_errs_s = Vec::new();
@@ -72,11 +72,11 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoic
                     let offset = DelayEstimate {
                         value_s: round(offset, 1e6),
                         std_err_s: Some(round(error, 1e6)),
-                        status: if real { "estimated" } else { "none found" }.to_owned(),
+                        status: if real { DelayStatus::Estimated } else { DelayStatus::NoneFound },
                     };
                     (offset, if real { f.dead_time_s } else { total })
                 }
-                _ => (DelayEstimate { value_s: 0.0, std_err_s: None, status: "not separable".to_owned() }, total),
+                _ => (DelayEstimate { value_s: 0.0, std_err_s: None, status: DelayStatus::NotSeparable }, total),
             };
             LogActuator {
                 sha256: survey.track.source.sha256.clone(),

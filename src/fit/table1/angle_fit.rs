@@ -1,6 +1,6 @@
 //! One fit at one wheel angle: the estimate, its surface made monotone, its tables, and what speaks against them.
 
-use crate::campaign::{AngleGroup, Verdict};
+use crate::campaign::{AngleGroup, SampleVerdict};
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::initial_guess::slow_rate_hz;
@@ -20,7 +20,7 @@ pub(crate) struct AngleFit<'a> {
     /// How the surface was made to rise with torque.
     pub(crate) monotone: monotone::MonotoneOutcome,
     /// The final verdict on every encoder sample, per log.
-    pub(crate) verdicts: Vec<Vec<Verdict>>,
+    pub(crate) verdicts: Vec<Vec<SampleVerdict>>,
     /// The used samples.
     pub(crate) samples: Vec<UsedSample>,
     /// Table 1 of each gear.

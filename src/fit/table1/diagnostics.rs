@@ -4,7 +4,7 @@ use crate::fit::rounds::cross_validation::ModelComparison;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::solve::monotone;
 use crate::fit::table1::runs::round;
-use crate::map::{PlantNoise, Witness};
+use crate::map::{PlantNoise, SpeedReading, SpeedSource};
 use crate::signal::median;
 
 /// What is random about the plant.
@@ -18,9 +18,9 @@ pub(crate) fn plant_noise(estimate: &Estimate) -> PlantNoise {
 }
 
 /// The speed sources, encoder first.
-pub(crate) fn witnesses(estimate: &Estimate) -> Vec<Witness> {
-    let encoder = Witness {
-        name: "encoder".to_owned(),
+pub(crate) fn witnesses(estimate: &Estimate) -> Vec<SpeedReading> {
+    let encoder = SpeedReading {
+        name: SpeedSource::Encoder,
         scale: round(estimate.calibration.encoder_scale, 1e6),
         scale_std_err: estimate.data.has_yaw.then(|| round(estimate.calibration_errors.encoder_scale, 1e6)),
         delay_s: round(estimate.calibration.encoder_delay_s, 1e6),
@@ -28,8 +28,8 @@ pub(crate) fn witnesses(estimate: &Estimate) -> Vec<Witness> {
     };
     let mut all = vec![encoder];
     if estimate.data.has_yaw {
-        all.push(Witness {
-            name: "yaw rate".to_owned(),
+        all.push(SpeedReading {
+            name: SpeedSource::YawRate,
             scale: 1.0,
             scale_std_err: None,
             delay_s: 0.0,

@@ -1,7 +1,7 @@
 //! How well the surface explains each run: the judge that users understand is the simulated speed, by a surface that was fitted without the
 //! run.
 
-use crate::campaign::{Verdict, runs};
+use crate::campaign::{SampleVerdict, runs};
 use crate::fit::motion::integration::Course;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::surface::lattice::LatticeSurface;
@@ -30,7 +30,7 @@ pub(crate) struct RunFigures {
 /// One row per hold, with what a surface fitted without its run makes of it.
 ///
 /// `compared` is in the order of the logs and of time: segments follow one another and do not overlap.
-pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<Verdict>]) -> RunFigures {
+pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<SampleVerdict>]) -> RunFigures {
     let held_out = estimate.validation.is_some();
     let (mut rows, mut logs) = (Vec::new(), Vec::new());
     for (k, log) in estimate.data.logs.iter().enumerate() {

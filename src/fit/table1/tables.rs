@@ -1,10 +1,10 @@
 //! The surface on the grid that people asked for, with what is known of every cell.
 
-use crate::campaign::Verdict;
+use crate::campaign::SampleVerdict;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::{Result, Settings};
-use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
+use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
 /// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
@@ -149,7 +149,7 @@ pub(crate) fn accel_map(
         status,
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
-        surface: Surface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
+        surface: FineSurface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
         speed_mps: speed,
         torque_nm: torque,
     })
@@ -183,7 +183,7 @@ fn statuses(measured: &[Vec<bool>]) -> Vec<Vec<CellStatus>> {
 }
 
 /// The torque at which the surface at standstill crosses zero, held within what the starts from rest showed.
-fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Breakaway {
+fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> BreakawayTorque {
     let surface = estimate.model.surface(gear);
     let trials = || estimate.data.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);
     let moved_from_nm = trials().filter(|t| t.moved).map(|t| t.torque_nm).min_by(f64::total_cmp);
@@ -201,7 +201,7 @@ fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Brea
         let slope = surface.value_and_slope(0.0, u).1.max(1e-6);
         round6(uncertainty.std_errs_mps2(estimate, gear, &[(0.0, u)])[0] / slope)
     });
-    Breakaway { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
+    BreakawayTorque { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
 }
 
 /// From the last reading used of each run of a log that ends in a stop to the rest, in order [s].
@@ -215,8 +215,8 @@ fn stops(estimate: &Estimate, log: usize) -> Vec<(f64, f64)> {
 }
 
 /// The final verdict on every encoder sample of every log.
-pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
-    let mut all: Vec<Vec<Verdict>> = estimate.data.logs.iter().map(|l| l.survey.verdicts.clone()).collect();
+pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
+    let mut all: Vec<Vec<SampleVerdict>> = estimate.data.logs.iter().map(|l| l.survey.verdicts.clone()).collect();
     for (k, log) in estimate.data.logs.iter().enumerate() {
         let encoder = &log.survey.track.encoder_mps;
         // both in the order of time, and the last to begin is the last to end
@@ -224,7 +224,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
         let torque = estimate.data.logs[k].torque(estimate.calibration.lag_s);
         let stops = stops(estimate, k);
         let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
-        for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == Verdict::Used) {
+        for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == SampleVerdict::Used) {
             let t = encoder.t_s[i] - estimate.calibration.encoder_delay_s;
             let cut = cuts[..cuts.partition_point(|c| c.0 <= t)].last().filter(|c| t <= c.1).map(|c| c.2);
             let spike = log.cuts.readings.contains(&(0, i as u32));
@@ -232,21 +232,21 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
             *verdict = if let Some(reason) = cut {
                 reason
             } else if spike {
-                Verdict::Outlier
+                SampleVerdict::Outlier
             } else if missing(t - estimate.calibration.dead_time_s[k]) {
-                Verdict::Gap
+                SampleVerdict::Gap
             } else if transient {
-                Verdict::Transient
+                SampleVerdict::Transient
             } else if stops[..stops.partition_point(|s| s.0 < t)].last().is_some_and(|s| t <= s.1) {
-                Verdict::Stopping
+                SampleVerdict::Stopping
             } else {
-                Verdict::TooShort
+                SampleVerdict::TooShort
             };
         }
     }
     for segment in &estimate.data.segments {
         for reading in segment.readings.iter().filter(|r| r.witness == 0) {
-            all[segment.log][reading.sample as usize] = Verdict::Used;
+            all[segment.log][reading.sample as usize] = SampleVerdict::Used;
         }
     }
     all

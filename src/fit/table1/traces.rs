@@ -1,6 +1,6 @@
 //! What a report shows of a fit: traces of the runs, residuals over the cells and over time. Read only; nothing here touches the estimate.
 
-use crate::campaign::{Hold, Verdict, runs};
+use crate::campaign::{Hold, SampleVerdict, runs};
 use crate::fit::Result;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::integration::Course;
@@ -79,7 +79,7 @@ fn run_traces(fit: &AngleFit) -> Vec<RunTrace> {
 fn run_trace(
     estimate: &Estimate,
     (log, lagged): (usize, &EffectiveTorque),
-    verdicts: &[Verdict],
+    verdicts: &[SampleVerdict],
     simulated: &[Compared],
     (row, hold, gear): (usize, &Hold, Gear),
     points: usize,
@@ -112,7 +112,7 @@ fn run_trace(
     let mut bands: Vec<(f64, f64, usize)> = Vec::new();
     for i in samples {
         let t = round(encoder.t_s[i], 1e3);
-        let number = Verdict::ALL.iter().position(|v| *v == verdicts[i]).unwrap_or(0);
+        let number = SampleVerdict::ALL.iter().position(|v| *v == verdicts[i]).unwrap_or(0);
         match bands.last_mut() {
             Some(last) if last.2 == number => last.1 = t,
             Some(last) => {

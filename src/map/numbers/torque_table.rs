@@ -1,8 +1,7 @@
 //! Table 2: torque over front-wheel speed and desired acceleration.
 
 use crate::control::TableView;
-use crate::map::accel_table::{SPEED_AXIS, check_values};
-use crate::map::{Axis, Matrix, Result, lookup};
+use crate::map::{Axis, Matrix, Result, SPEED_AXIS, check_values, lookup};
 
 /// Name of the acceleration axis in errors and CSV corners.
 pub(crate) const ACCEL_AXIS: &str = "accel_mps2";
