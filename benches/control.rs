@@ -1,10 +1,10 @@
 //! What the controller costs: a look-up, a control period, a whole pivot simulated (with its ratio to real time), a verdict.
 
 use pivot_cal::control::{
-    Inputs, OutsidePolicy, PivotController, Pose, Settings as Control, Tables, TorqueMap, WaypointLaw, WaypointLawSettings,
+    Inputs, OutsidePolicy, PivotController, PivotSettings as Control, Pose, Tables, TorqueFromAccel, WaypointLaw, WaypointLawSettings,
 };
 use pivot_cal::map::{Gear, TorqueTable, Vehicle};
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
 use pivot_cal::verify::{Maps, Scenario, VerifySettings, known_maps, replay};
 use std::hint::black_box;
 

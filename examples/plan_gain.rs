@@ -124,7 +124,7 @@ fn main() -> Fallible<()> {
         let runs = shuffled(&uniform, seed, 4)?;
         let first = drive(&vehicle, &uniform, &runs, first_s, 100 * seed)?;
         let more = drive(&vehicle, &uniform, &runs[first.runs..], more_s, 100 * seed + 1)?;
-        let start = fit(vec![drive(&planning, &uniform, &runs, first_s, 100 * seed)?.survey], &fit::Settings::default())?.file;
+        let start = fit(vec![drive(&planning, &uniform, &runs, first_s, 100 * seed)?.survey], &fit::FitSettings::default())?.file;
         let wish = PlanSettings {
             budget_s: more_s,
             speed_breaks_mps: Some(yardstick.speeds_mps()),
@@ -150,8 +150,8 @@ fn main() -> Fallible<()> {
             }
             continue;
         }
-        let by_uniform = fit(vec![first.survey.clone(), more.survey], &fit::Settings::default())?.file;
-        let by_plan = fit(vec![first.survey, wanted.survey], &fit::Settings::default())?.file;
+        let by_uniform = fit(vec![first.survey.clone(), more.survey], &fit::FitSettings::default())?.file;
+        let by_plan = fit(vec![first.survey, wanted.survey], &fit::FitSettings::default())?.file;
         let files = [&start, &by_uniform, &by_plan];
         let mut errors = Vec::new();
         for file in files {

@@ -22,5 +22,5 @@ pub use error::{Error, Result};
 pub use hold::Hold;
 pub use ledger::{ledger, sample_seconds};
 pub use runs::runs;
-pub use settings::Settings;
+pub use settings::SurveySettings;
 pub use survey::{StartTrial, Stretch, Survey};

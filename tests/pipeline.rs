@@ -29,7 +29,7 @@ fn text(path: &str) -> String {
 }
 
 fn survey(recording: &Recording) -> Survey {
-    Survey::new(Track::new(recording).unwrap(), &campaign::Settings::default()).unwrap()
+    Survey::new(Track::new(recording).unwrap(), &campaign::SurveySettings::default()).unwrap()
 }
 
 fn messy() -> (Survey, Fit) {
@@ -41,10 +41,10 @@ fn messy_with(change: impl Fn(Track) -> Track) -> (Survey, Fit) {
     let source = Source::Map(SignalMap::from_toml(&text("data/signals/reference.toml")).unwrap());
     let read = |path: &str| {
         let recording = read(&repo(path), &source, &VehicleOverrides::default(), &|_| {}).unwrap();
-        Survey::new(change(Track::new(&recording).unwrap()), &campaign::Settings::default()).unwrap()
+        Survey::new(change(Track::new(&recording).unwrap()), &campaign::SurveySettings::default()).unwrap()
     };
     let messy = read("tests/data/reference_messy.zstd.mcap");
-    let fit = fit(vec![messy.clone(), read("tests/data/mini_ros2.zstd.mcap")], &fit::Settings::default()).unwrap();
+    let fit = fit(vec![messy.clone(), read("tests/data/mini_ros2.zstd.mcap")], &fit::FitSettings::default()).unwrap();
     (messy, fit)
 }
 
@@ -179,7 +179,7 @@ fn a_simulated_campaign_gives_back_the_simulators_own_map() {
     println!("seed {seed}");
     let recording = record(&vehicle, &campaign, Some(seed)).unwrap();
     let recording = read_bytes(recording.bytes, "campaign.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
-    let fit = fit(vec![survey(&recording)], &fit::Settings::default()).unwrap();
+    let fit = fit(vec![survey(&recording)], &fit::FitSettings::default()).unwrap();
     assert_monotone(&fit.file);
     let truth = vehicle.truth().unwrap();
     for gear in Gear::ALL {

@@ -47,12 +47,12 @@ fn recorded(slew_limit_nm_s: Option<f64>) -> (Recording, Truth) {
 fn surveyed(recording: &Recording, change: impl Fn(&mut Track)) -> Survey {
     let mut track = Track::new(recording).unwrap();
     change(&mut track);
-    Survey::new(track, &campaign::Settings::default()).unwrap()
+    Survey::new(track, &campaign::SurveySettings::default()).unwrap()
 }
 
 /// The fit of a log whose track is changed first.
 fn fitted(recording: &Recording, change: impl Fn(&mut Track)) -> Fit {
-    fit(vec![surveyed(recording, change)], &fit::Settings::default()).unwrap()
+    fit(vec![surveyed(recording, change)], &fit::FitSettings::default()).unwrap()
 }
 
 /// The feedback of a track.
@@ -111,7 +111,7 @@ fn errors(fit: &Fit, truth: &Truth) -> Errors {
 #[test]
 fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     let (recording, truth) = recorded(Some(60.0));
-    let (by_feedback, traces) = fit_traced(vec![surveyed(&recording, |_| ())], &fit::Settings::default()).unwrap();
+    let (by_feedback, traces) = fit_traced(vec![surveyed(&recording, |_| ())], &fit::FitSettings::default()).unwrap();
     let by_command = fitted(&recording, |track| track.feedback_nm = None);
     let (feedback, command) = (errors(&by_feedback, &truth), errors(&by_command, &truth));
     println!("by the feedback {feedback:?}\nby the command {command:?}");
@@ -191,7 +191,7 @@ fn a_feedback_that_cannot_stand_in_is_refused_with_the_reason() {
         println!("{told}");
         assert!(told.starts_with("torque command (the feedback ") && told.contains(why), "{why}: {told}");
     }
-    let given = fit::Settings { lag_s: Some(0.05), ..fit::Settings::default() };
+    let given = fit::FitSettings { lag_s: Some(0.05), ..fit::FitSettings::default() };
     let told = fit(vec![surveyed(&recording, |_| ())], &given).unwrap().file.actuator;
     assert!(told.input.to_string().contains("dead time or lag are given") && told.lag.status == DelayStatus::Given, "{told:?}");
     let bare = surveyed(&recording, |track| {
@@ -199,7 +199,7 @@ fn a_feedback_that_cannot_stand_in_is_refused_with_the_reason() {
         track.source.file = "bare.mcap".into();
         track.source.sha256 = "0".repeat(64);
     });
-    let told = fit(vec![surveyed(&recording, |_| ()), bare], &fit::Settings::default()).unwrap().file.actuator.input.to_string();
+    let told = fit(vec![surveyed(&recording, |_| ()), bare], &fit::FitSettings::default()).unwrap().file.actuator.input.to_string();
     assert!(told.starts_with("torque command (") && told.contains("not every log has one"), "{told}");
 }
 
@@ -231,8 +231,8 @@ fn the_input_is_the_same_at_every_wheel_angle() {
     let campaign = text("data/campaigns/wheel_angles.toml").replace("[0, 30, 60, 90]", "[60, 90]");
     let (recording, truth) = driven(&campaign, Some(60.0));
     let errors_of = |recording: &Recording| {
-        let grouped = group_by_angle(std::slice::from_ref(recording), &[60.0, 90.0], &campaign::Settings::default()).unwrap();
-        let fit = fit_angles(grouped, true, 90.0, &fit::Settings::default()).unwrap().0;
+        let grouped = group_by_angle(std::slice::from_ref(recording), &[60.0, 90.0], &campaign::SurveySettings::default()).unwrap();
+        let fit = fit_angles(grouped, true, 90.0, &fit::FitSettings::default()).unwrap().0;
         println!("{} {:?}", fit.file.actuator.input, fit.file.report.notes);
         assert_eq!(fit.file.maps.len(), 2);
         let rms = accel_rms_mps2(&fit.file.maps, &truth);

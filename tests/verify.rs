@@ -3,7 +3,7 @@
 
 use assert_cmd::Command;
 use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, WheelAngle, write_whole};
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
 use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, known_maps, verify};
 use std::path::Path;
 

@@ -5,7 +5,7 @@
 mod readers;
 
 use pivot_cal::map::Vehicle;
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
 use pivot_cal::verify::{Maps, Scenario, VerifySettings, Wanted, known_maps, verify_with};
 use std::path::Path;
 

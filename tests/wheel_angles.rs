@@ -37,7 +37,7 @@ fn recorded(seed: Option<u64>) -> (Recording, Truth) {
 }
 
 fn grouped(recording: &Recording, angles_deg: &[f64]) -> Grouped {
-    let grouped = group_by_angle(std::slice::from_ref(recording), angles_deg, &campaign::Settings::default()).unwrap();
+    let grouped = group_by_angle(std::slice::from_ref(recording), angles_deg, &campaign::SurveySettings::default()).unwrap();
     assert!(grouped.empty.is_empty() && grouped.notes.is_empty(), "{:?} {:?}", grouped.empty, grouped.notes);
     grouped
 }
@@ -96,14 +96,14 @@ struct Outcome {
 
 fn outcome(seed: Option<u64>) -> Outcome {
     let (recording, truth) = recorded(seed);
-    let (all, _) = fit_angles(grouped(&recording, &ANGLES_DEG), true, 90.0, &fit::Settings::default()).unwrap();
+    let (all, _) = fit_angles(grouped(&recording, &ANGLES_DEG), true, 90.0, &fit::FitSettings::default()).unwrap();
     let together = inverted(&all);
     let family = &all.file.families[0];
     println!("inertia {:?}, departures {} N·m, left out {:?}", family.inertia, family.departure_nm, family.left_out);
     let measured: Vec<(f64, f64)> = ANGLES_DEG
         .iter()
         .map(|angle| {
-            let (alone, _) = fit_angles(grouped(&recording, &[*angle]), true, *angle, &fit::Settings::default()).unwrap();
+            let (alone, _) = fit_angles(grouped(&recording, &[*angle]), true, *angle, &fit::FitSettings::default()).unwrap();
             let cells = measured_cells(&alone, *angle);
             let of = |inversion: &Inversion| with_tables(inversion, |maps| torque_rms_nm(maps, &truth, &cells, *angle));
             let (together_nm, alone_nm) = (of(&together), of(&inverted(&alone)));

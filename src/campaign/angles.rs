@@ -4,7 +4,7 @@
 //! samples: the wheel angle of a run is the median over its motion, and a run along which the wheel drifts has none. Runs within
 //! `angle_tolerance_deg` of one angle are one group, so that two angles are told apart from twice the tolerance on.
 
-use crate::campaign::Settings;
+use crate::campaign::SurveySettings;
 use crate::campaign::gates::clean_angle;
 use crate::campaign::hold::holds;
 use crate::signal::{Series, Track, median};
@@ -70,7 +70,7 @@ struct AngledRun {
 
 impl Census {
     /// Of the runs in `tracks`. Where runs lie within the tolerance of the vehicle's test angle, that angle is one of the groups.
-    pub fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &Settings) -> Self {
+    pub fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &SurveySettings) -> Self {
         let mut census = Self::default();
         let mut runs = Vec::new();
         let mut test_angle_deg = None;
@@ -115,7 +115,7 @@ impl Census {
     }
 
     /// The held angle that `wheel_angle_deg` means: the nearest one within the tolerance.
-    pub fn find(&self, wheel_angle_deg: f64, settings: &Settings) -> Option<&HeldAngle> {
+    pub fn find(&self, wheel_angle_deg: f64, settings: &SurveySettings) -> Option<&HeldAngle> {
         let away = |h: &HeldAngle| (h.wheel_angle_deg - wheel_angle_deg).abs();
         self.held.iter().filter(|h| away(h) <= settings.angle_tolerance_deg).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
@@ -142,7 +142,7 @@ fn busiest(runs: &[AngledRun], tolerance_deg: f64) -> Option<f64> {
 }
 
 /// The runs of a log: holds of a steady torque in motion.
-fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<AngledRun> {
+fn runs_of(track: &Track, settings: &SurveySettings, drifting: &mut usize) -> Vec<AngledRun> {
     let angle = clean_angle(&track.angle_rad);
     let speed = Series { t_s: track.encoder_mps.t_s.clone(), value: track.encoder_mps.smoothed(0.04) };
     let period_s = track.encoder_mps.median_period_s().min(1.0);
@@ -225,29 +225,29 @@ mod tests {
             steady(-30.2, 10.0),
             steady(0.2, 10.0),
         ]);
-        let census = Census::new([&track], &Settings::default());
+        let census = Census::new([&track], &SurveySettings::default());
         assert_eq!(angles(&census), [-30.0, 0.0, 30.0, 90.0]);
-        let thirty = census.find(29.0, &Settings::default()).copied();
+        let thirty = census.find(29.0, &SurveySettings::default()).copied();
         assert_eq!(thirty.map(|h| (h.runs, h.torques, h.is_campaign())), Some((3, 3, true)));
-        assert!(census.find(26.0, &Settings::default()).is_none() && !census.held[0].is_campaign());
+        assert!(census.find(26.0, &SurveySettings::default()).is_none() && !census.held[0].is_campaign());
         assert_eq!(census.held[3].range_deg.map(|a| (a * 10.0).round() / 10.0), [89.8, 90.4]);
     }
 
     #[test]
     fn angles_within_the_tolerance_are_one_and_what_lies_between_two_is_told() {
         let steady = |angle: f64| (angle, angle, 10.0);
-        let census = Census::new([&track(&[steady(30.0), steady(33.0), steady(86.0), steady(90.0)])], &Settings::default());
+        let census = Census::new([&track(&[steady(30.0), steady(33.0), steady(86.0), steady(90.0)])], &SurveySettings::default());
         // 30 and 33 are within 2.5° of 31 or 32; 86 is too far from the test angle and too near to be another one
         assert_eq!(census.held.len(), 2);
         assert!((31.0..=32.0).contains(&census.held[0].wheel_angle_deg) && census.held[0].runs == 2, "{census:?}");
         assert_eq!((census.held[1].wheel_angle_deg, census.held[1].runs, census.between_runs), (90.0, 1, 1));
-        let apart = Census::new([&track(&[steady(30.0), steady(36.0)])], &Settings::default());
+        let apart = Census::new([&track(&[steady(30.0), steady(36.0)])], &SurveySettings::default());
         assert_eq!(angles(&apart), [30.0, 36.0]);
     }
 
     #[test]
     fn a_run_along_which_the_wheel_drifts_has_no_angle() {
-        let census = Census::new([&track(&[(20.0, 50.0, 10.0), (30.0, 31.0, 10.0)])], &Settings::default());
+        let census = Census::new([&track(&[(20.0, 50.0, 10.0), (30.0, 31.0, 10.0)])], &SurveySettings::default());
         assert_eq!((census.drifting_runs, census.held.len()), (1, 1));
         assert_eq!(census.held[0].runs, 1);
     }

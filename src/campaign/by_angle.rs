@@ -7,7 +7,7 @@
 //! changes it by 0.00001 at 90°, by 0.9 % at 30°, and without bound toward 0°. Hence the angle with the largest |sin δ| alone tells the
 //! encoder's scale; elsewhere the yaw rate is scaled to agree with the encoder, and below 15° it is left out. At 0° there is none.
 
-use crate::campaign::{Settings, Survey};
+use crate::campaign::{Survey, SurveySettings};
 use crate::log::Recording;
 use crate::signal::{Result, Track, median};
 use crate::units::RAD_PER_DEG;
@@ -54,7 +54,7 @@ impl From<AngleGroup> for Grouped {
 ///
 /// # Errors
 /// Signals from which no track can be made.
-pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &Settings) -> Result<Grouped> {
+pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &SurveySettings) -> Result<Grouped> {
     let mut angles_deg = angles_deg.to_vec();
     angles_deg.sort_unstable_by(f64::total_cmp);
     angles_deg.dedup();
@@ -93,7 +93,7 @@ fn encoder_over_yaw(group: &AngleGroup) -> Option<f64> {
 }
 
 /// Scales the yaw speeds of all groups but that with the largest |sin δ| so that encoder and yaw rate compare there as they do in it.
-fn scale_yaw_rates(grouped: &mut Grouped, settings: &Settings) {
+fn scale_yaw_rates(grouped: &mut Grouped, settings: &SurveySettings) {
     let with_yaw = || grouped.groups.iter().filter(|g| encoder_over_yaw(g).is_some());
     let Some(best) = with_yaw().max_by(|a, b| sine(a).total_cmp(&sine(b)).then(a.wheel_angle_deg.total_cmp(&b.wheel_angle_deg))) else {
         return;

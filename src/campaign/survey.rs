@@ -2,7 +2,7 @@
 
 use crate::campaign::gates::within;
 use crate::campaign::hold::{Hold, holds};
-use crate::campaign::{Error, Result, SampleVerdict, Settings, gates, ledger, sample_seconds, slip};
+use crate::campaign::{Error, Result, SampleVerdict, SurveySettings, gates, ledger, sample_seconds, slip};
 use crate::map::Gear;
 use crate::signal::{Alignment, RestDetector, Series, Track};
 use crate::units::RAD_PER_DEG;
@@ -61,7 +61,7 @@ impl Survey {
     ///
     /// # Errors
     /// A gate that removes everything, with its threshold, what was seen and what would pass.
-    pub fn new(track: Track, settings: &Settings) -> Result<Self> {
+    pub fn new(track: Track, settings: &SurveySettings) -> Result<Self> {
         let encoder = &track.encoder_mps;
         let n = encoder.len();
         let rest = RestDetector::new(track.witnesses());
@@ -124,7 +124,7 @@ impl Survey {
     }
 
     /// Says which gate removed everything, if one did.
-    fn check(&self, settings: &Settings, at_rest: &[bool], commanded: f64) -> Result<()> {
+    fn check(&self, settings: &SurveySettings, at_rest: &[bool], commanded: f64) -> Result<()> {
         let values = &self.track.command_nm.value;
         let (low_nm, high_nm) =
             (values.iter().fold(f64::INFINITY, |m, v| m.min(*v)), values.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)));
@@ -215,7 +215,7 @@ fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest:
 /// The last moments before rest. A mean over some samples tells late that the wheel stands, most of all when it brakes hard, and readings at
 /// rest would pass for motion without acceleration. So the moment of the stop is extrapolated from the readings before it, and all from a
 /// little earlier on is left out.
-fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &Settings, verdicts: &mut [SampleVerdict]) {
+fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &SurveySettings, verdicts: &mut [SampleVerdict]) {
     let stands = |verdicts: &[SampleVerdict], i: usize| at_rest[i] || verdicts[i] == SampleVerdict::WrongGear;
     for i in 1..encoder.len() {
         if !stands(verdicts, i) || verdicts[i - 1] != SampleVerdict::Used {
@@ -262,7 +262,7 @@ fn stretches(
     encoder: &Series,
     gears: &[Option<Gear>],
     at_rest: &[bool],
-    settings: &Settings,
+    settings: &SurveySettings,
     verdicts: &mut [SampleVerdict],
 ) -> Vec<Stretch> {
     let longest_step = settings.gap_s.max(4.0 * encoder.median_period_s().min(1.0));

@@ -19,7 +19,7 @@ pub(crate) struct AngleChoice {
 /// angle is asked for, which is then the test angle of the fit.
 pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<AngleChoice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
-    let settings = campaign::Settings::default();
+    let settings = campaign::SurveySettings::default();
     let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     if asked.len() == 1 {
         return Ok(None);

@@ -5,7 +5,7 @@ use crate::cli::angles::AngleChoice;
 use crate::cli::breaks::Breaks;
 use crate::cli::logs::{LogArguments, survey};
 use crate::cli::outcome::Outcome;
-use crate::fit::{Fit, Settings, fit_angles, fit_traced};
+use crate::fit::{Fit, FitSettings, fit_angles, fit_traced};
 use crate::map::{FitTraces, Table1File, write_whole};
 use anyhow::Context;
 use comfy_table::{CellAlignment, Table, presets};
@@ -48,17 +48,17 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    fn settings(&self) -> anyhow::Result<Settings> {
+    fn settings(&self) -> anyhow::Result<FitSettings> {
         let delay = |name: &str, value: Option<f64>, most_ms: f64| match value {
             Some(ms) if !(0.0..=most_ms).contains(&ms) => anyhow::bail!("{name} is {ms}; allowed: 0 to {most_ms}"),
             other => Ok(other.map(|ms| ms * 1e-3)),
         };
-        Ok(Settings {
+        Ok(FitSettings {
             dead_time_s: delay("--dead-time-ms", self.dead_time_ms, 500.0)?,
             lag_s: delay("--lag-ms", self.lag_ms, 300.0)?,
             speed_breaks_mps: self.speed_breaks.clone().map(|b| b.0),
             torque_breaks_nm: self.torque_breaks.clone().map(|b| b.0),
-            ..Settings::default()
+            ..FitSettings::default()
         })
     }
 }

@@ -8,7 +8,7 @@ use crate::drive_law::{DriveInputs, DriveLaw};
 use crate::messages::{DriveStep, PivotRequest, Pose};
 use crate::numeric::wrapped;
 use crate::speed_loop::{SpeedLoop, SpeedLoopSettings};
-use crate::torque_map::{ConstantGain, TorqueMap};
+use crate::torque_map::{ConstantGain, TorqueFromAccel};
 
 /// Gains of the conventional law.
 #[derive(Debug, Clone, Copy, PartialEq)]

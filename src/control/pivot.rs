@@ -10,7 +10,7 @@ use crate::{Error, Result};
 /// Settings of the three modules; the drive law has its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Settings {
+pub struct PivotSettings {
     /// Planning.
     pub planning: PlanningSettings,
     /// Lateral.
@@ -19,7 +19,7 @@ pub struct Settings {
     pub longitudinal: LongitudinalSettings,
 }
 
-impl Settings {
+impl PivotSettings {
     /// The defaults for a wheelbase [m] and the wheel angle of the map [rad].
     pub fn new(wheelbase_m: f64, test_angle_rad: f64) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl<L: DriveLaw> PivotController<L> {
     ///
     /// # Errors
     /// Settings that cannot be used.
-    pub fn new(settings: &Settings, law: L) -> Result<Self> {
+    pub fn new(settings: &PivotSettings, law: L) -> Result<Self> {
         Ok(Self {
             planning: settings.planning.checked()?,
             lateral: Lateral::new(settings.lateral),
@@ -117,7 +117,7 @@ mod tests {
     #[derive(Debug, Clone, Copy)]
     struct ToyMap;
 
-    impl TorqueMap for ToyMap {
+    impl TorqueFromAccel for ToyMap {
         fn torque(&self, _gear: Gear, _speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
             Some(Lookup { torque_nm: FRICTION_NM + INERTIA_NM_PER_MPS2 * accel_mps2, outside: false })
         }
@@ -169,8 +169,8 @@ mod tests {
         }
     }
 
-    fn settings(policy: WheelPolicy) -> Settings {
-        let mut settings = Settings::new(WHEELBASE_M, 90.0 * RAD_PER_DEG);
+    fn settings(policy: WheelPolicy) -> PivotSettings {
+        let mut settings = PivotSettings::new(WHEELBASE_M, 90.0 * RAD_PER_DEG);
         settings.planning.policy = policy;
         settings
     }

@@ -12,13 +12,13 @@ pub struct Lookup {
 }
 
 /// Anything that tells the torque for an acceleration, in the gear's frame.
-pub trait TorqueMap {
+pub trait TorqueFromAccel {
     /// Torque at a speed [m/s] and a desired acceleration [m/s²]; `None` where the map has no answer: not a number, no table for the gear,
     /// or outside a table whose policy is to refuse.
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup>;
 }
 
-impl<M: TorqueMap + ?Sized> TorqueMap for &M {
+impl<M: TorqueFromAccel + ?Sized> TorqueFromAccel for &M {
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         (**self).torque(gear, speed_mps, accel_mps2)
     }
@@ -47,7 +47,7 @@ pub struct Tables<'a> {
     pub policy: OutsidePolicy,
 }
 
-impl TorqueMap for Tables<'_> {
+impl TorqueFromAccel for Tables<'_> {
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         let table = match gear {
             Gear::Forward => self.forward,
@@ -73,7 +73,7 @@ pub struct ConstantGain {
     pub limit_nm: f64,
 }
 
-impl TorqueMap for ConstantGain {
+impl TorqueFromAccel for ConstantGain {
     fn torque(&self, _gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         if speed_mps.is_nan() || !accel_mps2.is_finite() || self.limit_nm.is_nan() {
             return None;

@@ -5,7 +5,7 @@ use crate::messages::{DriveStep, PivotRequest, Pose};
 use crate::numeric::sin_cos;
 use crate::speed_loop::{SpeedLoop, SpeedLoopSettings};
 use crate::stopping::{Arrival, Left, StoppingGuard, UnderWay};
-use crate::torque_map::TorqueMap;
+use crate::torque_map::TorqueFromAccel;
 use crate::waypoints::{Nearest, Place};
 use crate::{Gear, Preview};
 
@@ -99,7 +99,7 @@ pub struct WaypointLaw<M> {
     saturated: bool,
 }
 
-impl<M: TorqueMap> WaypointLaw<M> {
+impl<M: TorqueFromAccel> WaypointLaw<M> {
     /// A law that asks `map`.
     pub fn new(settings: WaypointLawSettings, map: M) -> Self {
         Self {
@@ -162,7 +162,7 @@ impl<M: TorqueMap> WaypointLaw<M> {
     }
 }
 
-impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
+impl<M: TorqueFromAccel> DriveLaw for WaypointLaw<M> {
     fn start(&mut self, request: &PivotRequest, _pose: Pose) {
         self.place = Place::default();
         self.speed_loop = SpeedLoop::default();

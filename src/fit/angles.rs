@@ -11,14 +11,14 @@ pub use table1_file::Fit;
 
 use crate::campaign::{AngleGroup, Grouped, Survey};
 use crate::fit::angles::fitted_angles::Task;
-use crate::fit::{Result, Settings};
+use crate::fit::{FitSettings, Result};
 use crate::map::FitTraces;
 
 /// Fits Table 1 to the surveyed logs of one vehicle, at one wheel angle. The order of the logs does not matter.
 ///
 /// # Errors
 /// No logs, logs of different vehicles, too little motion, one torque only, a speed signal that is too slow and alone.
-pub fn fit(surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
+pub fn fit(surveys: Vec<Survey>, settings: &FitSettings) -> Result<Fit> {
     let group = AngleGroup::of(surveys);
     let test_angle_deg = group.wheel_angle_deg;
     let grouped = sorted(group.into());
@@ -29,7 +29,7 @@ pub fn fit(surveys: Vec<Survey>, settings: &Settings) -> Result<Fit> {
 ///
 /// # Errors
 /// As [`fit`].
-pub fn fit_traced(surveys: Vec<Survey>, settings: &Settings) -> Result<(Fit, FitTraces)> {
+pub fn fit_traced(surveys: Vec<Survey>, settings: &FitSettings) -> Result<(Fit, FitTraces)> {
     let group = AngleGroup::of(surveys);
     let test_angle_deg = group.wheel_angle_deg;
     fit_angles(group.into(), false, test_angle_deg, settings)
@@ -43,7 +43,7 @@ pub fn fit_traced(surveys: Vec<Survey>, settings: &Settings) -> Result<(Fit, Fit
 ///
 /// # Errors
 /// As [`fit`]; no group at `test_angle_deg`.
-pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: &Settings) -> Result<(Fit, FitTraces)> {
+pub fn fit_angles(grouped: Grouped, asked: bool, test_angle_deg: f64, settings: &FitSettings) -> Result<(Fit, FitTraces)> {
     let grouped = sorted(grouped);
     let task = Task::new(&grouped, asked, test_angle_deg, settings);
     let fitted = task.fitted()?;

@@ -25,13 +25,13 @@ use crate::campaign::Survey;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::state::State;
-use crate::fit::{Result, Settings};
+use crate::fit::{FitSettings, Result};
 
 /// Runs the estimator with the torque input that was chosen.
 ///
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
-pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &Settings) -> Result<Estimate<'a>> {
+pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
     let mut state = State::new(surveys, choice, settings)?;
     let sampled = delay_rounds::run(&mut state)?;
     surface_rounds::run(state, sampled)

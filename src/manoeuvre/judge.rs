@@ -63,7 +63,7 @@ struct ManoeuvreStage<'a> {
     maps: &'a Maps,
     settings: &'a ManoeuvreSettings,
     bench: ManoeuvreBench<'a>,
-    varied: &'a [(sim::Settings, u64)],
+    varied: &'a [(sim::WorldSettings, u64)],
     wanted: Wanted<'a>,
     /// Called each time a run has ended.
     done: &'a (dyn Fn() + Sync),
@@ -101,7 +101,7 @@ impl ManoeuvreStage<'_> {
         let nominal = manoeuvre.run(&bench, vehicle, settings.seed, first, second);
         (self.done)();
         let nominal = nominal?;
-        let one = |(plant, seed): &(sim::Settings, u64)| {
+        let one = |(plant, seed): &(sim::WorldSettings, u64)| {
             let values = manoeuvre.run(&bench, plant, *seed, (), ());
             (self.done)();
             values

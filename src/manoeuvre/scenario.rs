@@ -96,7 +96,7 @@ impl Manoeuvre {
     }
 
     /// Why it cannot be run, if it cannot.
-    pub(crate) fn hindrance(&self, maps: &Maps, plant: &sim::Settings) -> Option<String> {
+    pub(crate) fn hindrance(&self, maps: &Maps, plant: &sim::WorldSettings) -> Option<String> {
         let (map_m, plant_m) = (maps.table2.vehicle.wheelbase_m, plant.vehicle.wheelbase_m);
         if (map_m - plant_m).abs() > 0.01 * plant_m {
             return Some(format!(

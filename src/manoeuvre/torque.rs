@@ -1,7 +1,7 @@
 //! Torque for a manoeuvre: the maps under test over the wheel angle; with the map of one angle alone, that one where the wheel is at its
 //! angle, and the exact inverse of the physical plant elsewhere.
 
-use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueMap};
+use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueFromAccel};
 use crate::guidance::torque_source::TorqueSource;
 use crate::manoeuvre::Result;
 use crate::map::{Gear, SAME_ANGLE_DEG, Side, TorqueTable};
@@ -25,7 +25,7 @@ impl ExactTorque {
     ///
     /// # Errors
     /// A plant out of its range.
-    pub(crate) fn new(world: &sim::Settings) -> Result<Self> {
+    pub(crate) fn new(world: &sim::WorldSettings) -> Result<Self> {
         let truth = match &world.motion {
             MotionSettings::Physical(physical) => Some(Truth::new(physical, &world.vehicle)?),
             MotionSettings::Identified(_) => None,
@@ -73,7 +73,7 @@ impl<'a> ManoeuvreTorque<'a> {
     ///
     /// # Errors
     /// A plant out of its range.
-    pub(crate) fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
+    pub(crate) fn new(maps: Option<&'a Maps>, world: &sim::WorldSettings) -> Result<Self> {
         let tables = maps.map(|m| Tables {
             forward: m.forward.view(),
             reverse: m.reverse.as_ref().map(TorqueTable::view),

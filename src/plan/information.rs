@@ -6,7 +6,7 @@ use crate::fit::noise::model::Noise;
 use crate::fit::nuisance;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
-use crate::fit::{Error, Result, Settings};
+use crate::fit::{Error, FitSettings, Result};
 use crate::map::{DelayEstimate, Gear, Table1File};
 use crate::plan::drive::{DrivenPart, PlannedVehicle, READING_S};
 use crate::plan::settings::PlanSettings;
@@ -63,7 +63,7 @@ pub(crate) struct Model {
 
 impl Model {
     pub(crate) fn new(file: &Table1File, asked: &PlanSettings) -> Result<Self> {
-        let settings: Settings = serde_json::from_value(file.settings.clone()).unwrap_or_default();
+        let settings: FitSettings = serde_json::from_value(file.settings.clone()).unwrap_or_default();
         let used: Vec<_> = file.report.runs.iter().filter(|r| r.used_s > 0.0).collect();
         let limit_nm = file.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY);
         let mut torques: Vec<f64> = match &asked.torque_breaks_nm {

@@ -3,7 +3,7 @@
 use crate::map::{Gear, Vehicle};
 use crate::record::campaign::RunPlan;
 use crate::record::event::EventKind;
-use crate::sim::{Command, Fault, Measurement, Random, Stream, World};
+use crate::sim::{Fault, Measurement, Random, Stream, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 
@@ -110,14 +110,14 @@ impl Runner {
     }
 
     /// Decides for the next cycle; `None` when the campaign is over.
-    pub(crate) fn decide(&mut self, world: &mut World) -> Option<Command> {
+    pub(crate) fn decide(&mut self, world: &mut World) -> Option<WorldCommand> {
         let now_s = world.state().t_s;
         let seen = world.measure();
         let run = self.plan.get(self.index)?.clone();
         let sign = run.settings.gear.sign();
         let speed_mps = sign * seen.speed_mps.unwrap_or(0.0);
         let angle_rad = run.wheel_angle_deg.unwrap_or(self.test_angle_deg) * RAD_PER_DEG;
-        let mut command = Command { torque_nm: 0.0, wheel_angle_rad: angle_rad, gear: Some(run.settings.gear) };
+        let mut command = WorldCommand { torque_nm: 0.0, wheel_angle_rad: angle_rad, gear: Some(run.settings.gear) };
         if speed_mps.abs() > AT_REST_MPS {
             self.moved_at_s = now_s;
         }
@@ -191,7 +191,7 @@ impl Runner {
         self.go(RunPhase::Coast, now_s);
     }
 
-    fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut Command) {
+    fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut WorldCommand) {
         let settings = &run.settings;
         if self.outcome.is_none() {
             self.begin_level(run, now_s, speed_mps);
@@ -224,7 +224,7 @@ impl Runner {
     }
 
     /// Lets the run's event happen.
-    fn happen(&mut self, held_s: f64, run: &RunPlan, world: &mut World, command: &mut Command) -> Option<End> {
+    fn happen(&mut self, held_s: f64, run: &RunPlan, world: &mut World, command: &mut WorldCommand) -> Option<End> {
         let event = run.settings.event?;
         let on = event.is_on(held_s);
         if on && event.kind == EventKind::SteerAway {

@@ -7,7 +7,7 @@ use crate::record::campaign::TopicSettings;
 use crate::record::error::Result;
 use crate::record::log_writer::LogWriter;
 use crate::record::message::{JointState, MessageStamp, Odometry, RosMessage, TwistStamped};
-use crate::sim::{Channel, Command, Gear, Reading, Stream, World};
+use crate::sim::{Channel, Gear, SensorReading, Stream, World, WorldCommand};
 
 /// Name of the metadata record that holds the vehicle.
 pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
@@ -48,7 +48,7 @@ impl Topics {
     }
 
     /// Messages about the command in force, before the world steps on.
-    pub(crate) fn write_command(&mut self, world: &World, command: &Command) -> Result<()> {
+    pub(crate) fn write_command(&mut self, world: &World, command: &WorldCommand) -> Result<()> {
         let now_s = world.state().t_s;
         self.torque_command.poll(now_s, |_, _| world.accepted_torque_nm(command));
         if let Some(reading) = self.torque_command.taken().copied() {
@@ -132,18 +132,18 @@ impl Topics {
     }
 
     /// A message without a header: its publish time is its stamp.
-    fn plain<T>(&mut self, topic: &str, reading: &Reading<T>, message: &RosMessage<'_>) -> Result<()> {
+    fn plain<T>(&mut self, topic: &str, reading: &SensorReading<T>, message: &RosMessage<'_>) -> Result<()> {
         let (log_ns, publish_ns) = (self.ns(reading.arrival_s), self.ns(reading.stamp_s));
         self.log.write(topic, log_ns, publish_ns, message)
     }
 
     /// A message with its stamp inside.
-    fn headed<T>(&mut self, topic: &str, reading: &Reading<T>, message: &RosMessage<'_>) -> Result<()> {
+    fn headed<T>(&mut self, topic: &str, reading: &SensorReading<T>, message: &RosMessage<'_>) -> Result<()> {
         let log_ns = self.ns(reading.arrival_s);
         self.log.write(topic, log_ns, log_ns, message)
     }
 
-    fn stamp<T>(&self, reading: &Reading<T>) -> MessageStamp {
+    fn stamp<T>(&self, reading: &SensorReading<T>) -> MessageStamp {
         MessageStamp { ns: self.ns(reading.stamp_s) }
     }
 

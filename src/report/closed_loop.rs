@@ -1,11 +1,9 @@
 //! Closed loop: the pivot over time by the map and by the conventional law, the laws compared, and every scenario.
 
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::chart::{Area, Chart, Line, Panel, Points};
-use crate::report::html::{
-    Column::{self, Number, Text},
-    num_or_dash, table,
-};
+use crate::report::html::TableColumn::{Number, Text};
+use crate::report::html::{TableColumn, num_or_dash, table};
 use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
 use crate::verify::{
@@ -14,7 +12,7 @@ use crate::verify::{
 use maud::{Markup, html};
 
 /// The closed loop as a section.
-pub(crate) fn closed_loop(inputs: &Inputs) -> Section {
+pub(crate) fn closed_loop(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let body = html! {
         @if let Some(traces) = &inputs.closed_loop {
@@ -81,7 +79,7 @@ fn laws(comparison: &LawComparison, draws: usize) -> Markup {
         Metric::SettlingTimeS,
     ];
     let titles = metrics.map(|m| format!("{} {}", m.title(), m.unit()).trim().to_owned());
-    let columns: Vec<Column> = std::iter::once(Text("law")).chain(titles.iter().map(|title| Number(title))).collect();
+    let columns: Vec<TableColumn> = std::iter::once(Text("law")).chain(titles.iter().map(|title| Number(title))).collect();
     let median = |all: &[MetricSummary], metric| num_or_dash(figure(all, metric, Statistic::Median), 3);
     let rows: Vec<Vec<String>> = comparison
         .laws

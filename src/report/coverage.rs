@@ -1,10 +1,10 @@
 //! Coverage: how sure each cell is, and where its value comes from.
 
 use crate::map::{AccelMap, CellStatus};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::heat::{Heat, Quantity};
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     table,
 };
 use crate::report::scale::Colours;
@@ -19,7 +19,7 @@ const CONFIDENCE: Quantity = Quantity { name: "confidence", unit: "", digits: 2 
 const MOST_COLUMNS: usize = 64;
 
 /// Coverage as a section.
-pub(crate) fn coverage(inputs: &Inputs) -> Section {
+pub(crate) fn coverage(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let columns = [
         Text("gear"),

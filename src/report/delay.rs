@@ -1,11 +1,11 @@
 //! Delay likelihood: how sure dead time and lag are, and whether another pair would do.
 
 use crate::map::{Actuator, DeadTimeLikelihood, DelayEstimate, DelayLikelihood};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::chart::{Chart, Line, Panel};
 use crate::report::heat::{Heat, Quantity};
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     num_or_dash, table,
 };
 use crate::report::scale::Colours;
@@ -25,7 +25,7 @@ const MOST_SIGMA: f64 = 12.0;
 const MOST_LOGS: usize = 8;
 
 /// The delays as a section.
-pub(crate) fn delay(inputs: &Inputs) -> Section {
+pub(crate) fn delay(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let actuator = &inputs.table1.actuator;
     let body = html! {

@@ -1,10 +1,10 @@
 //! Breakaway and friction: the torque that sets the wheel in motion, and the torque that keeps it there.
 
 use crate::map::{AccelMap, Gear};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::chart::{Chart, Line, Panel};
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     num_or_dash, table,
 };
 use crate::report::section::{Figures, Section};
@@ -16,7 +16,7 @@ use maud::html;
 const CRUISE_MPS: f64 = 0.6;
 
 /// Breakaway and friction as a section.
-pub(crate) fn friction(inputs: &Inputs) -> Section {
+pub(crate) fn friction(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let columns = [
         Text("gear"),

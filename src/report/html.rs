@@ -7,14 +7,14 @@ use maud::{Markup, Render, html};
 
 /// A column of a table: its heading, and how its cells are aligned.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Column<'a> {
+pub(crate) enum TableColumn<'a> {
     /// Words, aligned left.
     Text(&'a str),
     /// Numbers, aligned right.
     Number(&'a str),
 }
 
-impl<'a> Column<'a> {
+impl<'a> TableColumn<'a> {
     /// The heading.
     pub(crate) fn title(self) -> &'a str {
         match self {
@@ -29,7 +29,7 @@ impl<'a> Column<'a> {
 }
 
 /// A table that scrolls sideways where it is too wide; `class` is the table's. A cell is a text, or markup.
-pub(crate) fn table<C: Render>(class: &str, columns: &[Column], rows: &[Vec<C>]) -> Markup {
+pub(crate) fn table<C: Render>(class: &str, columns: &[TableColumn], rows: &[Vec<C>]) -> Markup {
     html! {
         div.scroll {
             table class=(class) {
@@ -57,7 +57,7 @@ pub(crate) fn num_or_dash(value: Option<f64>, digits: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::Column::{Number, Text};
+    use super::TableColumn::{Number, Text};
     use super::*;
 
     #[test]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// The files that a report is made from. Only `table1.json` is needed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Inputs {
+pub struct ReportFiles {
     /// `table1.json`.
     pub table1: Table1File,
     /// `table2.json`.
@@ -45,7 +45,7 @@ pub enum Judgement {
     NotJudged,
 }
 
-impl Inputs {
+impl ReportFiles {
     /// Reads the folder. What is absent, or belongs to other tables, is left out and noted.
     ///
     /// # Errors

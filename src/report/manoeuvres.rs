@@ -1,12 +1,10 @@
 //! Manoeuvres: each as a picture with its figures; of the lateral compensation the error before and after.
 
 use crate::manoeuvre::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::chart::{Chart, Line, Panel};
-use crate::report::html::{
-    Column::{self, Number, Text},
-    table,
-};
+use crate::report::html::TableColumn::{Number, Text};
+use crate::report::html::{TableColumn, table};
 use crate::report::overhead::overhead;
 use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
@@ -14,7 +12,7 @@ use crate::verify::{Class, LimitCheck, Metric, ScenarioVerdict, Status};
 use maud::{Markup, html};
 
 /// The manoeuvres as a section.
-pub(crate) fn manoeuvres(inputs: &Inputs) -> Section {
+pub(crate) fn manoeuvres(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let body = html! {
         @if let Some(traces) = &inputs.manoeuvres {
@@ -157,7 +155,7 @@ fn results(all: &[&ManoeuvreTrace], metrics: &[Metric]) -> Markup {
         unit => format!(" {unit}"),
     };
     let titles: Vec<String> = metrics.iter().map(|m| format!("{}{}", m.title(), unit(*m))).collect();
-    let columns: Vec<Column> = std::iter::once(Text("manoeuvre")).chain(titles.iter().map(|title| Number(title))).collect();
+    let columns: Vec<TableColumn> = std::iter::once(Text("manoeuvre")).chain(titles.iter().map(|title| Number(title))).collect();
     let row = |trace: &&ManoeuvreTrace| {
         let verdict = &trace.verdict;
         std::iter::once(verdict.name.clone()).chain(metrics.iter().map(|metric| result(verdict, *metric))).collect()

@@ -1,9 +1,9 @@
 //! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
 
 use crate::map::{AccelMap, CellStatus, PlanEntry, Proposal};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     table,
 };
 use crate::report::section::{Figures, Section};
@@ -28,7 +28,7 @@ struct Level {
 }
 
 /// What to drive next as a section.
-pub(crate) fn next(inputs: &Inputs) -> Section {
+pub(crate) fn next(inputs: &ReportFiles) -> Section {
     let body = html! {
         @if let Some(file) = &inputs.plan {
             (planned(&file.plan))

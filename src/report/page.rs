@@ -1,8 +1,9 @@
 //! The page put together, and the figures as files.
 
+use crate::report::scale::Colours;
 use crate::report::section::Section;
 use crate::report::svg::{PATTERNS, STYLE};
-use crate::report::{Inputs, Result, scale::Colours};
+use crate::report::{ReportFiles, Result};
 use crate::report::{closed_loop, coverage, delay, friction, manoeuvres, next, provenance, residuals, round_trip, runs, summary, tables};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::json;
@@ -22,8 +23,8 @@ pub struct Report {
 /// Makes the report.
 ///
 /// # Errors
-/// A table that is not sound; what was read by [`Inputs::read`] is.
-pub fn report(inputs: &Inputs) -> Result<Report> {
+/// A table that is not sound; what was read by [`ReportFiles::read`] is.
+pub fn report(inputs: &ReportFiles) -> Result<Report> {
     let sections = [
         tables::table1(inputs),
         tables::table2(inputs),
@@ -42,7 +43,7 @@ pub fn report(inputs: &Inputs) -> Result<Report> {
     Ok(Report { html: page(inputs, &sections)?.into_string(), pictures })
 }
 
-fn page(inputs: &Inputs, sections: &[Section]) -> Result<Markup> {
+fn page(inputs: &ReportFiles, sections: &[Section]) -> Result<Markup> {
     let logs = logs(inputs);
     let data = data(inputs, sections)?;
     Ok(html! {
@@ -76,14 +77,14 @@ fn page(inputs: &Inputs, sections: &[Section]) -> Result<Markup> {
 }
 
 /// The log by its name, or how many there are.
-fn logs(inputs: &Inputs) -> String {
+fn logs(inputs: &ReportFiles) -> String {
     match &inputs.table1.logs[..] {
         [one] => one.file.clone(),
         many => format!("{} logs", many.len()),
     }
 }
 
-fn header(inputs: &Inputs, logs: &str) -> Markup {
+fn header(inputs: &ReportFiles, logs: &str) -> Markup {
     let vehicle = &inputs.table1.vehicle;
     let gears: Vec<String> = inputs.table1.maps.iter().map(|m| m.gear.to_string()).collect();
     html! {
@@ -115,7 +116,7 @@ fn short_title(section: &Section) -> &'static str {
 }
 
 /// What the script reads, as the text of its element.
-fn data(inputs: &Inputs, sections: &[Section]) -> Result<Markup> {
+fn data(inputs: &ReportFiles, sections: &[Section]) -> Result<Markup> {
     let heats: serde_json::Map<String, serde_json::Value> = sections.iter().flat_map(|s| s.figures.heats.iter().cloned()).collect();
     let data = json!({ "heats": heats, "traces": runs::data(inputs), "viridis": Colours::Viridis.all() });
     Ok(script_text(&serde_json::to_string(&data)?))

@@ -1,8 +1,8 @@
 //! Provenance: logs, files, settings and versions behind the page.
 
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     table,
 };
 use crate::report::section::{Figures, Section};
@@ -11,7 +11,7 @@ use maud::{Markup, html};
 use serde_json::{Map, Value, json};
 
 /// Provenance as a section.
-pub(crate) fn provenance(inputs: &Inputs) -> super::Result<Section> {
+pub(crate) fn provenance(inputs: &ReportFiles) -> super::Result<Section> {
     let settings = serde_json::to_string_pretty(&settings(inputs))?;
     let body = html! {
         h3 { "Logs" }
@@ -28,18 +28,18 @@ pub(crate) fn provenance(inputs: &Inputs) -> super::Result<Section> {
     Ok(Section { id: "provenance", title: "Provenance", body, figures: Figures::default() })
 }
 
-fn logs(inputs: &Inputs) -> Markup {
+fn logs(inputs: &ReportFiles) -> Markup {
     let logs = inputs.table1.logs.iter();
     let rows: Vec<_> = logs.map(|l| vec![html! { (l.file) }, html! { (l.bytes) }, html! { code { (l.sha256) } }]).collect();
     table("", &[Text("log"), Number("bytes"), Text("SHA-256")], &rows)
 }
 
-fn files(inputs: &Inputs) -> Markup {
+fn files(inputs: &ReportFiles) -> Markup {
     let rows: Vec<_> = inputs.files.iter().map(|(name, sha256)| vec![html! { (name) }, html! { code { (sha256) } }]).collect();
     table("", &[Text("file"), Text("SHA-256")], &rows)
 }
 
-fn vehicle_and_signals(inputs: &Inputs) -> Vec<Vec<String>> {
+fn vehicle_and_signals(inputs: &ReportFiles) -> Vec<Vec<String>> {
     let file = &inputs.table1;
     let vehicle = &file.vehicle;
     let others: Vec<String> = inputs.other_angles_deg.iter().map(|a| format!("{}°", num(*a, 1))).collect();
@@ -85,7 +85,7 @@ fn vehicle_and_signals(inputs: &Inputs) -> Vec<Vec<String>> {
 }
 
 /// Settings of every step, and what the fit found on its way.
-fn settings(inputs: &Inputs) -> Map<String, Value> {
+fn settings(inputs: &ReportFiles) -> Map<String, Value> {
     let mut settings = Map::new();
     settings.insert("fit".to_owned(), inputs.table1.settings.clone());
     if let Some(table2) = &inputs.table2 {

@@ -1,7 +1,7 @@
 //! Residuals: where and when the table does not explain the recorded acceleration.
 
 use crate::map::{AccelMap, ResidualCells, ResidualTimes};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::chart::{Chart, Panel};
 use crate::report::heat::{Heat, Quantity};
 use crate::report::scale::Colours;
@@ -16,7 +16,7 @@ const WINDOWS: Quantity = Quantity { name: "windows", unit: "", digits: 0 };
 const MOST_LOGS: usize = 8;
 
 /// The residuals as a section.
-pub(crate) fn residuals(inputs: &Inputs) -> Section {
+pub(crate) fn residuals(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let maps = &inputs.table1.maps;
     let noise = &inputs.table1.noise;

@@ -1,10 +1,10 @@
 //! Round trip: what acceleration comes out when Table 2's torque is put into Table 1.
 
 use crate::map::{AccelMap, CellStatus, TorqueMap};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::heat::{Heat, Quantity};
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     table,
 };
 use crate::report::scale::Colours;
@@ -29,7 +29,7 @@ fn of_mesh(map: &TorqueMap, i: usize, j: usize) -> CellStatus {
 }
 
 /// The round trip as a section.
-pub(crate) fn round_trip(inputs: &Inputs) -> super::Result<Section> {
+pub(crate) fn round_trip(inputs: &ReportFiles) -> super::Result<Section> {
     let mut figures = Figures::default();
     let map1_of = |map: &TorqueMap| inputs.table1.maps.iter().find(|m| m.gear == map.gear);
     let body = html! {

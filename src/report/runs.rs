@@ -1,9 +1,9 @@
 //! Every run as a row; its traces appear when it is clicked.
 
 use crate::map::{LedgerRow, RunRow, RunTrace};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::html::{
-    Column::{Number, Text},
+    TableColumn::{Number, Text},
     num_or_dash, table,
 };
 use crate::report::section::{Figures, Section};
@@ -24,7 +24,7 @@ struct Extra {
 }
 
 /// The runs as a section.
-pub(crate) fn runs(inputs: &Inputs) -> Section {
+pub(crate) fn runs(inputs: &ReportFiles) -> Section {
     let rows = &inputs.table1.report.runs;
     let shown = shown(rows);
     let body = html! {
@@ -59,7 +59,7 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
     order
 }
 
-fn list(inputs: &Inputs, shown: &[usize]) -> Markup {
+fn list(inputs: &ReportFiles, shown: &[usize]) -> Markup {
     let rows = &inputs.table1.report.runs;
     let extra = Extra { log: inputs.table1.logs.len() > 1, angle: rows.iter().any(|r| r.wheel_angle_deg.is_some()) };
     let traced = |k: usize| inputs.fit_traces.as_ref().is_some_and(|t| t.runs.iter().any(|r| r.row == k));
@@ -138,7 +138,7 @@ fn ledger(ledger: &[LedgerRow]) -> Markup {
 }
 
 /// The traces as the page's script reads them.
-pub(crate) fn data(inputs: &Inputs) -> Value {
+pub(crate) fn data(inputs: &ReportFiles) -> Value {
     let Some(traces) = &inputs.fit_traces else { return Value::Null };
     let rows = &inputs.table1.report.runs;
     let one = |r: &RunTrace| {

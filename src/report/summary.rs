@@ -2,7 +2,7 @@
 
 use crate::map::{AccelMap, DelayEstimate, SampleVerdict};
 use crate::report::svg::num;
-use crate::report::{Inputs, Judgement};
+use crate::report::{Judgement, ReportFiles};
 use crate::verify::{Class, MapVerdict, Metric, Statistic, Status, Worst};
 use maud::{Markup, html};
 
@@ -21,7 +21,7 @@ impl Figure {
 }
 
 /// The banner, the figures, the warnings, the facts.
-pub(crate) fn summary(inputs: &Inputs) -> Markup {
+pub(crate) fn summary(inputs: &ReportFiles) -> Markup {
     html! {
         section id="verdict" {
             (banner(inputs.judgement()))
@@ -69,7 +69,7 @@ fn value(number: &str, unit: &str) -> Markup {
     html! { (number) " " small { (unit) } }
 }
 
-fn unseen_runs(inputs: &Inputs) -> Figure {
+fn unseen_runs(inputs: &ReportFiles) -> Figure {
     let held_out = &inputs.table1.report.diagnostics["held_out"];
     let (rmse, r_squared) = (held_out["rmse"].as_f64(), held_out["r_squared"].as_f64());
     let runs = inputs.table1.report.runs.iter().filter(|r| r.used_s > 0.0).count();
@@ -83,7 +83,7 @@ fn unseen_runs(inputs: &Inputs) -> Figure {
     }
 }
 
-fn round_trip(inputs: &Inputs) -> Figure {
+fn round_trip(inputs: &ReportFiles) -> Figure {
     let title = "Table 2 against Table 1";
     let current = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current);
     let worst = current.and_then(|v| {
@@ -122,7 +122,7 @@ fn worst_heading(verdict: &MapVerdict) -> Option<(f64, Option<f64>)> {
     Some((worst, limit))
 }
 
-fn closed_loop(inputs: &Inputs) -> Figure {
+fn closed_loop(inputs: &ReportFiles) -> Figure {
     let title = "The vehicle in closed loop";
     let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) else {
         return Figure::absent(title, "run pivot-cal verify");
@@ -144,7 +144,7 @@ fn closed_loop(inputs: &Inputs) -> Figure {
     }
 }
 
-fn warnings(inputs: &Inputs) -> Markup {
+fn warnings(inputs: &ReportFiles) -> Markup {
     let mut all: Vec<&String> = inputs.notes.iter().collect();
     if let Some(verdict) = &inputs.verdict {
         all.extend(verdict.notes.iter().chain(&verdict.forced));
@@ -163,7 +163,7 @@ fn warnings(inputs: &Inputs) -> Markup {
     }
 }
 
-fn facts(inputs: &Inputs) -> Markup {
+fn facts(inputs: &ReportFiles) -> Markup {
     let file = &inputs.table1;
     let report = &file.report;
     let used = report.ledger.iter().find(|r| r.verdict == SampleVerdict::Used).map_or(0.0, |r| r.seconds);

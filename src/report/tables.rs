@@ -1,7 +1,7 @@
 //! Table 1 and Table 2: heat maps, and surfaces over the same cells.
 
 use crate::map::{AccelMap, FineSurface, TorqueMap};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::heat::{Heat, Quantity};
 use crate::report::scale::Colours;
 use crate::report::section::{Figures, Section};
@@ -29,7 +29,7 @@ pub(crate) fn holding_torque(surface: &FineSurface) -> Vec<(f64, f64)> {
 }
 
 /// Table 1 as a section.
-pub(crate) fn table1(inputs: &Inputs) -> Section {
+pub(crate) fn table1(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let body = html! {
         p {
@@ -66,7 +66,7 @@ fn of_accel(map: &AccelMap) -> Heat<'_> {
 }
 
 /// Table 2 as a section.
-pub(crate) fn table2(inputs: &Inputs) -> Section {
+pub(crate) fn table2(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let body = html! {
         @if let Some(table2) = &inputs.table2 {

@@ -4,7 +4,7 @@
 //! one drive yields all of them.
 
 use crate::control::{Inputs, Pose};
-use crate::sim::{Command, Measurement, World};
+use crate::sim::{Measurement, World, WorldCommand};
 use crate::verify::Result;
 
 /// What commands the world. `Moment` is one control period: what was true, what was read, what was commanded.
@@ -19,7 +19,7 @@ pub(crate) trait Driver {
     fn prepare(&mut self, world: &mut World) -> Result<bool>;
 
     /// Reads the world and decides what to command for one period.
-    fn command(&mut self, world: &World) -> (Self::Moment, Command);
+    fn command(&mut self, world: &World) -> (Self::Moment, WorldCommand);
 }
 
 /// What is seen of a period after it.

@@ -108,7 +108,7 @@ pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, recor
 fn judge_scenarios(
     stage: &PivotStage<'_>,
     settings: &VerifySettings,
-    varied: &[(sim::Settings, u64)],
+    varied: &[(sim::WorldSettings, u64)],
     logs: bool,
 ) -> Result<Vec<(ScenarioVerdict, Option<RunLog>)>> {
     let judge = |scenario: &Scenario| {

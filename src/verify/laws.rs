@@ -67,7 +67,7 @@ pub(crate) fn tuning_runs() -> usize {
 pub(crate) fn tuned_heading_law(
     bench: &PivotBench<'_>,
     scenario: &Scenario,
-    plant: &sim::Settings,
+    plant: &sim::WorldSettings,
     settings: &WaypointLawSettings,
     torque: ConstantGain,
     done: &(dyn Fn() + Sync),

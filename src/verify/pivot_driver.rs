@@ -1,7 +1,7 @@
 //! Drives the turns of a scenario with the pivot controller, and lets the scenario's disturbance begin at its time.
 
-use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, Settings};
-use crate::sim::{Command, Fault, World};
+use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, PivotSettings};
+use crate::sim::{Fault, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::bench::{PivotBench, PivotMoment};
@@ -54,7 +54,13 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
     ///
     /// # Errors
     /// Settings that the controller refuses.
-    pub(crate) fn new(bench: &'a PivotBench<'a>, scenario: &'a Scenario, settings: &Settings, law: L, world: &mut World) -> Result<Self> {
+    pub(crate) fn new(
+        bench: &'a PivotBench<'a>,
+        scenario: &'a Scenario,
+        settings: &PivotSettings,
+        law: L,
+        world: &mut World,
+    ) -> Result<Self> {
         let controller = PivotController::new(settings, law)?;
         world.place_wheel(scenario.start_wheel_deg * RAD_PER_DEG);
         if let Some((disturbance, None)) = scenario.disturbance {
@@ -164,7 +170,7 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
         }
     }
 
-    fn command(&mut self, world: &World) -> (PivotMoment, Command) {
+    fn command(&mut self, world: &World) -> (PivotMoment, WorldCommand) {
         let (state, seen) = (world.state(), world.measure());
         let command = self.controller.step(&inputs(&seen));
         if let Part::Turning(left_s) = &mut self.part {
@@ -173,7 +179,7 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
             self.last_phase = phase;
             *left_s -= self.bench.period_s;
         }
-        let order = Command { torque_nm: command.torque_nm, wheel_angle_rad: command.wheel_angle_rad, gear: command.gear };
+        let order = WorldCommand { torque_nm: command.torque_nm, wheel_angle_rad: command.wheel_angle_rad, gear: command.gear };
         (PivotMoment { state, seen, command }, order)
     }
 }

@@ -1,12 +1,12 @@
 //! The maps that a perfect campaign would give of a vehicle whose physics is known: for examples, benchmarks and tests.
 
-use crate::control::TorqueMap as _;
+use crate::control::TorqueFromAccel as _;
 use crate::map::{
     AccelMap, AccelTable, Actuator, ActuatorInput, Axis, BreakawayTorque, CellStatus, CsvRef, DeadBand, DelayEstimate, DelayStatus,
     FORMAT_VERSION, FineSurface, Gear, PlantNoise, RoundTripErrors, Stage1Report, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File,
     TorqueMap, TorqueTable, Units, ZeroRow, sha256_hex,
 };
-use crate::sim::Settings;
+use crate::sim::WorldSettings;
 use crate::verify::Result;
 use crate::verify::exact_map::{ExactMap, torque_for};
 
@@ -18,7 +18,7 @@ const FASTEST_MPS: f64 = 1.0;
 ///
 /// # Errors
 /// A world that cannot be simulated.
-pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
+pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
     let plant = ExactMap::new(world)?;
     let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: DelayStatus::Given };
     let mut table1 = Table1File {
@@ -68,7 +68,7 @@ pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
     Ok((table1, table2))
 }
 
-fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings) -> Result<AccelMap> {
+fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &WorldSettings) -> Result<AccelMap> {
     let speed = Axis::uniform("speed_mps", 0.0, 0.05, FASTEST_MPS)?;
     let torque = Axis::uniform("torque_nm", -plant.limit_nm(), 4.0, plant.limit_nm())?;
     let fine = Axis::uniform("speed_mps", 0.0, 0.01, FASTEST_MPS)?;
@@ -106,7 +106,7 @@ fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings)
     })
 }
 
-fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings) -> Result<TorqueMap> {
+fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &WorldSettings) -> Result<TorqueMap> {
     let speed = Axis::uniform("speed_mps", 0.0, 0.05, FASTEST_MPS)?;
     let ends =
         |v: f64| [exact.torque_nm().first(), exact.torque_nm().last()].map(|u| exact.accel_from_torque_clamped(v, u).unwrap_or_default());

@@ -9,7 +9,7 @@ use crate::fit::angles::shared_delays::{Pooled, Shared};
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::table1::actuator::Delays;
 use crate::fit::table1::angle_fit::AngleFit;
-use crate::fit::{Error, Result, Settings};
+use crate::fit::{Error, FitSettings, Result};
 use crate::map::{LogRef, SAME_ANGLE_DEG};
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub(crate) struct Task<'a> {
     /// The angle of the plain file names [°].
     pub(crate) test_angle_deg: f64,
     pub(crate) choice: TorqueChoice,
-    pub(crate) settings: &'a Settings,
+    pub(crate) settings: &'a FitSettings,
 }
 
 /// The fits of all angles.
@@ -38,7 +38,7 @@ pub(crate) struct FittedAngles<'a> {
 
 impl<'a> Task<'a> {
     /// Chooses the torque input for all logs together.
-    pub(crate) fn new(grouped: &'a Grouped, asked: bool, test_angle_deg: f64, settings: &'a Settings) -> Self {
+    pub(crate) fn new(grouped: &'a Grouped, asked: bool, test_angle_deg: f64, settings: &'a FitSettings) -> Self {
         let choice = TorqueChoice::new(grouped.groups.iter().flat_map(|g| &g.surveys), settings);
         Self { grouped, asked, test_angle_deg, choice, settings }
     }
@@ -61,7 +61,7 @@ impl<'a> Task<'a> {
         let several = groups.len() > 1 || !empty.is_empty();
         let shared = several.then(|| Shared::new(groups, &self.choice, self.settings));
         let (known, pooled, mut failed) = shared.map_or((None, None, Vec::new()), |s| (Some(s.known), Some(s.pooled), s.failed));
-        let held = Settings { known: known.or_else(|| self.settings.known.clone()), ..self.settings.clone() };
+        let held = FitSettings { known: known.or_else(|| self.settings.known.clone()), ..self.settings.clone() };
         let mut angles = Vec::new();
         let mut unsound = Vec::new();
         for group in groups {

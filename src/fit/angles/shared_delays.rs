@@ -8,7 +8,7 @@ use crate::campaign::AngleGroup;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::actuator::Delays;
-use crate::fit::{Error, KnownCalibration, Settings, rounds};
+use crate::fit::{Error, FitSettings, KnownCalibration, rounds};
 use crate::map::LogRef;
 use crate::units::RAD_PER_DEG;
 use std::collections::BTreeMap;
@@ -26,7 +26,7 @@ pub(crate) struct Shared {
 
 impl Shared {
     /// Fits each angle for its delays, those with a yaw rate first.
-    pub(crate) fn new(groups: &[AngleGroup], choice: &TorqueChoice, settings: &Settings) -> Self {
+    pub(crate) fn new(groups: &[AngleGroup], choice: &TorqueChoice, settings: &FitSettings) -> Self {
         let has_yaw = |g: &&AngleGroup| g.surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
         let mut pooled = Pooled::default();
         let mut failed = Vec::new();
@@ -52,7 +52,7 @@ impl Shared {
             if all_known {
                 continue;
             }
-            let held = Settings { known: Some(so_far.clone()), ..settings.clone() };
+            let held = FitSettings { known: Some(so_far.clone()), ..settings.clone() };
             match rounds::estimate(&group.surveys, choice, &held) {
                 Ok(estimate) => others.add(&estimate),
                 Err(error) => failed.push((group.wheel_angle_deg, error)),

@@ -6,7 +6,7 @@
 //! them unseen.
 
 use crate::campaign::Survey;
-use crate::fit::Settings;
+use crate::fit::FitSettings;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
 use crate::fit::drive::lagged_command::LaggedCommand;
@@ -71,7 +71,7 @@ pub(crate) struct TorqueChoice {
 
 impl TorqueChoice {
     /// From the logs of one fit. A log may come several times, with the runs of one wheel angle each.
-    pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &Settings) -> Self {
+    pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &FitSettings) -> Self {
         let surveys: Vec<&Survey> = surveys.into_iter().collect();
         let tracks: BTreeMap<&LogRef, &Track> = surveys.iter().map(|s| (&s.track.source, &s.track)).collect();
         let found = |track: &Track| delays(&track.command_nm, track.feedback_nm.as_ref()?, settings.lag_s);

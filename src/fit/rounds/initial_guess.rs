@@ -12,7 +12,7 @@ use crate::fit::motion::segmentation::all_segments;
 use crate::fit::noise::model::Noise;
 use crate::fit::rounds::delay_grid;
 use crate::fit::surface::lattice::Lattice;
-use crate::fit::{Error, Result, Settings};
+use crate::fit::{Error, FitSettings, Result};
 use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ impl<'a> InitialGuess<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &Settings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
@@ -80,7 +80,7 @@ impl<'a> InitialGuess<'a> {
 }
 
 /// Puts what runs at other wheel angles have shown of delays and encoder into `calibration`, whose logs are `logs`.
-pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &Settings) {
+pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &FitSettings) {
     let Some(known) = &settings.known else { return };
     for (dead_time_s, log) in calibration.dead_time_s.iter_mut().zip(logs) {
         if let Some(known) = known.dead_time_s.get(&log.survey.track.source.sha256) {
@@ -190,7 +190,7 @@ fn first_noise(grains: &[Grains]) -> Noise {
 }
 
 /// The lattice over the speeds and torques of the segments.
-fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], settings: &Settings) -> Result<Lattice> {
+fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], settings: &FitSettings) -> Result<Lattice> {
     let fastest = speeds.iter().flatten().fold(0.0f64, |m, v| m.max(*v));
     let (mut low, mut high) = (0.0f64, 0.0f64);
     let mut torques = Vec::new();

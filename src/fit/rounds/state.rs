@@ -20,12 +20,12 @@ use crate::fit::rounds::outliers::Judge;
 use crate::fit::solve::penalised_least_squares::Solution;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::fit::{Result, Settings};
+use crate::fit::{FitSettings, Result};
 use crate::map::Gear;
 
 /// The state from one round to the next.
 pub(crate) struct State<'a> {
-    pub(crate) settings: Settings,
+    pub(crate) settings: FitSettings,
     pub(crate) logs: Vec<LogData<'a>>,
     pub(crate) gears: Vec<Gear>,
     pub(crate) has_yaw: bool,
@@ -58,7 +58,7 @@ impl<'a> State<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &Settings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
         let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice } = InitialGuess::new(surveys, choice, settings)?;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };

@@ -1,7 +1,7 @@
 //! Dead times, lag and clock offsets of the drive, each with how it was found.
 
 use crate::campaign::Survey;
-use crate::fit::Settings;
+use crate::fit::FitSettings;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
@@ -36,7 +36,7 @@ impl From<&Estimate<'_>> for Delays {
 ///
 /// Where the feedback was the input, the delays found are those from it to the speed. What a controller needs leads from the command: the
 /// feedback's own dead time comes on top, and its lag takes the place of none.
-pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoice, settings: &Settings) -> Actuator {
+pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoice, settings: &FitSettings) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
             DelayStatus::Given

@@ -9,7 +9,7 @@ use crate::fit::table1::runs::{Compared, RunFigures, disagreements, run_figures,
 use crate::fit::table1::soundness::objections;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::table1::tables::{UsedSample, accel_map, used_samples, verdicts};
-use crate::fit::{Result, Settings, rounds};
+use crate::fit::{FitSettings, Result, rounds};
 use crate::map::AccelMap;
 
 /// What a fit at one wheel angle gives.
@@ -40,7 +40,7 @@ impl<'a> AngleFit<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
-    pub(crate) fn new(group: &'a AngleGroup, choice: &TorqueChoice, settings: &Settings, test_angle_deg: f64) -> Result<Self> {
+    pub(crate) fn new(group: &'a AngleGroup, choice: &TorqueChoice, settings: &FitSettings, test_angle_deg: f64) -> Result<Self> {
         let mut estimate = rounds::estimate(&group.surveys, choice, settings)?;
         let monotone = estimate.model.make_monotone(&estimate.data.gears);
         let uncertainty = Uncertainty::new(&estimate);

@@ -1,6 +1,6 @@
 //! Whether a table that could be computed may also be trusted: enough of it seen, torque varied, and logs that tell the same story.
 
-use crate::fit::Settings;
+use crate::fit::FitSettings;
 use crate::fit::motion::integration::Course;
 use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::Estimate;
@@ -22,7 +22,7 @@ const SAME_FLOOR: f64 = 0.05;
 const SIGNIFICANT: f64 = 3.5;
 
 /// What speaks against the table, for people; nothing when it is sound.
-pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &Settings) -> Vec<String> {
+pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<String> {
     let mut found: Vec<String> = thin(maps, settings).into_iter().collect();
     found.extend(estimate.data.gears.iter().filter_map(|gear| few_torques(*gear, samples)));
     found.extend(contradiction(estimate));
@@ -36,7 +36,7 @@ pub(crate) fn coverage(maps: &[AccelMap]) -> (f64, f64) {
     (share(&|s| s == CellStatus::Measured), share(&|s| s != CellStatus::Extrapolated))
 }
 
-fn thin(maps: &[AccelMap], settings: &Settings) -> Option<String> {
+fn thin(maps: &[AccelMap], settings: &FitSettings) -> Option<String> {
     let known = coverage(maps).1;
     (known < settings.least_coverage).then(|| {
         format!(

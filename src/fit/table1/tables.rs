@@ -3,7 +3,7 @@
 use crate::campaign::SampleVerdict;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
-use crate::fit::{Result, Settings};
+use crate::fit::{FitSettings, Result};
 use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
@@ -90,7 +90,7 @@ pub(crate) fn accel_map(
     estimate: &Estimate,
     uncertainty: &Uncertainty,
     gear: Gear,
-    settings: &Settings,
+    settings: &FitSettings,
     samples: &[UsedSample],
     (wheel_angle_deg, test_angle_deg): (f64, f64),
 ) -> Result<AccelMap> {

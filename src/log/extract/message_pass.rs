@@ -28,12 +28,12 @@ const BLIND_BLOCKS: usize = 4;
 #[derive(Debug)]
 pub(crate) struct ChannelPlan {
     pub plan: Extractor,
-    pub values: Vec<Wanted>,
+    pub values: Vec<WantedValue>,
 }
 
 /// One wanted value of a channel.
 #[derive(Debug)]
-pub(crate) struct Wanted {
+pub(crate) struct WantedValue {
     /// Which column of the result it fills.
     pub column: usize,
     pub slot: usize,

@@ -2,7 +2,7 @@
 
 use crate::log::extract::convert::Convert;
 use crate::log::extract::extractor::Extractor;
-use crate::log::extract::message_pass::{ChannelPlan, Wanted};
+use crate::log::extract::message_pass::{ChannelPlan, WantedValue};
 use crate::log::extract::stamp;
 use crate::log::extract::stamp::StampPath;
 use crate::log::extractor_error::PlanError;
@@ -224,7 +224,7 @@ fn channel_plan(layout: &Layout, wanted: &[(usize, &PathChoice)], sample: Option
             }
         });
         let names = layout.names(&spec.path.steps);
-        values.push(Wanted {
+        values.push(WantedValue {
             column: *column,
             slot: slot(&spec.path.steps, &mut paths),
             stamp,
