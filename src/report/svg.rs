@@ -156,5 +156,7 @@ mod tests {
     #[test]
     fn names_from_a_file_cannot_leave_their_place() {
         assert_eq!(escaped("<b a=\"x\">&\u{1}"), "&lt;b a=&quot;x&quot;&gt;&amp;\u{fffd}");
+        let inline = Svg::new("a\"><i>", "b\"><u>", 2.0, 1.0).inline().into_string();
+        assert!(inline.contains("id=\"a&quot;&gt;&lt;i&gt;\"") && inline.contains("aria-label=\"b&quot;&gt;&lt;u&gt;\""), "{inline}");
     }
 }
