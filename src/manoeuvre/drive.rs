@@ -142,3 +142,56 @@ fn readings(world: &World, start: &ManoeuvreStart, mounting: &Mounting) -> (True
     seen.wheel_angle_rad -= mounting.steering_zero_rad;
     (state, seen)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::guidance::route::follower::Trouble;
+    use crate::sim::VehicleFile;
+    use crate::verify::drive::EachMoment;
+
+    fn driven(start: &ManoeuvreStart, mounting: &Mounting, stage: impl Fn(usize) -> DriveStage) -> (Vec<ManoeuvreMoment>, DriveStage) {
+        let (mut moments, mut period) = (Vec::new(), 0);
+        let controller = |inputs: &Inputs| {
+            period += 1;
+            let command = DriveCommand { stage: stage(period), ..DriveCommand::at_rest(inputs.wheel_angle_rad) };
+            Commanded { command, compensation_rad: 0.1, leg: period }
+        };
+        let vehicle = VehicleFile::bundled().unwrap().settings();
+        let end =
+            drive_manoeuvre(&vehicle, 1, start, mounting, 0.02, controller, EachMoment(|m: &ManoeuvreMoment| moments.push(*m))).unwrap();
+        (moments, end)
+    }
+
+    #[test]
+    fn the_readings_have_the_mounting_errors_and_the_frame_of_the_path() {
+        let pose = Pose { x_m: 3.0, y_m: -2.0, heading_rad: 1.0 };
+        let start = ManoeuvreStart { pose, wheel_angle_rad: 0.3 };
+        let mounting = Mounting { yaw_rad: 0.05, steering_zero_rad: -0.04 };
+        let (moments, _) = driven(&start, &mounting, |_| DriveStage::Arrived);
+        let (state, seen) = (moments[0].state, moments[0].seen);
+        assert_eq!((state.x_m, state.y_m, state.heading_rad), (3.0, -2.0, 1.0));
+        assert!((state.wheel_angle_rad - 0.26).abs() < 1e-9, "commanded 0.3, it stands 0.04 to the right of it");
+        // noise of 2 mm and 0.05°, of 0.15° with a bias of 0.25° at the wheel
+        assert!((seen.x_m - 3.0).abs() < 0.01 && (seen.heading_rad - 1.05).abs() < 0.005, "{seen:?}");
+        assert!((seen.wheel_angle_rad - 0.3).abs() < 0.016, "{seen:?}");
+    }
+
+    #[test]
+    fn a_drive_ends_with_the_period_that_arrives_or_fails() {
+        let failed = DriveStage::Failed(Trouble::Stalled);
+        for end in [DriveStage::Arrived, failed] {
+            let stage = |period| if period < 7 { DriveStage::Steering } else { end };
+            let (moments, found) = driven(&ManoeuvreStart::default(), &Mounting::default(), stage);
+            assert_eq!((moments.len(), moments[6].command.stage, found), (7, end, end));
+            assert_eq!((moments[6].leg, moments[6].compensation_rad), (7, 0.1));
+        }
+    }
+
+    #[test]
+    fn a_drive_that_does_not_end_is_given_up() {
+        let (moments, found) = driven(&ManoeuvreStart::default(), &Mounting::default(), |_| DriveStage::Steering);
+        assert_eq!((moments.len(), found), (45_000, DriveStage::Driving));
+    }
+}

@@ -115,3 +115,39 @@ impl ManoeuvreStage<'_> {
         Ok(Judged { verdict, trace, log })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::manoeuvre::ManoeuvreKind;
+    use crate::verify::{Status, known_maps};
+
+    #[test]
+    fn traces_and_logs_come_with_the_verdicts_and_do_not_change_them() {
+        let mut settings = ManoeuvreSettings { draws: 1, ..ManoeuvreSettings::new().unwrap() };
+        let (table1, table2) = known_maps(&settings.vehicle).unwrap();
+        let maps = Maps::new(table1, table2).unwrap();
+        let all = Manoeuvre::all().into_iter();
+        settings.manoeuvres = all.filter(|m| m.name == "polyline-lqr" || matches!(m.kind, ManoeuvreKind::Compensation(_))).collect();
+        let plain = judge_manoeuvres(&maps, &settings, Wanted::default()).unwrap();
+        let rich = judge_manoeuvres(&maps, &settings, Wanted { traces: true, logs: true, progress: None }).unwrap();
+        assert_eq!((&plain.verdicts, &plain.note), (&rich.verdicts, &rich.note));
+        assert!(plain.traces.is_none() && plain.logs.is_empty());
+        // without a lateral table nothing is compensated
+        let status: Vec<_> = rich.verdicts.iter().map(|v| v.status).collect();
+        assert_eq!(status, [Status::Pass, Status::NotTested, Status::NotTested]);
+        let traces = rich.traces.unwrap();
+        assert_eq!((traces.manoeuvres.len(), rich.logs.len(), rich.logs[0].name.as_str()), (1, 1, "polyline-lqr"));
+        assert_eq!(traces.manoeuvres[0].verdict, rich.verdicts[0]);
+        assert!(traces.manoeuvres[0].driven_m.len() > 20 && !traces.manoeuvres[0].errors.is_empty());
+    }
+
+    #[test]
+    fn without_a_manoeuvre_there_is_nothing_to_note() {
+        let settings = ManoeuvreSettings::new().unwrap();
+        let (table1, table2) = known_maps(&settings.vehicle).unwrap();
+        let none = judge_manoeuvres(&Maps::new(table1, table2).unwrap(), &settings, Wanted::default()).unwrap();
+        assert_eq!(none, JudgedManoeuvres { verdicts: Vec::new(), note: None, traces: None, logs: Vec::new() });
+    }
+}

@@ -42,3 +42,57 @@ impl<'a> LegsDriver<'a> {
         command
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::Pose;
+    use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
+    use crate::guidance::route::tracking::{LawName, TrackingSettings};
+    use crate::map::Gear;
+
+    struct NoTorque;
+
+    impl TorqueSource for NoTorque {
+        fn torque_nm(&self, _: f64, _: f64, _: f64) -> f64 {
+            0.0
+        }
+    }
+
+    fn standing_at(x_m: f64) -> Inputs {
+        Inputs { speed_mps: Some(0.0), wheel_angle_rad: 0.0, pose: Pose { x_m, ..Pose::default() }, gear: None, estop: false }
+    }
+
+    #[test]
+    fn at_the_end_of_a_leg_the_next_one_begins_and_at_the_end_of_the_last_it_has_arrived() {
+        let path = course(&[ClothoidPiece::straight(2.0), ClothoidPiece::straight(1.0).reversed()], 0.9);
+        let settings = FollowerSettings::new(0.9, TrackingSettings::new(LawName::RearAxle));
+        let mut driver = LegsDriver::new(&path, settings);
+        let mut legs = Vec::new();
+        let mut last = DriveStage::Steering;
+        // held at the end of each leg the follower stops there, half a second later
+        for x_m in [2.0, 1.0] {
+            for _ in 0..40 {
+                let command = driver.step(&standing_at(x_m), &NoTorque, 0.0);
+                legs.push((driver.leg(), command.gear, command.stage == DriveStage::Arrived));
+                last = command.stage;
+                if x_m == 2.0 && driver.leg() == 1 {
+                    break;
+                }
+            }
+        }
+        assert_eq!(last, DriveStage::Arrived);
+        assert_eq!(legs[0], (0, Some(Gear::Forward), false));
+        let switch = legs.iter().position(|l| l.0 == 1).unwrap();
+        assert_eq!(legs[switch], (1, Some(Gear::Forward), false), "the stop of the first leg is no arrival");
+        assert_eq!(legs[switch + 1].1, Some(Gear::Reverse));
+    }
+
+    #[test]
+    fn a_path_without_a_leg_is_at_its_end() {
+        let settings = FollowerSettings::new(0.9, TrackingSettings::new(LawName::RearAxle));
+        let path = PosePath { poses: Vec::new() };
+        assert_eq!(LegsDriver::new(&path, settings).step(&standing_at(0.0), &NoTorque, 0.0).stage, DriveStage::Arrived);
+    }
+}

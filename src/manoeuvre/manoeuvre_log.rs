@@ -110,4 +110,8 @@ impl<'a> Observer<ManoeuvreDriver<'a>> for ManoeuvreLog {
             self.outcome = self.write(period.moment);
         }
     }
+
+    fn reads_yaw_rate(&self) -> bool {
+        true
+    }
 }

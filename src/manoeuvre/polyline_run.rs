@@ -156,3 +156,38 @@ pub(crate) fn run(
     let stage = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
     Ok(observers.0.values(stage))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::guidance::route::follower::DriveCommand;
+    use crate::guidance::route::path_position::Matched;
+    use crate::sim::Measurement;
+
+    fn moment(leg: usize, stage: DriveStage, x_m: f64, y_m: f64, speed_mps: f64) -> ManoeuvreMoment {
+        let command = DriveCommand { stage, matched: Some(Matched::default()), ..DriveCommand::at_rest(0.0) };
+        let state = TrueState { t_s: x_m, x_m, y_m, speed_mps, ..TrueState::default() };
+        ManoeuvreMoment { state, seen: Measurement::default(), command, compensation_rad: 0.0, leg }
+    }
+
+    #[test]
+    fn errors_are_those_of_the_leg_and_the_corner_where_they_are_made() {
+        let plan = PolylinePlan::new(&[[0.0, 0.0], [6.0, 0.0], [6.0, 4.0]], &PolylineSettings::default()).unwrap();
+        let (settings, _) = polyline_settings(0.9, LawName::Lqr);
+        let mut metrics = PolylineMetrics::new(&plan, settings);
+        let driving = DriveStage::Driving;
+        for (x_m, y_m) in [(0.0, 0.0), (1.0, 0.02), (3.0, -0.05)] {
+            metrics.add(&moment(0, driving, x_m, y_m, settings.speed.speed_at(x_m, 6.0) + 0.1));
+        }
+        // a corner cut by 0.3 m is no lateral error
+        metrics.add(&moment(1, DriveStage::Turning, 5.7, 0.0, 0.0));
+        metrics.add(&moment(1, driving, 6.04, 2.0, settings.speed.speed_at(2.0, 4.0)));
+        metrics.add(&moment(1, DriveStage::Arrived, 6.0, 3.9, 0.0));
+        let values = metrics.values(DriveStage::Arrived);
+        let get = |metric| values.get(metric).unwrap();
+        assert!((get(Metric::CornerErrorM) - 0.3).abs() < 1e-9 && (get(Metric::SegmentErrorM) - 0.05).abs() < 1e-9);
+        assert!((get(Metric::SpeedMaxMps) - 0.1).abs() < 1e-9 && get(Metric::SpeedRmsMps) < 0.1);
+        assert_eq!(metrics.values(DriveStage::Driving).get(Metric::TimeS), None);
+    }
+}

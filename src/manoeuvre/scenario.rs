@@ -135,3 +135,53 @@ impl Manoeuvre {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::manoeuvre::Error;
+    use crate::sim::VehicleFile;
+    use crate::verify::known_maps;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_manoeuvre_has_a_name_of_its_own_that_no_pivot_has() {
+        let all = Manoeuvre::all();
+        let pivots = crate::verify::Scenario::all();
+        let names: BTreeSet<&str> = all.iter().map(|m| m.name.as_str()).chain(pivots.iter().map(|s| s.name.as_str())).collect();
+        assert_eq!(names.len(), all.len() + pivots.len());
+        assert!(all.iter().all(|m| !m.class.is_pivot()));
+    }
+
+    #[test]
+    fn points_replace_those_of_polylines_alone() {
+        let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]];
+        for manoeuvre in Manoeuvre::all() {
+            let along = manoeuvre.clone().along(&points).unwrap();
+            match &along.kind {
+                ManoeuvreKind::Polyline { points_m, .. } => {
+                    assert_eq!(points_m, &points);
+                    assert!(along.what.starts_with("2 segments"), "{}", along.what);
+                }
+                _ => assert_eq!(along, manoeuvre),
+            }
+        }
+        let error = Manoeuvre::all().remove(0).along(&points[..1]).unwrap_err();
+        assert!(matches!(error, Error::Polyline(_)), "{error}");
+    }
+
+    #[test]
+    fn a_map_of_another_vehicle_and_one_without_its_lateral_table_are_not_tested() {
+        let vehicle = VehicleFile::bundled().unwrap().settings();
+        let (table1, table2) = known_maps(&vehicle).unwrap();
+        let maps = Maps::new(table1, table2).unwrap();
+        let hindered = |vehicle: &sim::Settings| -> Vec<Class> {
+            Manoeuvre::all().iter().filter(|m| m.hindrance(&maps, vehicle).is_some()).map(|m| m.class).collect()
+        };
+        assert_eq!(hindered(&vehicle), [Class::Compensation; 2]);
+        let mut longer = vehicle.clone();
+        longer.vehicle.wheelbase_m *= 1.02;
+        assert_eq!(hindered(&longer).len(), Manoeuvre::all().len());
+    }
+}

@@ -73,6 +73,8 @@ pub struct Drive {
     before_nm: f64,
     effective_nm: f64,
     decay: Decays,
+    /// No torque has been commanded yet.
+    untouched: bool,
 }
 
 /// What remains of a difference after parts of a step; the delayed command changes at the fraction f of the step.
@@ -122,6 +124,7 @@ impl Drive {
             before_nm: 0.0,
             effective_nm: 0.0,
             decay,
+            untouched: true,
         })
     }
 
@@ -137,8 +140,15 @@ impl Drive {
         self.effective_nm
     }
 
+    /// Whether no torque has been commanded yet: a step without torque then changes nothing.
+    #[inline]
+    pub(crate) fn is_untouched(&self) -> bool {
+        self.untouched
+    }
+
     /// Makes `command_nm` the command of all time so far: nothing is under way, and the effective torque is the command.
     pub fn settle(&mut self, command_nm: f64) {
+        self.untouched = false;
         let settled_nm = self.limited(command_nm);
         (self.last_command_nm, self.wanted_nm) = (command_nm, settled_nm);
         self.underway_nm.fill(settled_nm);
@@ -149,6 +159,7 @@ impl Drive {
     #[inline]
     pub fn step(&mut self, command_nm: f64) -> TorqueStep {
         if command_nm != self.last_command_nm {
+            self.untouched = false;
             self.last_command_nm = command_nm;
             self.wanted_nm = self.limited(command_nm);
         }

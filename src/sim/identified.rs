@@ -88,10 +88,11 @@ impl GearSurface {
         let (speed, torque) = (self.table.speed_mps(), self.table.torque_nm());
         let surface = Surface::new(&self.table);
         let mut values = Vec::with_capacity(speed.len() * torque.len());
+        let mut cell = Cell::default();
         for &u in torque.breaks() {
             for (j, &v) in speed.breaks().iter().enumerate() {
                 let shift_nm = (friction_factor - 1.0) * self.holding_nm(j);
-                values.push(surface.accel(&mut Cell::default(), v, u - shift_nm) / inertia_factor);
+                values.push(surface.accel(&mut cell, v, u - shift_nm) / inertia_factor);
             }
         }
         // the same axes, and finite values divided by finite factors: the table cannot be refused unless a factor is zero or not finite

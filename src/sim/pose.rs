@@ -52,6 +52,11 @@ impl WheelAngleTerms {
     pub fn moving(angles_rad: [f64; 3]) -> Self {
         Self { sin: angles_rad.map(f64::sin), cos: angles_rad.map(f64::cos), across: false }
     }
+
+    /// Moving on from the angle at which these terms end.
+    pub(crate) fn continued(&self, mid_rad: f64, end_rad: f64) -> Self {
+        Self { sin: [self.sin[2], mid_rad.sin(), end_rad.sin()], cos: [self.cos[2], mid_rad.cos(), end_rad.cos()], across: false }
+    }
 }
 
 /// Pose of the rear axle's middle.
@@ -126,6 +131,8 @@ impl Body {
             self.heading_rad += speed.distance_m(step_s) * yaw_per_m;
             self.yaw_rate_rad_s = speed.end_mps * yaw_per_m;
             self.until_fresh = 0;
+        } else if speed.is_rest() {
+            self.rest();
         } else {
             self.travel(step_s, speed, angle);
         }

@@ -88,6 +88,16 @@ impl Sensors {
     }
 
     /// The next time at which [`Sensors::poll`] has anything to do [s].
+    /// Leaves out the torque feedback.
+    pub(crate) fn silence_torque_feedback(&mut self) {
+        self.torque_feedback.silence();
+    }
+
+    /// Leaves out the gyro.
+    pub(crate) fn silence_gyro(&mut self) {
+        self.gyro.silence();
+    }
+
     #[inline]
     pub(crate) fn next_event_s(&self) -> f64 {
         self.next_event_s

@@ -131,6 +131,10 @@ impl Steering {
         if error.abs() <= limited_beyond {
             return target_rad - error * self.half_step_decay;
         }
+        // far from the end of the ramp no division is needed
+        if error.abs() - limited_beyond > 2.0 * rate * dt {
+            return angle_rad + error.signum() * rate * dt;
+        }
         let ramp_s = if rate > 0.0 { (error.abs() - limited_beyond) / rate } else { f64::INFINITY };
         if ramp_s >= dt {
             return angle_rad + error.signum() * rate * dt;

@@ -4,7 +4,7 @@ use crate::sim::drive::Drive;
 use crate::sim::error::Result;
 use crate::sim::load::Load;
 use crate::sim::motion::Motion;
-use crate::sim::pose::{Body, WheelAngleTerms};
+use crate::sim::pose::{WheelAngleTerms, Body, SpeedStep};
 use crate::sim::sensors::{Scene, Sensors};
 use crate::sim::settings::WorldSettings;
 use crate::sim::steering::Steering;
@@ -150,11 +150,16 @@ impl World {
         self.gear = command.gear;
         let commanded_nm = if self.estop || command.gear.is_none() { 0.0 } else { command.torque_nm };
         self.torque_before_nm = self.drive.effective_nm();
-        let torque = self.traction.step(self.drive.step(commanded_nm));
-        let turning = self.steer(command.wheel_angle_rad);
-        let load =
-            Load { torque, external_nm: self.external_nm(), brake_nm: if self.estop { self.brake_nm } else { 0.0 }, gear: command.gear };
-        let speed = self.motion.step(&load);
+        let nothing_pushes = commanded_nm == 0.0 && self.drive.is_untouched() && self.push_nm == 0.0 && self.slope.is_none();
+        let (speed, turning) = if nothing_pushes && self.motion.speed_mps() == 0.0 && self.traction.slip_mps() == 0.0 {
+            (SpeedStep::default(), self.steer(command.wheel_angle_rad))
+        } else {
+            let torque = self.traction.step(self.drive.step(commanded_nm));
+            let turning = self.steer(command.wheel_angle_rad);
+            let brake_nm = if self.estop { self.brake_nm } else { 0.0 };
+            let load = Load { torque, external_nm: self.external_nm(), brake_nm, gear: command.gear };
+            (self.motion.step(&load), turning)
+        };
         if let Some(angles_rad) = turning {
             // the steering turns under a vehicle that knows one angle only: sines are worked out when it rolls, which it seldom does then
             if speed.is_rest() {
@@ -206,6 +211,15 @@ impl World {
     /// The sensors with their times, for a log.
     pub fn sensors(&self) -> &Sensors {
         &self.sensors
+    }
+
+    /// Leaves out the sensors that no controller reads: the torque feedback, and the gyro unless `yaw_rate` is read from [`Measurement`]. Every
+    /// sensor has a random stream of its own, so that the readings of the others stay the same.
+    pub(crate) fn leave_out_unread_sensors(&mut self, yaw_rate: bool) {
+        self.sensors.silence_torque_feedback();
+        if !yaw_rate {
+            self.sensors.silence_gyro();
+        }
     }
 
     /// Speed of the wheel's rim over the floor [m/s]: 0 unless it slips.
@@ -279,7 +293,12 @@ impl World {
                 if self.slope.is_none() && self.motion.knows_one_angle() {
                     return Some(angles_rad);
                 }
-                self.angle = WheelAngleTerms::moving(angles_rad);
+                // where the last step ended this one starts, unless the vehicle knows one angle only and the terms were left as they were
+                self.angle = if self.motion.knows_one_angle() {
+                    WheelAngleTerms::moving(angles_rad)
+                } else {
+                    self.angle.continued(step.mid_rad, step.end_rad)
+                };
                 self.motion.set_angle(&self.angle);
             }
             None if self.angle_moved => self.set_fixed_angle(),

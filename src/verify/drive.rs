@@ -36,6 +36,11 @@ pub(crate) struct Period<'a, D: Driver> {
 pub(crate) trait Observer<D: Driver> {
     /// One period has passed.
     fn see(&mut self, period: &Period<'_, D>);
+
+    /// Whether it reads the yaw rate of the measurement, which no controller does: the gyro is simulated only then.
+    fn reads_yaw_rate(&self) -> bool {
+        false
+    }
 }
 
 /// Nobody looks.
@@ -48,6 +53,10 @@ impl<D: Driver, A: Observer<D>, B: Observer<D>> Observer<D> for (A, B) {
         self.0.see(period);
         self.1.see(period);
     }
+
+    fn reads_yaw_rate(&self) -> bool {
+        self.0.reads_yaw_rate() || self.1.reads_yaw_rate()
+    }
 }
 
 impl<D: Driver, O: Observer<D>> Observer<D> for Option<O> {
@@ -56,11 +65,19 @@ impl<D: Driver, O: Observer<D>> Observer<D> for Option<O> {
             observer.see(period);
         }
     }
+
+    fn reads_yaw_rate(&self) -> bool {
+        self.as_ref().is_some_and(Observer::reads_yaw_rate)
+    }
 }
 
 impl<D: Driver, O: Observer<D>> Observer<D> for &mut O {
     fn see(&mut self, period: &Period<'_, D>) {
         (**self).see(period);
+    }
+
+    fn reads_yaw_rate(&self) -> bool {
+        (**self).reads_yaw_rate()
     }
 }
 
@@ -71,6 +88,10 @@ impl<D: Driver, F: FnMut(&D::Moment)> Observer<D> for EachMoment<F> {
     fn see(&mut self, period: &Period<'_, D>) {
         (self.0)(period.moment);
     }
+
+    fn reads_yaw_rate(&self) -> bool {
+        true
+    }
 }
 
 /// Drives until the driver ends it. A period is `steps` steps of the world, at least one.
@@ -78,6 +99,7 @@ impl<D: Driver, F: FnMut(&D::Moment)> Observer<D> for EachMoment<F> {
 /// # Errors
 /// What the driver refuses.
 pub(crate) fn drive<D: Driver>(world: &mut World, steps: usize, driver: &mut D, observer: &mut impl Observer<D>) -> Result<()> {
+    world.leave_out_unread_sensors(observer.reads_yaw_rate());
     while driver.prepare(world)? {
         let (moment, order) = driver.command(world);
         let mut sum_mps = 0.0;
@@ -103,4 +125,79 @@ pub(crate) fn inputs(seen: &Measurement) -> Inputs {
 /// The pose as it was measured.
 pub(crate) fn pose(seen: &Measurement) -> Pose {
     Pose { x_m: seen.x_m, y_m: seen.y_m, heading_rad: seen.heading_rad }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::{Gear, Vehicle};
+    use crate::sim::{PhysicalSettings, Settings};
+
+    /// Commands a torque for a number of periods.
+    struct Counted {
+        left: usize,
+        torque_nm: f64,
+    }
+
+    impl Driver for Counted {
+        type Moment = f64;
+
+        fn prepare(&mut self, _: &mut World) -> Result<bool> {
+            self.left = self.left.wrapping_sub(1);
+            Ok(self.left != usize::MAX)
+        }
+
+        fn command(&mut self, world: &World) -> (f64, Command) {
+            (world.state().t_s, Command { torque_nm: self.torque_nm, wheel_angle_rad: 0.0, gear: Some(Gear::Forward) })
+        }
+    }
+
+    /// Keeps the periods left and the mean speeds.
+    #[derive(Default)]
+    struct Kept(Vec<(usize, f64)>);
+
+    impl Observer<Counted> for Kept {
+        fn see(&mut self, period: &Period<'_, Counted>) {
+            self.0.push((period.driver.left, period.mean_speed_mps));
+        }
+    }
+
+    fn world() -> World {
+        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        World::new(&Settings::physical(vehicle, PhysicalSettings::default()), 1).unwrap()
+    }
+
+    #[test]
+    fn every_observer_sees_every_period_after_it_with_its_mean_speed() {
+        let (mut kept, mut starts_s) = (Kept::default(), Vec::new());
+        let mut driver = Counted { left: 30, torque_nm: 30.0 };
+        let mut world = world();
+        drive(&mut world, 20, &mut driver, &mut (Some(&mut kept), EachMoment(|t_s: &f64| starts_s.push(*t_s)))).unwrap();
+        assert_eq!((kept.0.len(), kept.0[0].0, starts_s.len()), (30, 29, 30));
+        assert!((starts_s[29] - 0.58).abs() < 1e-9 && (world.state().t_s - 0.6).abs() < 1e-9, "{starts_s:?}");
+        let (mean_mps, end_mps) = (kept.0[29].1, world.state().speed_mps);
+        // under constant torque the mean lies below the speed at the end, by half of what the period adds
+        let half_mps = 0.5 * 0.02 * world.state().accel_mps2;
+        assert!(end_mps > 0.1 && (end_mps - mean_mps - half_mps).abs() < 0.1 * half_mps, "{mean_mps} {end_mps} {half_mps}");
+    }
+
+    #[test]
+    fn the_gyro_is_simulated_for_those_who_read_it_and_changes_no_other_reading() {
+        let seen = |observer: &mut dyn FnMut(&mut World)| {
+            let mut world = world();
+            observer(&mut world);
+            world.measure()
+        };
+        let without = seen(&mut |world| drive(world, 20, &mut Counted { left: 50, torque_nm: 30.0 }, &mut ()).unwrap());
+        let with = seen(&mut |world| drive(world, 20, &mut Counted { left: 50, torque_nm: 30.0 }, &mut EachMoment(|_: &f64| ())).unwrap());
+        assert_eq!(without.yaw_rate_rad_s, 0.0);
+        assert_ne!(with.yaw_rate_rad_s, 0.0);
+        assert_eq!(Measurement { yaw_rate_rad_s: 0.0, ..with }, without);
+    }
+
+    #[test]
+    fn a_period_is_a_whole_number_of_steps_and_at_least_one() {
+        assert_eq!((steps_of(0.02, 0.001), steps_of(0.02, 0.0013), steps_of(0.0001, 0.001)), (20, 15, 1));
+    }
 }

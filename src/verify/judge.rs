@@ -128,3 +128,48 @@ fn judge_scenarios(
     };
     settings.scenarios.par_iter().map(judge).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::Vehicle;
+    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::verify::known_maps;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    fn maps() -> Maps {
+        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
+        Maps::new(table1, table2).unwrap()
+    }
+
+    #[test]
+    fn traces_and_logs_come_with_the_verdict_and_do_not_change_it() {
+        let mut maps = maps();
+        maps.reverse = None;
+        let scenarios = Scenario::all().into_iter().filter(|s| ["left-30", "right-30", "speed-lost"].contains(&s.name.as_str())).collect();
+        let settings = VerifySettings { scenarios, draws: 2, comparison_draws: 3, ..VerifySettings::new().unwrap() };
+        let (runs, total) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let progress = |all: usize| {
+            runs.fetch_add(1, Ordering::Relaxed);
+            total.store(all, Ordering::Relaxed);
+        };
+        let all = verify_with(&maps, &settings, Wanted { traces: true, logs: true, progress: Some(&progress) }).unwrap();
+        assert_eq!(all.verdict, verify(&maps, &settings).unwrap());
+        assert_eq!(runs.into_inner(), total.into_inner(), "as many runs as were announced");
+        let names: Vec<&str> = all.logs.iter().map(|log| log.name.as_str()).collect();
+        assert_eq!(names, ["left-30", "speed-lost"], "without a reverse table nothing is driven to the right");
+        let traces = all.traces.unwrap();
+        assert_eq!((traces.draws, traces.scenario.as_str(), traces.laws.len()), (3, "left-90", 2));
+        let turned_deg = traces.laws[0].heading_deg.nominal.last().unwrap();
+        assert!((turned_deg - 90.0).abs() < 1.5, "{turned_deg}");
+    }
+
+    #[test]
+    fn without_draws_of_the_comparison_there_is_none_and_no_traces() {
+        let settings = VerifySettings { scenarios: Vec::new(), draws: 0, comparison_draws: 0, ..VerifySettings::new().unwrap() };
+        let all = verify_with(&maps(), &settings, Wanted { traces: true, ..Wanted::default() }).unwrap();
+        assert!(all.traces.is_none() && all.verdict.comparison.is_none());
+    }
+}

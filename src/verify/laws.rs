@@ -129,3 +129,51 @@ pub(crate) fn law_settings(maps: &Maps) -> WaypointLawSettings {
 pub(crate) fn test_angle_rad(maps: &Maps) -> f64 {
     maps.table2.vehicle.test_angle_deg * RAD_PER_DEG
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::Vehicle;
+    use crate::verify::known_maps;
+
+    fn maps() -> Maps {
+        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let (table1, table2) = known_maps(&sim::Settings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
+        Maps::new(table1, table2).unwrap()
+    }
+
+    #[test]
+    fn the_constant_gain_is_the_least_squares_line_through_the_accelerating_cells() {
+        let mut maps = maps();
+        for map in &mut maps.table1.maps {
+            for (i, torque_nm) in map.torque_nm.iter().enumerate() {
+                for j in 0..map.speed_mps.len() {
+                    map.accel_mps2[i][j] = torque_nm / 20.0;
+                    // neither braking cells nor cells that were not measured count
+                    if j % 3 == 0 {
+                        (map.accel_mps2[i][j], map.status[i][j]) = (5.0, CellStatus::Extrapolated);
+                    }
+                }
+            }
+        }
+        assert!((constant_gain(&maps, 44.0).gain_nm_per_mps2 - 20.0).abs() < 1e-9);
+        for map in &mut maps.table1.maps {
+            map.accel_mps2.iter_mut().flatten().for_each(|a| *a = -1.0);
+        }
+        assert_eq!(constant_gain(&maps, 44.0).gain_nm_per_mps2, 44.0, "without a cell that accelerates the limit stands in");
+    }
+
+    #[test]
+    fn the_search_takes_as_many_runs_as_it_says() {
+        let (maps, runs) = (maps(), std::sync::atomic::AtomicUsize::new(0));
+        let settings = crate::verify::VerifySettings::new().unwrap();
+        let done = || {
+            runs.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        };
+        let stage = crate::verify::stage::PivotStage::new(&maps, &settings, &done).unwrap();
+        let scenario = Scenario::all().into_iter().find(|s| s.name == "left-30").unwrap();
+        tuned_heading_law(&stage.bench(), &scenario, &stage.plant, &stage.law, constant_gain(&maps, 44.0), stage.done).unwrap();
+        assert_eq!(runs.into_inner(), tuning_runs());
+    }
+}

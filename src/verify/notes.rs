@@ -59,3 +59,63 @@ pub(crate) fn notes(forced: &[String], trips: &[RoundTripVerdict], scenarios: &[
     notes.extend(reasons.into_iter().cloned());
     notes
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::verify::scenario::Class;
+    use crate::verify::verdict::FORMAT;
+    use crate::verify::{PlantSummary, RoundTripLimit, Spread};
+
+    fn scenario(name: &str, status: Status) -> ScenarioVerdict {
+        ScenarioVerdict { status, ..ScenarioVerdict::not_tested(name, "", Class::Turn, format!("not tested: {name} lacks a table")) }
+    }
+
+    fn verdict(scenarios: Vec<ScenarioVerdict>) -> MapVerdict {
+        let mut all = notes(&["let pass".to_owned()], &[], &scenarios);
+        all.push("pivots: a note at the end".to_owned());
+        MapVerdict {
+            format: FORMAT.to_owned(),
+            format_version: 1,
+            tool_version: String::new(),
+            status: Status::Pass,
+            notes: all,
+            table2_csv_sha256: Vec::new(),
+            forced: vec!["let pass".to_owned()],
+            plant: PlantSummary { kind: String::new(), dead_time_s: 0.0, lag_s: 0.0, torque_limit_nm: 0.0, breakaway_nm: 0.0 },
+            draws: 0,
+            comparison_draws: 0,
+            seed: 1,
+            spread: Spread::default(),
+            controller: serde_json::Value::Null,
+            round_trip_limit: RoundTripLimit { at_most_mps2: 0.1, row_mean_at_most_mps2: 0.1, standard_errors: 3.0, reason: String::new() },
+            limits: Vec::new(),
+            round_trip: Vec::new(),
+            scenarios,
+            comparison: None,
+            replayed: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn added_scenarios_are_noted_as_if_they_had_been_there_from_the_start() {
+        let (left, right) = (scenario("left", Status::Pass), scenario("right", Status::NotTested));
+        let (parking, u_turn) = (scenario("parking", Status::Fail), scenario("u-turn", Status::NotTested));
+        let added =
+            verdict(vec![left.clone(), right.clone()]).with_scenarios(vec![parking.clone(), u_turn.clone()], Some("by maps".to_owned()));
+        let whole = verdict(vec![left, right, parking, u_turn]);
+        assert_eq!(added.notes[..added.notes.len() - 1], whole.notes);
+        assert!(added.notes.contains(&"failed: parking".to_owned()) && added.notes.contains(&"not tested: right, u-turn".to_owned()));
+        assert_eq!(added.notes.last().map(String::as_str), Some("by maps"));
+        assert_eq!((added.status, added.scenarios.len()), (Status::Fail, 4));
+    }
+
+    #[test]
+    fn nothing_added_changes_nothing_and_no_addition_makes_a_bad_map_good() {
+        let before = verdict(vec![scenario("left", Status::Pass)]);
+        assert_eq!(before.clone().with_scenarios(Vec::new(), None), before);
+        let bad = MapVerdict { status: Status::Fail, ..before };
+        assert_eq!(bad.with_scenarios(vec![scenario("parking", Status::Pass)], None).status, Status::Fail);
+    }
+}

@@ -200,3 +200,57 @@ fn begin(world: &mut World, disturbance: Disturbance, bench: &PivotBench<'_>) {
         Disturbance::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::Vehicle;
+    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::verify::bench::PivotMoment;
+    use crate::verify::{Maps, Metric, Values, VerifySettings, known_maps, replay};
+
+    fn maps() -> Maps {
+        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
+        Maps::new(table1, table2).unwrap()
+    }
+
+    fn driven(name: &str) -> (Vec<PivotMoment>, Values) {
+        let scenario = Scenario::all().into_iter().find(|s| s.name == name).unwrap();
+        let mut moments = Vec::new();
+        let values = replay(&maps(), &VerifySettings::new().unwrap(), &scenario, |m| moments.push(*m)).unwrap();
+        (moments, values)
+    }
+
+    #[test]
+    fn a_disturbance_begins_at_its_time_and_the_run_goes_on_after_the_failure() {
+        let (moments, values) = driven("stop-driving");
+        let driving = moments.iter().position(|m| m.command.phase == Phase::Driving).unwrap();
+        let stopped = moments.iter().position(|m| m.seen.estop).unwrap();
+        // 1.5 s of 0.02 s after the first period in which the phase was seen
+        assert_eq!(stopped - driving, 76);
+        let failed = moments.iter().position(|m| matches!(m.command.phase, Phase::Failed(_))).unwrap();
+        assert_eq!(moments.len() - failed, 126, "the period of the failure and 2.5 s after it");
+        assert_eq!(values.get(Metric::AsExpected), Some(1.0));
+        assert!(values.get(Metric::TravelAfterFailureM).unwrap() > 0.0);
+        assert_eq!((values.get(Metric::TimeS), values.get(Metric::HeadingErrorDeg)), (None, None));
+    }
+
+    #[test]
+    fn turns_follow_one_another_and_their_times_add_up() {
+        let (moments, values) = driven("chained");
+        let begun = moments.windows(2).filter(|pair| pair[1].command.phase == Phase::Driving && pair[0].command.phase != Phase::Driving);
+        assert_eq!(begun.count(), 3);
+        let settled_s = moments[5].state.t_s;
+        let end_s = moments.last().unwrap().state.t_s + 0.02;
+        assert!((values.get(Metric::TimeS).unwrap() - (end_s - settled_s)).abs() < 1e-9);
+        assert!((moments.last().unwrap().state.heading_rad.to_degrees() - 180.0).abs() < 1.5);
+        assert!(values.get(Metric::HeadingErrorDeg).unwrap() < 1.5, "the largest of three errors");
+    }
+
+    #[test]
+    fn the_wheel_starts_where_the_scenario_says() {
+        assert!((driven("wheel-off-angle").0[0].state.wheel_angle_rad + 35.0 * RAD_PER_DEG).abs() < 1e-12);
+    }
+}

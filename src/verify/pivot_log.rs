@@ -48,6 +48,10 @@ impl<'a, L: DriveLaw> Observer<PivotDriver<'a, L>> for PivotLog {
         }
         self.last = (Some(moment.command.phase), Some(moment.command.task));
     }
+
+    fn reads_yaw_rate(&self) -> bool {
+        true
+    }
 }
 
 fn write(

@@ -198,3 +198,41 @@ fn round(value: f64, steps: f64) -> f64 {
     // no "-0" in a file
     if rounded == 0.0 { 0.0 } else { rounded }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn ramp(end_s: f64, factor: f64) -> PivotTrace {
+        let points = (0..=(end_s / 0.02) as u32).map(|k| {
+            let t_s = 0.02 * f64::from(k);
+            TracePoint { t_s, values: [factor * t_s, factor, 0.0, 0.0], target_speed_mps: (t_s < 0.5).then_some(t_s) }
+        });
+        PivotTrace { points: points.collect(), begun_s: Some(0.0), start_rad: Some(0.0) }
+    }
+
+    #[test]
+    fn between_two_periods_the_earlier_one_counts_and_after_the_end_the_last() {
+        let trace = ramp(1.0, 1.0);
+        let speed = |t_s: f64| trace.at(t_s).unwrap().values[0];
+        assert_eq!((speed(0.05), speed(99.0)), (0.04, trace.points[50].t_s));
+        // the time of a period itself, with the rounding of its sum
+        assert_eq!(speed(0.06 - 1e-9), trace.points[3].t_s);
+        assert!(PivotTrace::default().at(0.0).is_none() && PivotTrace::default().end_s() == 0.0);
+    }
+
+    #[test]
+    fn the_bands_are_quantiles_over_the_draws_at_each_time() {
+        let runs = (ramp(1.0, 1.0), (0..=100).map(|k| ramp(1.0, 0.01 * f64::from(k))).collect());
+        let laws = law_traces("map", &runs, &[0.0, 1.0]);
+        let speed = &laws.speed_mps;
+        assert_eq!((speed.nominal[1], speed.p05[1], speed.p25[1], speed.median[1], speed.p95[1]), (1.0, 0.05, 0.25, 0.5, 0.95));
+        assert_eq!(laws.accel_mps2.median, [0.5, 0.5]);
+    }
+
+    #[test]
+    fn zero_is_written_without_a_sign() {
+        assert!(round(-1e-9, 1e3).is_sign_positive());
+    }
+}

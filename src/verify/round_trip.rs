@@ -203,3 +203,60 @@ fn measured(map1: &AccelMap, speed_mps: f64, torque_nm: f64) -> Option<f64> {
     }
     Some(std_err)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::Vehicle;
+    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::verify::known_maps;
+
+    fn maps() -> Maps {
+        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
+        Maps::new(table1, table2).unwrap()
+    }
+
+    fn limit() -> RoundTripLimit {
+        RoundTripLimit { at_most_mps2: 0.15, row_mean_at_most_mps2: 0.05, standard_errors: 3.0, reason: String::new() }
+    }
+
+    #[test]
+    fn beyond_its_torques_the_surface_goes_on_with_its_last_slope() {
+        let surface = maps().table1.maps[0].surface.table().unwrap();
+        let torques = surface.torque_nm().breaks();
+        let (last, before) = (torques[torques.len() - 1], torques[torques.len() - 2]);
+        let at = |torque_nm: f64| extended(&surface, 0.3, torque_nm).unwrap();
+        let slope = (at(last) - at(before)) / (last - before);
+        assert!((at(last + 7.0) - at(last) - 7.0 * slope).abs() < 1e-12);
+        assert!(at(torques[0] - 7.0) < at(torques[0]));
+        assert_eq!(extended(&surface, 0.3, f64::NAN), None);
+    }
+
+    #[test]
+    fn the_standard_error_is_interpolated_and_needs_every_cell_around() {
+        let mut map = maps().table1.maps[0].clone();
+        map.std_err_mps2[5][4] = 0.05;
+        let (torque_nm, speed_mps) = (map.torque_nm[5], map.speed_mps[4]);
+        let half_m = 0.5 * (map.speed_mps[5] - speed_mps);
+        assert!((measured(&map, speed_mps + half_m, torque_nm).unwrap() - 0.03).abs() < 1e-12);
+        map.status[5][5] = CellStatus::Extrapolated;
+        assert_eq!(measured(&map, speed_mps + half_m, torque_nm), None);
+        assert_eq!(measured(&map, speed_mps, torque_nm), Some(0.05), "a cell with no share is not asked for");
+        assert_eq!(measured(&map, speed_mps, 1e3), None);
+    }
+
+    #[test]
+    fn a_whole_row_that_is_a_little_off_fails_although_no_place_does() {
+        let mut maps = maps();
+        assert!(round_trip(&maps, &limit()).unwrap().iter().all(|t| t.pass));
+        let (rows, columns) = (maps.forward.speed_mps().len(), maps.forward.accel_mps2().len());
+        // 1.4 N·m are 0.1 m/s² at an inertia of 13 N·m per m/s²: within the limit of a place, over that of a row
+        let values = (0..rows * columns).map(|k| maps.forward.values()[k] + if k / columns == 8 { 1.4 } else { 0.0 }).collect();
+        maps.forward = TorqueTable::new(maps.forward.speed_mps().clone(), maps.forward.accel_mps2().clone(), values).unwrap();
+        let trip = &round_trip(&maps, &limit()).unwrap()[0];
+        assert!(!trip.pass && trip.failed == 0, "{trip:?}");
+        assert_eq!(trip.failed_rows_mps, [maps.forward.speed_mps().breaks()[8]]);
+    }
+}

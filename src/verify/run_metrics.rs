@@ -17,7 +17,11 @@ pub(crate) struct PivotMetrics<'a> {
     settings: &'a PivotSettings,
     wheelbase_m: f64,
     turn: Option<AskedTurn>,
+    /// Distance of the reference point from the centre of its circle [m], to the left.
+    to_centre_m: f64,
     start: TrueState,
+    /// Sine and cosine of the heading there.
+    start_direction: [f64; 2],
     turn_rad: f64,
     length_m: f64,
     gear: Gear,
@@ -47,12 +51,15 @@ pub(crate) struct PivotMetrics<'a> {
 
 impl<'a> PivotMetrics<'a> {
     pub(crate) fn new(bench: &'a PivotBench<'a>, settings: &'a PivotSettings, plant: &sim::WorldSettings) -> Self {
+        let (sin, cos) = settings.planning.test_angle_rad.sin_cos();
         Self {
             bench,
             settings,
             wheelbase_m: plant.vehicle.wheelbase_m,
             turn: None,
+            to_centre_m: plant.vehicle.wheelbase_m * cos / sin,
             start: TrueState::default(),
+            start_direction: [0.0, 1.0],
             turn_rad: 0.0,
             length_m: 0.0,
             gear: Gear::Forward,
@@ -85,6 +92,7 @@ impl<'a> PivotMetrics<'a> {
     fn begin(&mut self, state: &TrueState, turn_rad: f64) {
         let sin = (self.settings.planning.test_angle_rad).sin().abs();
         (self.start, self.turn_rad, self.begun_s) = (*state, turn_rad, state.t_s);
+        self.start_direction = state.heading_rad.sin_cos().into();
         self.length_m = self.wheelbase_m * turn_rad.abs() / sin;
         self.arc_m = 0.0;
         self.since_drive_s = None;
@@ -138,11 +146,11 @@ impl<'a> PivotMetrics<'a> {
 
     /// Distance of the reference point from its place on the circle that it should follow [m].
     fn drift(&self, state: &TrueState) -> f64 {
-        let (sin, cos) = self.settings.planning.test_angle_rad.sin_cos();
         let mirrored = self.gear == Gear::Forward && self.turn_rad < 0.0;
-        let to_centre_m = self.wheelbase_m * cos / sin * if mirrored { -1.0 } else { 1.0 };
-        let centre = |s: &TrueState| (s.x_m - s.heading_rad.sin() * to_centre_m, s.y_m + s.heading_rad.cos() * to_centre_m);
-        let ((x0, y0), (x, y)) = (centre(&self.start), centre(state));
+        let to_centre_m = self.to_centre_m * if mirrored { -1.0 } else { 1.0 };
+        let centre = |s: &TrueState, [sin, cos]: [f64; 2]| (s.x_m - sin * to_centre_m, s.y_m + cos * to_centre_m);
+        let (sin, cos) = state.heading_rad.sin_cos();
+        let ((x0, y0), (x, y)) = (centre(&self.start, self.start_direction), centre(state, [sin, cos]));
         f64::hypot(x - x0, y - y0)
     }
 

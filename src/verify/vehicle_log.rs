@@ -48,3 +48,15 @@ fn gear_number(gear: Option<Gear>) -> i8 {
         Some(Gear::Reverse) => 2,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_rounded_to_the_nanosecond_and_gears_have_their_numbers() {
+        assert_eq!(log_time_ns(0.02), START_NS + 20_000_000);
+        assert_eq!(log_time_ns(0.1 + 0.2), START_NS + 300_000_000);
+        assert_eq!([None, Some(Gear::Forward), Some(Gear::Reverse)].map(gear_number), [0, 1, 2]);
+    }
+}
