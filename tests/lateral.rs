@@ -173,7 +173,7 @@ fn as_json(bytes: Vec<u8>, to: &Path) {
     use pivot_cal::log::{SignalName, Source, VehicleOverrides, read_lateral_bytes};
     let recording = read_lateral_bytes(bytes, "ros.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
     let signals = &recording.signals;
-    let mut writer = mcap::Writer::new(std::io::PathCursor::new(Vec::new())).unwrap();
+    let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
     let channel =
         |writer: &mut mcap::Writer<_>, topic: &str| writer.add_channel(0, topic, "json", &std::collections::BTreeMap::new()).unwrap();
     let (pose, plan, angle) = (channel(&mut writer, "/pose"), channel(&mut writer, "/plan"), channel(&mut writer, "/angle"));

@@ -70,8 +70,7 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
 /// A run; with its log and its wheel angle where there are several.
 fn row(k: usize, run: &RunRow, (several, angles): (bool, bool), traced: bool) -> String {
     let told = |value: Option<f64>, digits| value.map_or("–".to_owned(), |v| num(v, digits));
-    let reasons: Vec<String> =
-        run.rejected.iter().map(|r| format!("{}\u{a0}{}\u{a0}s", r.verdict.to_string(), num(r.seconds, 2))).collect();
+    let reasons: Vec<String> = run.rejected.iter().map(|r| format!("{}\u{a0}{}\u{a0}s", r.verdict, num(r.seconds, 2))).collect();
     let unused = if run.used_s > 0.0 { "" } else { " unused" };
     let click = if traced {
         format!(" class=\"click{unused}\" tabindex=\"0\" aria-expanded=\"false\"")
