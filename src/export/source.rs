@@ -78,7 +78,7 @@ impl MapSource {
         table2.vehicle.test_angle_deg = angle.deg();
         table2.maps.retain(|m| m.angle().is_same(angle));
         let table2_json = json2.text().map_err(|e| unread(folder, "table2.json", e))?.to_owned();
-        Ok(Self { table2, table2_json, torque, accel, other_angles_deg })
+        Ok(Self { table2, table2_json, other_angles_deg, torque, accel })
     }
 
     /// The torque that is 100 % of a pedal [N·m]: the vehicle's limit, or without one the largest torque in Table 2.

@@ -119,6 +119,7 @@ mod tests {
         [[runs]]
         gear = "reverse"
         torque_nm = -8.5
+        repeats = 1
         start_speed_mps = 0.7
         spin_up_nm = 40.0
         end_speed_mps = 0.1

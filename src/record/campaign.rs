@@ -116,15 +116,15 @@ pub struct RunGroup {
     /// Torque [N·m] of the spin-up. Default 30.
     #[serde(default = "default_spin_up_nm", skip_serializing_if = "is_default_spin_up")]
     pub spin_up_nm: f64,
+    /// A level after a spin-up ends below this speed [m/s], so that braking does not drive backwards. Default 0.03.
+    #[serde(default = "default_end_speed_mps", skip_serializing_if = "is_default_end_speed")]
+    pub end_speed_mps: f64,
     /// Longest time at the level [s]. Default 3.
     #[serde(default = "default_hold_s")]
     pub hold_s: f64,
     /// The level ends at this speed [m/s]. Default 1.2.
     #[serde(default = "default_speed_limit_mps")]
     pub speed_limit_mps: f64,
-    /// A level after a spin-up ends below this speed [m/s], so that braking does not drive backwards. Default 0.03.
-    #[serde(default = "default_end_speed_mps", skip_serializing_if = "is_default_end_speed")]
-    pub end_speed_mps: f64,
     /// The level ends when the wheel has not moved for so long [s]. Default 1.5.
     #[serde(default = "default_stall_s")]
     pub stall_s: f64,
@@ -407,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told() {
+    fn what_is_wrong_is_reported() {
         let message = |text: &str| Campaign::from_toml(text).unwrap_err().to_string();
         assert_eq!(message(""), Error::NoRuns.to_string());
         assert_eq!(message("[[runs]]\ntorque_nm = 4\nhold_s = 0\n"), "runs entry 1: hold_s is 0; allowed: 0.02 to 600");

@@ -67,7 +67,7 @@ impl<'a> Shortcut<'a> {
                     slots[slot] = value.unwrap_or_default();
                 }
                 Take::Text { at, length, slot } => {
-                    slots[slot] = crate::log::extract::extractor::cdr::number::shown(&payload[at..at + length])
+                    slots[slot] = crate::log::extract::extractor::cdr::number::shown(&payload[at..at + length]);
                 }
             }
         }
