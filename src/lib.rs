@@ -13,6 +13,7 @@
 //! desired acceleration. Rooms import only rooms further down this list: `report`, `export` and `diff`, `verify`, `record`, `sim`,
 //! `control`, `fit`, `invert` and `lateral`, `campaign`, `signal`, `log`, `map`, `units`.
 
+pub mod calibrate;
 pub mod campaign;
 pub mod check;
 pub mod cli;
@@ -34,5 +35,6 @@ mod spelling;
 pub mod units;
 pub mod verify;
 
+pub use calibrate::{CalibrateSettings, Calibrated, Error, Result, calibrate};
 #[doc(no_inline)]
 pub use pivot_control as control;

@@ -1,8 +1,11 @@
 //! `calibrate LOG…`: fit, invert, verify and report in one go, with one summary at the end.
 
+use crate::calibrate::{CalibrateSettings, Calibrated, FittedLogs, InvertStage, calibrate_with};
+use crate::cli::angles::with_flag;
+use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
-use crate::cli::{Ui, fit, invert, report, verify, verify_text};
-use crate::invert::ZeroRow;
+use crate::cli::{Ui, fit, invert, verify_text};
+use crate::invert::InvertSettings;
 use serde_json::json;
 
 /// Arguments of `calibrate`.
@@ -23,23 +26,16 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let (fit, damaged) = fit::make(&arguments.fit, ui)?;
-    let inversion = invert::make(
-        &invert::Arguments {
-            maps: arguments.fit.maps.clone(),
-            speed_breaks: None,
-            accel_breaks: arguments.accel_breaks.clone(),
-            place: None,
-            zero_row: ZeroRow::Moving,
-            node_exact: false,
-            angle: Vec::new(),
-            force: false,
-        },
-        ui,
-    )?;
-    let verdict = verify::make(&arguments.fit.maps, ui)?;
     let maps = &arguments.fit.maps;
-    report::make(maps, &maps.join("report.html"), None)?;
+    let accel_breaks_mps2 = arguments.accel_breaks.clone().map(|b| b.0);
+    let settings = CalibrateSettings {
+        fit: arguments.fit.stage()?,
+        invert: InvertStage { settings: InvertSettings { accel_breaks_mps2, ..InvertSettings::default() }, ..InvertStage::default() },
+    };
+    let listener = UiListener::new(ui, "calibrating");
+    let made = calibrate_with(&arguments.fit.input.logs, maps, &settings, &|event| listener.hear(event)).map_err(with_flag)?;
+    let Calibrated { fitted: FittedLogs { fit, is_damaged }, inversion, verdict } = made;
+    let damaged = is_damaged && arguments.fit.is_strict();
     ui.document(&json!({ "table1": fit.file, "table2": inversion.file, "verify": verdict }))?;
     ui.say("── Table 1 ──");
     fit::show(&fit.file, ui);

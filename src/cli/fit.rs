@@ -1,15 +1,16 @@
 //! `fit LOG…`: Table 1 from logs.
 
+use crate::calibrate::{FitStage, fit_logs};
 use crate::cli::Ui;
-use crate::cli::angles::AngleChoice;
+use crate::cli::angles::with_flag;
 use crate::cli::breaks::Breaks;
-use crate::cli::logs::{LogArguments, survey};
+use crate::cli::listener::UiListener;
+use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
-use crate::fit::{Fit, FitSettings, fit_angles, fit_traced};
-use crate::map::{FitTraces, Table1File, write_whole};
-use anyhow::Context;
+use crate::fit::FitSettings;
+use crate::map::Table1File;
 use comfy_table::{CellAlignment, Table, presets};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `fit`.
 #[derive(Debug, Clone, clap::Args)]
@@ -48,57 +49,35 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    fn settings(&self) -> anyhow::Result<FitSettings> {
+    /// How logs are read and fitted, as the arguments say.
+    pub(crate) fn stage(&self) -> anyhow::Result<FitStage> {
         let delay = |name: &str, value: Option<f64>, most_ms: f64| match value {
             Some(ms) if !(0.0..=most_ms).contains(&ms) => anyhow::bail!("{name} is {ms}; allowed: 0 to {most_ms}"),
             other => Ok(other.map(|ms| ms * 1e-3)),
         };
-        Ok(FitSettings {
+        let settings = FitSettings {
             dead_time_s: delay("--dead-time-ms", self.dead_time_ms, 500.0)?,
             lag_s: delay("--lag-ms", self.lag_ms, 300.0)?,
             speed_breaks_mps: self.speed_breaks.clone().map(|b| b.0),
             torque_breaks_nm: self.torque_breaks.clone().map(|b| b.0),
             ..FitSettings::default()
-        })
+        };
+        Ok(FitStage { source: self.input.log_source()?, wheel_angles_deg: self.angle.clone(), settings })
+    }
+
+    /// Whether a damaged log counts.
+    pub(crate) fn is_strict(&self) -> bool {
+        self.input.strict
     }
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let (fit, damaged) = make(arguments, ui)?;
-    ui.document(&fit.file)?;
-    show(&fit.file, ui);
-    Ok(if fit.sound && !damaged { Outcome::Done } else { Outcome::Rejected })
-}
-
-/// Fits and writes; also tells whether a damaged log counts (with `--strict`).
-pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)> {
-    let settings = arguments.settings()?;
-    let one = match arguments.angle[..] {
-        [angle] => Some(angle),
-        _ => None,
-    };
-    let (recordings, census) = arguments.input.census(one, ui)?;
-    let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
-    let chosen = crate::cli::angles::choose(&recordings, &census, &arguments.angle, ui)?;
-    let (fit, traces) = if let Some(AngleChoice { grouped, test_angle_deg }) = chosen {
-        fit_angles(grouped, !arguments.angle.is_empty(), test_angle_deg, &settings)?
-    } else {
-        let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
-        fit_traced(surveys, &settings)?
-    };
-    save(&fit, &traces, &arguments.maps)?;
-    Ok((fit, damaged))
-}
-
-fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> anyhow::Result<()> {
-    // a table of an earlier fit that this one does not have would pass for its own
-    crate::cli::angles::remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
-    for (name, text) in &fit.csvs {
-        write_whole(&folder.join(name), text.as_bytes())?;
-    }
-    write_whole(&folder.join("table1.json"), fit.file.to_json()?.as_bytes())?;
-    write_whole(&folder.join("fit_traces.json"), traces.to_json()?.as_bytes())?;
-    Ok(())
+    let listener = UiListener::new(ui, "reading");
+    let logs = &arguments.input.logs;
+    let fitted = fit_logs(logs, &arguments.maps, &arguments.stage()?, &|event| listener.hear(event)).map_err(with_flag)?;
+    ui.document(&fitted.fit.file)?;
+    show(&fitted.fit.file, ui);
+    Ok(if fitted.fit.sound && !(fitted.is_damaged && arguments.is_strict()) { Outcome::Done } else { Outcome::Rejected })
 }
 
 /// The summary for people.

@@ -1,12 +1,13 @@
 //! `invert`: Table 2 from Table 1.
 
+use crate::calibrate::{InvertStage, invert_folder};
 use crate::cli::Ui;
+use crate::cli::angles::with_flag;
 use crate::cli::breaks::Breaks;
+use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
-use crate::cli::table1;
-use crate::invert::{Inversion, InvertSettings, ZeroRow, invert};
-use crate::map::{CsvRef, FixedText, Mismatch, Table1File, Table2File, write_whole};
-use anyhow::{Context, bail};
+use crate::invert::{InvertSettings, ZeroRow};
+use crate::map::Table2File;
 use std::path::PathBuf;
 
 /// Arguments of `invert`.
@@ -50,52 +51,22 @@ fn zero_row(text: &str) -> Result<ZeroRow, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let inversion = make(arguments, ui)?;
+    let stage = InvertStage {
+        wheel_angles_deg: arguments.angle.clone(),
+        settings: InvertSettings {
+            speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
+            accel_breaks_mps2: arguments.accel_breaks.clone().map(|b| b.0),
+            place: arguments.place,
+            zero_row: arguments.zero_row,
+            node_exact: arguments.node_exact,
+        },
+        force: arguments.force,
+    };
+    let listener = UiListener::new(ui, "inverting");
+    let inversion = invert_folder(&arguments.maps, &stage, &|event| listener.hear(event)).map_err(with_flag)?;
     ui.document(&inversion.file)?;
     show(&inversion.file, ui);
     Ok(Outcome::Done)
-}
-
-/// Inverts and writes.
-pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
-    let path = arguments.maps.join("table1.json");
-    let (folder, mismatches) = table1::read(&arguments.maps)?;
-    let mut file = folder.table1;
-    if !arguments.angle.is_empty() {
-        crate::cli::angles::keep(&mut file, &arguments.angle).with_context(|| path.display().to_string())?;
-    }
-    check_csvs(&file, &mismatches, arguments, ui)?;
-    let settings = InvertSettings {
-        speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
-        accel_breaks_mps2: arguments.accel_breaks.clone().map(|b| b.0),
-        place: arguments.place,
-        zero_row: arguments.zero_row,
-        node_exact: arguments.node_exact,
-    };
-    let table1 = CsvRef { file: "table1.json".to_owned(), sha256: folder.table1_json.sha256 };
-    let inversion = invert(&file, table1, &settings).with_context(|| path.display().to_string())?;
-    crate::cli::angles::remove_stale(&arguments.maps, "table2", inversion.csvs.iter().map(|(name, _)| name.as_str()))?;
-    for (name, text) in &inversion.csvs {
-        write_whole(&arguments.maps.join(name), text.as_bytes())?;
-    }
-    write_whole(&arguments.maps.join("table2.json"), inversion.file.to_json()?.as_bytes())?;
-    Ok(inversion)
-}
-
-/// A `table1.csv` that was edited by hand is not what `table1.json` holds, and what is inverted is the JSON.
-/// A CSV that is not there says nothing else.
-fn check_csvs(file: &Table1File, mismatches: &[Mismatch], arguments: &Arguments, ui: Ui) -> anyhow::Result<()> {
-    let inverted = |csv: &str| file.maps.iter().any(|map| map.csv.file == csv);
-    for edited in mismatches.iter().filter(|m| matches!(m, Mismatch::Hash { .. }) && inverted(m.file())) {
-        let path = arguments.maps.join(edited.file());
-        let what = format!("{} is not the file that table1.json describes: its hash differs", path.display());
-        if arguments.force {
-            ui.warn(format!("{what}; the numbers of table1.json are inverted, since --force was given"));
-        } else {
-            bail!("{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or go on with --force");
-        }
-    }
-    Ok(())
 }
 
 /// The summary for people.

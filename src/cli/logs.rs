@@ -1,13 +1,12 @@
 //! Logs on the command line: where they are, where their signals are, and what is said of the vehicle.
 
-use crate::campaign;
-use crate::campaign::{Census, Survey};
+use crate::calibrate::{LogSource, read_logs, survey};
+use crate::campaign::Survey;
 use crate::cli::Ui;
-use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides, find_logs, read_split};
+use crate::cli::listener::UiListener;
+use crate::log::{Preset, SignalMap, Source, VehicleOverrides};
 use crate::map::Vehicle;
-use crate::signal::Track;
-use anyhow::{Context, bail};
-use rayon::prelude::*;
+use anyhow::Context;
 use std::path::{Path, PathBuf};
 
 /// Arguments of every command that reads logs.
@@ -65,72 +64,17 @@ impl LogArguments {
         }
     }
 
-    /// Reads every log; the same log given twice is read once.
-    pub(crate) fn read(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Recording>> {
-        let source = self.source()?;
-        let mut overrides = self.overrides();
-        overrides.test_angle_deg = angle_deg.or(overrides.test_angle_deg);
-        let mut found = Vec::new();
-        for named in &self.logs {
-            found.extend(find_logs(named).with_context(|| named.display().to_string())?);
-        }
-        let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
-        let bar = ui.progress(total, "reading");
-        // side by side: the hash of a log takes longer than its messages, and only one thread
-        let read: Vec<_> = found.par_iter().map(|files| read_split(files, &source, &overrides, &|bytes| bar.inc(bytes))).collect();
-        bar.finish_and_clear();
-        let mut recordings: Vec<Recording> = Vec::new();
-        for (files, recording) in found.iter().zip(read) {
-            let path = place(files);
-            let recording = recording.with_context(|| path.display().to_string())?;
-            if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
-                ui.warn(format!("{}: the same log as {}; read once", path.display(), same.path.display()));
-                continue;
-            }
-            told(&recording, matches!(source, Source::Map(_)), path, ui);
-            recordings.push(recording);
-        }
-        Ok(recordings)
+    /// Where signals and vehicle come from, as the arguments say.
+    pub(crate) fn log_source(&self) -> anyhow::Result<LogSource> {
+        Ok(LogSource { signals: self.source()?, vehicle: self.overrides() })
     }
 
-    /// Reads every log, and tells at which wheel angles its runs were driven.
-    pub(crate) fn census(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<(Vec<Recording>, Census)> {
-        let recordings = self.read(angle_deg, ui)?;
-        let tracks = recordings
-            .iter()
-            .map(|r| Track::new(r).with_context(|| r.path.display().to_string()))
-            .collect::<anyhow::Result<Vec<Track>>>()?;
-        let census = Census::new(&tracks, &campaign::SurveySettings::default());
-        Ok((recordings, census))
+    /// Reads and surveys every log. A log without anything to use is skipped with a warning, unless it is the only one.
+    pub(crate) fn survey(&self, ui: Ui) -> anyhow::Result<Vec<Survey>> {
+        let listener = UiListener::new(ui, "reading");
+        let recordings = read_logs(&self.logs, &self.log_source()?, &|event| listener.hear(event))?;
+        Ok(survey(&recordings, &|event| listener.hear(event))?)
     }
-
-    /// Reads and surveys every log. A log without anything to use is left aside with a warning, unless it is the only one.
-    pub(crate) fn survey(&self, angle_deg: Option<f64>, ui: Ui) -> anyhow::Result<Vec<Survey>> {
-        survey(&self.read(angle_deg, ui)?, ui)
-    }
-}
-
-/// Surveys recordings at their vehicles' test angle. A log without anything to use is left aside with a warning, unless it is the only one.
-pub(crate) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Survey>> {
-    let alone = recordings.len() == 1;
-    let mut surveys = Vec::new();
-    let mut reasons = Vec::new();
-    for recording in recordings {
-        let name = recording.path.display();
-        let track = Track::new(recording).with_context(|| name.to_string())?;
-        match Survey::new(track, &campaign::SurveySettings::default()) {
-            Ok(survey) => surveys.push(survey),
-            Err(error) if alone => return Err(error).with_context(|| name.to_string()),
-            Err(error) => {
-                ui.warn(format!("{name} is left aside: {error}"));
-                reasons.push(format!("{name}: {error}"));
-            }
-        }
-    }
-    if surveys.is_empty() {
-        bail!("no log holds anything to use: {}", reasons.join("; "));
-    }
-    Ok(surveys)
 }
 
 /// Where the signals are, as the options `--signals` and `--preset` say.
@@ -143,26 +87,4 @@ pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::
         (None, Some(preset)) => Source::Preset(preset),
         (None, None) => Source::Detect,
     })
-}
-
-/// Where a recording lies: its file, or the folder of its files.
-fn place(files: &[PathBuf]) -> &Path {
-    match files {
-        [file] => file,
-        files => files.first().and_then(|file| file.parent()).unwrap_or(Path::new("")),
-    }
-}
-
-/// Says what was lost, and where the signals were found unless a map said so.
-fn told(recording: &Recording, mapped: bool, path: &Path, ui: Ui) {
-    if let Some(loss) = recording.loss.summary() {
-        ui.warn(format!("{}: {loss}", path.display()));
-    }
-    for note in &recording.notes {
-        ui.detail(format!("{}: {note}", path.display()));
-    }
-    for origin in &recording.origins {
-        let line = format!("{}: {} = {} [{}] ({})", path.display(), origin.signal.key(), origin.path, origin.unit, origin.reason);
-        if mapped { ui.detail(line) } else { ui.say(line) }
-    }
 }

@@ -1,9 +1,11 @@
 //! `plan`: the campaign still to drive after Table 1.
 
+use crate::calibrate::{only_angle, read_table1};
 use crate::cli::Ui;
+use crate::cli::angles::with_flag;
 use crate::cli::breaks::Breaks;
+use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
-use crate::cli::table1;
 use crate::map::{PlanFile, Proposal, WheelAngle, write_whole};
 use crate::plan::PlanSettings;
 use anyhow::{Context, bail};
@@ -49,11 +51,13 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         bail!("--minutes is {}; allowed: above 0, at most 60", arguments.minutes);
     }
     let path = arguments.maps.join("table1.json");
-    let (folder, _) = table1::read(&arguments.maps)?;
+    let (folder, _) = read_table1(&arguments.maps)?;
     let file = folder.table1;
     let angle = arguments.angle.map_or(file.vehicle.test_angle(), WheelAngle::from_deg);
     let steered = !angle.is_same(file.vehicle.test_angle());
-    let file = crate::cli::angles::at(file, angle.deg(), ui).with_context(|| path.display().to_string())?;
+    let listener = UiListener::new(ui, "planning");
+    let kept = only_angle(file, angle.deg(), &|event| listener.hear(event)).map_err(with_flag);
+    let file = kept.with_context(|| path.display().to_string())?;
     let settings = PlanSettings {
         budget_s: 60.0 * arguments.minutes,
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),

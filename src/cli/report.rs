@@ -1,10 +1,10 @@
 //! `report`: the page that says whether to deploy a map.
 
+use crate::calibrate::report_folder;
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::map::write_whole;
-use crate::report::{Judgement, ReportFiles, coverage_text, report};
-use std::path::{Path, PathBuf};
+use crate::report::{Judgement, coverage_text};
+use std::path::PathBuf;
 
 /// Arguments of `report`.
 #[derive(Debug, clap::Args)]
@@ -30,21 +30,21 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let output = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("report.html"));
-    let made = make(&arguments.maps, &output, arguments.svg.as_deref())?;
+    let made = report_folder(&arguments.maps, &output, arguments.svg.as_deref())?;
     ui.document(&serde_json::json!({
         "file": output.display().to_string(),
         "bytes": made.bytes,
-        "judgement": made.inputs.judgement(),
-        "notes": made.inputs.notes,
+        "judgement": made.files.judgement(),
+        "notes": made.files.notes,
         "figures": made.figures,
     }))?;
-    for map in &made.inputs.table1.maps {
+    for map in &made.files.table1.maps {
         ui.picture(coverage_text(map));
     }
-    for note in &made.inputs.notes {
+    for note in &made.files.notes {
         ui.say(format!("note: {note}"));
     }
-    let judgement = match made.inputs.judgement() {
+    let judgement = match made.files.judgement() {
         Judgement::Pass => "pass",
         Judgement::Fail => "FAIL",
         Judgement::NotJudged => "not judged",
@@ -55,26 +55,4 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     ui.say(format!("written: {} ({:.2} MB)", output.display(), made.bytes as f64 / 1e6));
     Ok(Outcome::Done)
-}
-
-/// A report that was written.
-pub(crate) struct Made {
-    inputs: ReportFiles,
-    bytes: usize,
-    figures: Vec<String>,
-}
-
-/// Writes the page of the map in `maps`, and its figures.
-pub(crate) fn make(maps: &Path, output: &Path, svg: Option<&Path>) -> anyhow::Result<Made> {
-    let inputs = ReportFiles::read(maps)?;
-    let report = report(&inputs)?;
-    write_whole(output, report.html.as_bytes())?;
-    let mut figures = Vec::new();
-    for (name, text) in &report.pictures {
-        if let Some(folder) = svg {
-            write_whole(&folder.join(format!("{name}.svg")), text.as_bytes())?;
-        }
-        figures.push(name.clone());
-    }
-    Ok(Made { inputs, bytes: report.html.len(), figures })
 }

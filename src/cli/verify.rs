@@ -1,5 +1,6 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
+use crate::calibrate::save_verdict;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
 use crate::cli::verify_text::{new_table, show};
@@ -10,10 +11,10 @@ use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::verify::{
-    Class, ClosedLoop, Error, Gate, MapVerdict, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with,
+    Class, Error, Gate, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with,
 };
 use anyhow::{Context, bail};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `verify`.
 #[derive(Debug, clap::Args)]
@@ -120,7 +121,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let mut verdict = verdict.with_scenarios(judged.verdicts, judged.note);
     verdict.replayed = replay_logs(arguments, &maps, ui)?;
     let path = arguments.maps.join("verify.json");
-    save(&verdict, traces.as_ref(), &arguments.maps)?;
+    save_verdict(&verdict, traces.as_ref(), &arguments.maps)?;
     // those of an earlier verdict stay: they name the Table 2 that they belong to
     if let Some(traces) = judged.traces {
         write_whole(&arguments.maps.join("manoeuvre_traces.json"), traces.to_json()?.as_bytes())?;
@@ -138,17 +139,6 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
 }
 
-/// Judges the map in `folder` with the defaults and writes `verify.json` there.
-pub(crate) fn make(folder: &Path, ui: Ui) -> anyhow::Result<MapVerdict> {
-    let maps = Maps::read(folder, false)?;
-    let settings = VerifySettings::new()?;
-    let Verified { verdict, traces, .. } = with_progress("verifying", ui, |progress| {
-        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: false, progress: Some(progress) })?)
-    })?;
-    save(&verdict, traces.as_ref(), folder)?;
-    Ok(verdict)
-}
-
 /// Does `work` with a progress bar on a terminal. `work` calls its argument after every run, with the number of runs in all.
 fn with_progress<T>(what: &'static str, ui: Ui, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> anyhow::Result<T>) -> anyhow::Result<T> {
     let bar = ui.progress_runs(what);
@@ -160,19 +150,6 @@ fn with_progress<T>(what: &'static str, ui: Ui, work: impl FnOnce(&(dyn Fn(usize
     Ok(done)
 }
 
-/// Writes `verify.json`, and the traces of the comparison beside it for the report.
-fn save(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &Path) -> anyhow::Result<()> {
-    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
-    let path = folder.join("verify_traces.json");
-    match traces {
-        Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
-        // those of an earlier verdict would pass for its own
-        None if path.exists() => fs_err::remove_file(path)?,
-        None => {}
-    }
-    Ok(())
-}
-
 /// The runs of the logs of `--replay` through the plant of Table 1.
 fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec<ReplayedRun>> {
     if arguments.replay.is_empty() {
@@ -180,7 +157,7 @@ fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec
     }
     let logs = LogArguments::of_vehicle(&arguments.replay, arguments.signals.clone(), arguments.preset, &maps.table1.vehicle);
     let mut runs = Vec::new();
-    for survey in logs.survey(None, ui)? {
+    for survey in logs.survey(ui)? {
         runs.extend(replayed(&maps.table1, &survey)?);
     }
     Ok(runs)

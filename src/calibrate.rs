@@ -1,0 +1,72 @@
+//! From logs to a verified map in a folder: the whole way as one call, and each stage alone.
+//!
+//! In: logs (MCAP) of one vehicle, and a folder. Out: the files of the map in that folder, as `pivot-cal` writes them. [`calibrate`] does what
+//! `pivot-cal calibrate` does; [`fit_logs`], [`invert_folder`], [`verify_folder`] and [`report_folder`] are its stages, of which each reads the
+//! files that the one before has written. What a stage wants to say while it works goes to a listener as [`Event`]s.
+
+mod error;
+mod event;
+mod fit_stage;
+mod folder;
+mod invert_stage;
+mod logs;
+mod report_stage;
+mod settings;
+mod verify_stage;
+mod wheel_angles;
+
+pub use error::{Error, Result};
+pub use event::{Event, Listener};
+pub use fit_stage::{FittedLogs, fit_logs};
+pub use folder::read_table1;
+pub use invert_stage::invert_folder;
+pub use logs::{read_logs, survey};
+pub use report_stage::{WrittenReport, report_folder};
+pub use settings::{CalibrateSettings, FitStage, InvertStage, LogSource};
+pub use verify_stage::{save_verdict, verify_folder};
+pub use wheel_angles::{keep_angles, only_angle};
+
+use crate::invert::Inversion;
+use crate::verify::MapVerdict;
+use std::path::{Path, PathBuf};
+
+/// A map that was made, judged and written.
+#[derive(Debug)]
+pub struct Calibrated {
+    /// Table 1, and whether it is sound.
+    pub fitted: FittedLogs,
+    /// Table 2.
+    pub inversion: Inversion,
+    /// The verdict in closed loop.
+    pub verdict: MapVerdict,
+}
+
+impl Calibrated {
+    /// Whether the map passed and Table 1 is sound.
+    pub fn passes(&self) -> bool {
+        self.verdict.passes() && self.fitted.fit.sound
+    }
+}
+
+/// Makes a map from `logs` and judges it: fits, inverts, verifies, and writes the report. Everything goes into `folder`.
+///
+/// A log may be a file, a folder of logs, a rosbag2 folder, or a pattern. A log that holds nothing to use is skipped and reported to `listen`.
+///
+/// # Errors
+/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written. A map that fails its verification is no
+/// error: see [`Calibrated::passes`].
+pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSettings, listen: &Listener) -> Result<Calibrated> {
+    let fitted = fit_logs(logs, folder, &settings.fit, listen)?;
+    let inversion = invert_folder(folder, &settings.invert, listen)?;
+    let verdict = verify_folder(folder, listen)?;
+    report_folder(folder, &folder.join("report.html"), None)?;
+    Ok(Calibrated { fitted, inversion, verdict })
+}
+
+/// [`calibrate_with`] nobody who listens.
+///
+/// # Errors
+/// As [`calibrate_with`].
+pub fn calibrate(logs: &[PathBuf], folder: &Path, settings: &CalibrateSettings) -> Result<Calibrated> {
+    calibrate_with(logs, folder, settings, &|_| {})
+}

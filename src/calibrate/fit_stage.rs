@@ -1,0 +1,67 @@
+//! Logs → Table 1.
+
+use crate::calibrate::error::About as _;
+use crate::calibrate::folder::remove_stale;
+use crate::calibrate::wheel_angles::{AngleChoice, choose_angles};
+use crate::calibrate::{FitStage, Listener, LogSource, Result, read_logs, survey};
+use crate::campaign::{Census, SurveySettings};
+use crate::fit::{Fit, fit_angles, fit_traced};
+use crate::log::{Recording, VehicleOverrides};
+use crate::map::{FitTraces, write_whole};
+use crate::signal::Track;
+use std::path::{Path, PathBuf};
+
+/// Table 1, fitted and written.
+#[derive(Debug)]
+pub struct FittedLogs {
+    /// Table 1 with its files.
+    pub fit: Fit,
+    /// Whether a log was damaged.
+    pub is_damaged: bool,
+}
+
+/// Fits Table 1 to `logs` and writes it into `folder`: `table1.json`, its CSV files, and `fit_traces.json`.
+///
+/// # Errors
+/// Logs that cannot be read, no usable log, wheel angles at which no run was driven, a fit that is impossible, a folder that cannot be written.
+pub fn fit_logs(logs: &[PathBuf], folder: &Path, stage: &FitStage, listen: &Listener) -> Result<FittedLogs> {
+    let recordings = read_logs(logs, &source(stage), listen)?;
+    let census = census(&recordings)?;
+    let (fit, traces) = match choose_angles(&recordings, &census, &stage.wheel_angles_deg, listen)? {
+        Some(AngleChoice { grouped, test_angle_deg }) => {
+            fit_angles(grouped, !stage.wheel_angles_deg.is_empty(), test_angle_deg, &stage.settings)?
+        }
+        None => {
+            let surveys = survey(&recordings, listen).about(|| format!("wheel angles of the runs: {}", census.text()))?;
+            fit_traced(surveys, &stage.settings)?
+        }
+    };
+    save(&fit, &traces, folder)?;
+    Ok(FittedLogs { fit, is_damaged: recordings.iter().any(|r| r.loss.is_damaged()) })
+}
+
+/// One wheel angle that is asked for is the test angle of the fit.
+fn source(stage: &FitStage) -> LogSource {
+    let mut source = stage.source.clone();
+    if let [angle_deg] = stage.wheel_angles_deg[..] {
+        source.vehicle = VehicleOverrides { test_angle_deg: Some(angle_deg), ..source.vehicle };
+    }
+    source
+}
+
+/// The wheel angles at which the runs were driven.
+fn census(recordings: &[Recording]) -> Result<Census> {
+    let tracks: Vec<Track> = recordings.iter().map(|r| Track::new(r).in_file(&r.path)).collect::<Result<_>>()?;
+    Ok(Census::new(&tracks, &SurveySettings::default()))
+}
+
+fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> Result<()> {
+    // a table of an earlier fit that this one does not have would pass for its own
+    remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
+    for (name, text) in &fit.csvs {
+        write_whole(&folder.join(name), text.as_bytes())?;
+    }
+    write_whole(&folder.join("table1.json"), fit.file.to_json()?.as_bytes())?;
+    write_whole(&folder.join("fit_traces.json"), traces.to_json()?.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,36 @@
+//! The folder of a map: what stages read from it, and files of earlier runs that would pass for those of this one.
+
+use crate::calibrate::error::About as _;
+use crate::calibrate::{Error, Result};
+use crate::map::{FolderError, MapFolder, Mismatch, is_csv_name};
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// Reads `table1.json` and the CSV files that it names.
+///
+/// # Errors
+/// A file that is not there or cannot be read.
+pub fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
+    MapFolder::read_table1(folder).or_else(|error| match error {
+        FolderError::Read { path, source } => {
+            let what = if source.kind() == ErrorKind::InvalidData { "read from" } else { "open" };
+            Err::<_, Error>(source.into())
+                .about(|| format!("failed to {what} file `{}`", path.display()))
+                .about(|| "Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder".to_owned())
+        }
+        FolderError::File { path, source } => Err(source).in_file(&path),
+    })
+}
+
+/// Removes the CSV files of `table` in `folder` that are not among `kept`: a table of an earlier run would pass for one of this one.
+pub(crate) fn remove_stale<'a>(folder: &Path, table: &str, kept: impl Iterator<Item = &'a str>) -> Result<()> {
+    let kept: Vec<&str> = kept.collect();
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries {
+        let name = entry?.file_name();
+        if let Some(name) = name.to_str().filter(|n| is_csv_name(n, table) && !kept.contains(n)) {
+            fs_err::remove_file(folder.join(name))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! Table 1 → Table 2.
+
+use crate::calibrate::error::{About as _, edited_csv};
+use crate::calibrate::folder::{read_table1, remove_stale};
+use crate::calibrate::{Error, Event, InvertStage, Listener, Result, keep_angles};
+use crate::invert::{Inversion, invert};
+use crate::map::{CsvRef, Mismatch, write_whole};
+use std::path::Path;
+
+/// Inverts the `table1.json` in `folder`, and writes `table2.json` and its CSV files beside it.
+///
+/// # Errors
+/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, a folder
+/// that cannot be written.
+pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> Result<Inversion> {
+    let path = folder.join("table1.json");
+    let (read, mismatches) = read_table1(folder)?;
+    let mut file = read.table1;
+    if !stage.wheel_angles_deg.is_empty() {
+        keep_angles(&mut file, &stage.wheel_angles_deg).in_file(&path)?;
+    }
+    // what is inverted is the JSON: a CSV that was edited by hand says otherwise, and one that is not there says nothing
+    let inverted = |csv: &str| file.maps.iter().any(|map| map.csv.file == csv);
+    for edited in mismatches.iter().filter(|m| matches!(m, Mismatch::Hash { .. }) && inverted(m.file())) {
+        let path = folder.join(edited.file());
+        if !stage.force {
+            return Err(Error::EditedCsv { path });
+        }
+        listen(Event::Warning(format!("{}; the numbers of table1.json are inverted, since --force was given", edited_csv(&path))));
+    }
+    let table1 = CsvRef { file: "table1.json".to_owned(), sha256: read.table1_json.sha256 };
+    let inversion = invert(&file, table1, &stage.settings).in_file(&path)?;
+    remove_stale(folder, "table2", inversion.csvs.iter().map(|(name, _)| name.as_str()))?;
+    for (name, text) in &inversion.csvs {
+        write_whole(&folder.join(name), text.as_bytes())?;
+    }
+    write_whole(&folder.join("table2.json"), inversion.file.to_json()?.as_bytes())?;
+    Ok(inversion)
+}

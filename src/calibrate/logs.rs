@@ -1,0 +1,85 @@
+//! Logs of one vehicle, read and surveyed.
+
+use crate::calibrate::error::About as _;
+use crate::calibrate::{Error, Event, Listener, LogSource, Result};
+use crate::campaign::{Survey, SurveySettings};
+use crate::log::{Recording, Source, find_logs, read_split};
+use crate::signal::Track;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Reads every log; the same log given twice is read once. What was lost, and where the signals were found, goes to `listen`.
+///
+/// # Errors
+/// A log that is not there or cannot be read.
+pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Result<Vec<Recording>> {
+    let mut found = Vec::new();
+    for named in logs {
+        found.extend(find_logs(named).in_file(named)?);
+    }
+    let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
+    let read_one = |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(Event::Read { bytes, total }));
+    // side by side: the hash of a log takes longer than its messages, and only one thread
+    let read: Vec<_> = found.par_iter().map(read_one).collect();
+    listen(Event::Complete);
+    let mut recordings: Vec<Recording> = Vec::new();
+    for (files, recording) in found.iter().zip(read) {
+        let path = place(files);
+        let recording = recording.in_file(path)?;
+        if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
+            listen(Event::Warning(format!("{}: the same log as {}; read once", path.display(), same.path.display())));
+            continue;
+        }
+        report(&recording, matches!(source.signals, Source::Map(_)), path, listen);
+        recordings.push(recording);
+    }
+    Ok(recordings)
+}
+
+/// Surveys recordings at their vehicles' test angle. A log without anything to use is skipped with a warning, unless it is the only one.
+///
+/// # Errors
+/// Signals from which no track can be made; no usable log.
+pub fn survey(recordings: &[Recording], listen: &Listener) -> Result<Vec<Survey>> {
+    let alone = recordings.len() == 1;
+    let mut surveys = Vec::new();
+    let mut reasons = Vec::new();
+    for recording in recordings {
+        let path = &recording.path;
+        let track = Track::new(recording).in_file(path)?;
+        match Survey::new(track, &SurveySettings::default()) {
+            Ok(survey) => surveys.push(survey),
+            Err(error) if alone => return Err(error).in_file(path),
+            Err(error) => {
+                listen(Event::Warning(format!("{} is left aside: {error}", path.display())));
+                reasons.push(format!("{}: {error}", path.display()));
+            }
+        }
+    }
+    if surveys.is_empty() {
+        return Err(Error::NoUsableLog { reasons: reasons.join("; ") });
+    }
+    Ok(surveys)
+}
+
+/// Where a recording lies: its file, or the folder of its files.
+fn place(files: &[PathBuf]) -> &Path {
+    match files {
+        [file] => file,
+        files => files.first().and_then(|file| file.parent()).unwrap_or(Path::new("")),
+    }
+}
+
+/// Reports what was lost, and where the signals were found unless a map said so.
+fn report(recording: &Recording, mapped: bool, path: &Path, listen: &Listener) {
+    if let Some(loss) = recording.loss.summary() {
+        listen(Event::Warning(format!("{}: {loss}", path.display())));
+    }
+    for note in &recording.notes {
+        listen(Event::Detail(format!("{}: {note}", path.display())));
+    }
+    for origin in &recording.origins {
+        let line = format!("{}: {} = {} [{}] ({})", path.display(), origin.signal.key(), origin.path, origin.unit, origin.reason);
+        listen(if mapped { Event::Detail(line) } else { Event::Note(line) });
+    }
+}

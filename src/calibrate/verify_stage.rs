@@ -1,0 +1,36 @@
+//! Table 2 → verdict.
+
+use crate::calibrate::{Event, Listener, Result};
+use crate::map::write_whole;
+use crate::verify::{ClosedLoop, MapVerdict, Maps, Verified, VerifySettings, Wanted, verify_with};
+use std::path::Path;
+
+/// Judges the map in `folder` with the defaults, and writes `verify.json` and `verify_traces.json` there.
+///
+/// # Errors
+/// Files that are missing or do not belong together, a plant that cannot be simulated, a folder that cannot be written.
+pub fn verify_folder(folder: &Path, listen: &Listener) -> Result<MapVerdict> {
+    let maps = Maps::read(folder, false)?;
+    let progress = |total| listen(Event::Simulated { total });
+    let wanted = Wanted { traces: true, logs: false, progress: Some(&progress) };
+    let Verified { verdict, traces, .. } = verify_with(&maps, &VerifySettings::new()?, wanted)?;
+    listen(Event::Complete);
+    save_verdict(&verdict, traces.as_ref(), folder)?;
+    Ok(verdict)
+}
+
+/// Writes `verify.json`, and the traces of the comparison beside it for the report.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn save_verdict(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &Path) -> Result<()> {
+    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
+    let path = folder.join("verify_traces.json");
+    match traces {
+        Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
+        // those of an earlier verdict would pass for its own
+        None if path.exists() => fs_err::remove_file(path)?,
+        None => {}
+    }
+    Ok(())
+}

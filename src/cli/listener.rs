@@ -1,0 +1,43 @@
+//! What stages say while they work, shown: lines by the terminal's rules, progress as bars.
+
+use crate::calibrate::Event;
+use crate::cli::Ui;
+use indicatif::ProgressBar;
+use std::sync::{Mutex, PoisonError};
+
+/// Shows the events of a stage.
+pub(crate) struct UiListener {
+    ui: Ui,
+    what: &'static str,
+    bar: Mutex<Option<ProgressBar>>,
+}
+
+impl UiListener {
+    /// `what` is said beside a bar.
+    pub(crate) fn new(ui: Ui, what: &'static str) -> Self {
+        Self { ui, what, bar: Mutex::new(None) }
+    }
+
+    /// Shows an event.
+    pub(crate) fn hear(&self, event: Event) {
+        match event {
+            Event::Warning(text) => self.ui.warn(text),
+            Event::Note(text) => self.ui.say(text),
+            Event::Detail(text) => self.ui.detail(text),
+            Event::Read { bytes, total } => self.count(bytes, total, |ui, what| ui.progress(0, what)),
+            Event::Simulated { total } => self.count(1, total as u64, Ui::progress_runs),
+            Event::Complete => {
+                if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                    bar.finish_and_clear();
+                }
+            }
+        }
+    }
+
+    fn count(&self, more: u64, total: u64, new: impl FnOnce(Ui, &str) -> ProgressBar) {
+        let mut bar = self.bar.lock().unwrap_or_else(PoisonError::into_inner);
+        let bar = bar.get_or_insert_with(|| new(self.ui, self.what));
+        bar.set_length(total);
+        bar.inc(more);
+    }
+}
