@@ -18,7 +18,8 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
         found.extend(find_logs(named).in_file(named)?);
     }
     let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
-    let read_one = |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(Event::Read { bytes, total }));
+    let read_one =
+        |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(Event::Read { bytes, total }));
     // side by side: the hash of a log takes longer than its messages, and only one thread
     let read: Vec<_> = found.par_iter().map(read_one).collect();
     listen(Event::Complete);

@@ -14,12 +14,7 @@ pub(crate) struct AngleChoice {
 
 /// The angles that are fitted: those asked for, else all at which enough torques were held. `None` where that is the test angle alone, or one
 /// angle is asked for, which is then the test angle of the fit.
-pub(crate) fn choose_angles(
-    recordings: &[Recording],
-    census: &Census,
-    asked: &[f64],
-    listen: &Listener,
-) -> Result<Option<AngleChoice>> {
+pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[f64], listen: &Listener) -> Result<Option<AngleChoice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
     let settings = SurveySettings::default();
     let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);

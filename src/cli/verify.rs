@@ -10,9 +10,7 @@ use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
-use crate::verify::{
-    Class, Error, Gate, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with,
-};
+use crate::verify::{Class, Error, Gate, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use crate::sim::drive::Drive;
 use crate::sim::error::Result;
 use crate::sim::load::Load;
 use crate::sim::motion::Motion;
-use crate::sim::pose::{WheelAngleTerms, Body, SpeedStep};
+use crate::sim::pose::{Body, SpeedStep, WheelAngleTerms};
 use crate::sim::sensors::{Scene, Sensors};
 use crate::sim::settings::WorldSettings;
 use crate::sim::steering::Steering;
