@@ -134,6 +134,7 @@ fn other_axes_are_compared_by_interpolation_on_the_common_range() {
             map.speed_mps = rows.iter().map(|i| map.speed_mps[*i]).collect();
             map.torque_nm = rows.iter().map(|i| keep.iter().map(|j| map.torque_nm[*i][*j]).collect()).collect();
             map.std_err_nm = rows.iter().map(|i| keep.iter().map(|j| map.std_err_nm[*i][*j]).collect()).collect();
+            map.reachable_accel_mps2 = rows.iter().map(|i| map.reachable_accel_mps2[*i]).collect();
             map.status = rows.iter().map(|i| keep.iter().map(|j| map.status[*i][*j]).collect()).collect();
         }
     });

@@ -222,6 +222,10 @@ fn what_a_form_cannot_hold_is_refused_and_nothing_is_written() {
             let kept = map.torque_nm.iter().position(|t| *t >= 0.0).unwrap();
             map.torque_nm.drain(..kept);
             map.accel_mps2.drain(..kept);
+            map.std_err_mps2.drain(..kept);
+            map.count.drain(..kept);
+            map.confidence.drain(..kept);
+            map.status.drain(..kept);
         }
     });
     let (status, _, errors) = run(folder.path(), &["export", "--format", "autoware"]);
