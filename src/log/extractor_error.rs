@@ -1,6 +1,6 @@
-//! Why a path cannot be extracted from a schema.
+//! Reasons why a path cannot be extracted from a schema.
 
-/// Why a path cannot be compiled for a schema.
+/// The reason why a path cannot be compiled for a schema.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
@@ -15,7 +15,7 @@ pub enum PlanError {
     WholeMessage { field: String, known: Vec<String> },
     #[error("it picks several values; a signal needs one")]
     ManyValues,
-    #[error("behind a slice that picks several elements there may be neither another one nor a filter")]
+    #[error("a slice that picks several elements cannot be followed by another slice or a filter")]
     ListWithin,
     #[error("the schema is too large to compile")]
     TooLarge,

@@ -1,6 +1,6 @@
-//! What is wrong with a schema.
+//! Errors of a schema.
 
-/// Why a channel cannot be decoded.
+/// The reason why a channel cannot be decoded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says

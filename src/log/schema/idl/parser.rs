@@ -1,13 +1,13 @@
-//! The text of a definition into what it defines.
+//! Parses the text of a definition.
 
 use crate::log::schema::idl::definition::{Definitions, IdlDefinition, IdlName, Member};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape};
 use std::collections::BTreeMap;
 
-/// Reads a definition.
+/// Parses a definition.
 ///
 /// # Errors
-/// What cannot be understood.
+/// The part that cannot be parsed.
 pub(crate) fn read(text: &str) -> Result<Definitions, String> {
     let tokens = tokens(text)?;
     let mut parser =
@@ -115,7 +115,7 @@ impl<'a> IdlParser<'a> {
         Ok(())
     }
 
-    /// Passes over `@name` and its arguments in brackets.
+    /// Skips `@name` and its arguments in brackets.
     fn annotation(&mut self) -> Result<(), String> {
         self.next()?;
         if self.peek() == "(" {
