@@ -1,9 +1,9 @@
-//! Why no compensation table can be made of logs.
+//! Reasons why logs give no compensation table.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why no compensation table can be made of logs.
+/// Reason why logs give no compensation table.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
