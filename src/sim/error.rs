@@ -1,9 +1,9 @@
-//! What can be wrong with the simulator's settings.
+//! Errors of the simulator's settings.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can be wrong with the simulator's settings.
+/// Error of the simulator's settings.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
@@ -24,7 +24,7 @@ pub enum Error {
     UnequalRun { t_s: usize, torque_nm: usize, speed_mps: usize },
 }
 
-/// Checks that `value` lies within `range`, both ends included; NaN does not.
+/// Checks that `value` is within `range`, both ends included; NaN is not.
 pub(crate) fn within(field: &'static str, value: f64, range: std::ops::RangeInclusive<f64>, allowed: &'static str) -> Result<()> {
     if range.contains(&value) { Ok(()) } else { Err(Error::OutOfRange { field, value, allowed }) }
 }
