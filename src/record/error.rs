@@ -1,9 +1,9 @@
-//! What can go wrong when a campaign is recorded.
+//! Errors of recording a campaign.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can go wrong when a campaign is recorded.
+/// Error of recording a campaign.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
