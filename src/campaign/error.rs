@@ -6,7 +6,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// A gate removes all samples: each message gives its threshold, the values found, and values that would pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error(
         "no run at the test angle: the wheel was never within {tolerance_deg}° of {wanted_deg}°; while the vehicle moved it was between {low_deg:.1}° and {high_deg:.1}° (median {median_deg:.1}°). If the runs were driven there, give --test-angle-deg {median_deg:.0}; if the sensor has an offset, give `offset` in the signal map"
