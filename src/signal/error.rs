@@ -6,7 +6,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Error of the signals of a log.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("signal {signal} has {found} usable values; at least {needed} are needed: check its path with `pivot-cal inspect`")]
     TooFew { signal: &'static str, found: usize, needed: usize },

@@ -89,7 +89,7 @@ impl RestDetector {
     /// Whether all are at rest at `t_s`; `before` holds the number of samples of each source before the time of the last query, not later
     /// than `t_s`.
     fn rests(&self, t_s: f64, before: &mut [usize]) -> bool {
-        let mut heard = false;
+        let mut any = false;
         for (w, before) in self.sources.iter().zip(before) {
             let times = &w.series.t_s;
             while times.get(*before).is_some_and(|t| *t < t_s) {
@@ -99,12 +99,12 @@ impl RestDetector {
             let near = [before.checked_sub(1), Some(*before)].into_iter().flatten();
             let near = near.filter(|k| times.get(*k).is_some_and(|t| *t >= t_s - self.half_width_s && *t <= t_s + self.half_width_s));
             let Some(nearest) = near.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
-            heard = true;
+            any = true;
             if (w.smooth[nearest] - w.bias_mps).abs() > w.threshold_mps {
                 return false;
             }
         }
-        heard
+        any
     }
 
     /// Bias of each source at rest [m/s], in the given order.
