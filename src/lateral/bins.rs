@@ -1,9 +1,9 @@
-//! e = cos θ·(y_m − y) − sin θ·(x_m − x): the lateral error at every matched point of a log, averaged over pieces of the way.
+//! e = cos θ·(y_m − y) − sin θ·(x_m − x): the lateral error at every matched point of a log, averaged over pieces of the path.
 //!
 //! The matched points are logged, or found on the logged reference path.
 //!
-//! The way is that of the matched point along its path, so that runs of one task can be compared piece by piece. The settling way after a
-//! start or a standstill is left out: there the tracking law is still steering the vehicle onto the path.
+//! Distance is that of the matched point along its path, so that runs of one task can be compared piece by piece. The settling distance
+//! after a start or a standstill is left out: there the tracking law is still steering the vehicle onto the path.
 
 use crate::lateral::nearest::NearestPoint;
 use crate::lateral::settings::LateralFitSettings;
@@ -13,7 +13,7 @@ use crate::units::{NS_PER_S, RAD_PER_DEG};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-/// A piece of the way.
+/// A piece of the path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bin {
     /// Sum of the errors [m].
@@ -36,9 +36,9 @@ pub struct CompensationRun {
     pub log: String,
     /// Compensation angle [rad]; 0 for the base.
     pub angle_rad: f64,
-    /// Way of the whole run [m].
+    /// Distance of the whole run [m].
     pub way_m: f64,
-    /// The counted pieces of the way, by number.
+    /// The counted pieces of the path, by number.
     pub bins: BTreeMap<u32, Bin>,
 }
 
@@ -143,7 +143,7 @@ fn angle(signal: Option<&Signal>, log: &str) -> Result<f64> {
     Ok(values[values.len() / 2])
 }
 
-/// Whole way, and the counted pieces.
+/// Total distance, and the counted pieces.
 fn binned(errors: &[PathPlace], settings: &LateralFitSettings) -> (f64, BTreeMap<u32, Bin>) {
     let mut bins: BTreeMap<u32, Bin> = BTreeMap::new();
     let (mut way_m, mut since_start_m) = (0.0, 0.0);

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// Report of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LateralReport {
-    /// Number of pieces of the way per entry, in the order of the entries.
+    /// Number of pieces of the path per entry, in the order of the entries.
     pub pieces: Vec<usize>,
     /// Slope of the curve between its ends [rad/m].
     pub slope_rad_per_m: f64,

@@ -6,7 +6,7 @@
 
 use crate::log::ReferencePath;
 
-/// Searched way along the path on either side of the last point [m]: a sweeper's way in some ten periods.
+/// Searched distance along the path on either side of the last point [m]: a sweeper's distance in some ten periods.
 const WINDOW_M: f64 = 1.5;
 /// Largest distance at which a point in the window counts as found [m].
 const FOUND_M: f64 = 1.0;

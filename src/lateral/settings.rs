@@ -6,9 +6,9 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
-    /// By the way: all its pieces have the same weight, whatever their duration.
+    /// By distance: all pieces of the path have the same weight, for any duration.
     Distance,
-    /// By the control periods: all readings have the same weight.
+    /// By control periods: all readings have the same weight.
     Periods,
 }
 
@@ -17,15 +17,15 @@ pub enum Weighting {
 pub struct LateralFitSettings {
     /// Entries at or beyond this are dropped [m]. Default 0.3: at larger errors the tracking law is at its limits.
     pub threshold_m: f64,
-    /// Weighting of means. Default: by the way.
+    /// Weighting of means. Default: by distance.
     pub weighting: Weighting,
-    /// Length of a piece of the way [m]. Default 0.5.
+    /// Length of a piece of the path [m]. Default 0.5.
     pub piece_m: f64,
-    /// Skipped way after every start [m]. Default 4.
+    /// Skipped distance after every start [m]. Default 4.
     pub settle_m: f64,
-    /// Shortest remaining way [m]. Default 10.
+    /// Shortest remaining distance [m]. Default 10.
     pub least_m: f64,
-    /// Largest difference between the ways of two runs of one task, as a share. Default 0.05.
+    /// Largest difference between the distances of two runs of one task, as a share. Default 0.05.
     pub same_task: f64,
 }
 
