@@ -1,8 +1,8 @@
 //! Reads MCAP logs of any writer as signals in SI units.
 //!
-//! In: a log (ROS 2, ROS 1, protobuf or JSON; chunked or not, compressed or not, damaged or not) and a [`Source`] that says where the
-//! signals are. Out: a [`Recording`] with the signals, their origin, and a report of the lost data. No content of a log can make this
-//! module panic, abort or use more memory than a few chunks.
+//! In: a log (ROS 2, ROS 1, protobuf or JSON; chunked or not, compressed or not, damaged or not) and a [`Source`] with the paths of the
+//! signals. Out: a [`Recording`] with the signals, their origin, and a report of the lost data. No content of a log can make this module
+//! panic, abort or use more memory than a few chunks.
 //!
 //! ```no_run
 //! use pivot_cal::log::{Source, VehicleOverrides, read};

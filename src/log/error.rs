@@ -11,11 +11,11 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Error of a log or a signal map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("the log cannot be read: {0}")]
     Io(std::io::Error),
-    #[error("this is a folder; logs are files, and a folder is searched for them only when it is named on the command line")]
+    #[error("this is a folder, not a log; a folder is searched for logs only if it is named on the command line")]
     Folder,
     #[error("the folder holds no .mcap file")]
     NoLogs,

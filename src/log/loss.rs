@@ -80,7 +80,7 @@ fn as_text<S: serde::Serializer>(why: &Why, serializer: S) -> Result<S::Ok, S::E
 /// The reason why a part of a log cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Why {
     /// The end of the file is missing.
     Truncated,

@@ -44,7 +44,7 @@ pub struct Test {
 
 /// The comparison of a filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // the names say it
+#[allow(missing_docs)] // the names are self-explanatory
 pub enum Compare {
     Equal,
     NotEqual,

@@ -107,8 +107,8 @@ fn read_input(
         || if hashed { input.sha256(&half) } else { Ok(String::new()) },
         || pass(&mut container, wanted, source, overrides, &half),
     );
-    let ReadPass { choices, gathered, said } = read?;
-    let vehicle = said.vehicle()?;
+    let ReadPass { choices, gathered, vehicle } = read?;
+    let vehicle = vehicle.vehicle()?;
     let mut loss = loss(&container, &gathered);
     let mut notes = choices.notes;
     let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
@@ -163,7 +163,7 @@ fn read_input(
 pub(crate) struct ReadPass {
     pub choices: Choices,
     pub gathered: Gathered,
-    pub said: VehicleOverrides,
+    pub vehicle: VehicleOverrides,
 }
 
 fn pass(
@@ -179,12 +179,12 @@ fn pass(
         Source::Preset(_) | Source::Detect => VehicleOverrides::default(),
     };
     let from_log = if from_map.is_empty() { VehicleOverrides::from_metadata(&container.metadata)? } else { VehicleOverrides::default() };
-    let said = overrides.or(from_map).or(from_log);
+    let vehicle = overrides.or(from_map).or(from_log);
     for number in 1.. {
         let candidates = Candidates::new(container, &samples);
         let chosen = resolve::choose(source, wanted, container, &candidates).and_then(|mut choices| {
             required(&choices, container, &candidates)?;
-            let plans = resolve::plans(&mut choices, container, &samples, said.vehicle()?.wheel_radius_m)?;
+            let plans = resolve::plans(&mut choices, container, &samples, vehicle.vehicle()?.wheel_radius_m)?;
             Ok((choices, plans))
         });
         // unlisted chunks may hold more channels: a missing channel is an error only when all chunks have been read
@@ -200,7 +200,7 @@ fn pass(
         }
         let new = container.learn(std::mem::take(&mut gathered.learned));
         if !new || number == MAX_PASSES {
-            return error.map_or(Ok(ReadPass { choices, gathered, said }), Err);
+            return error.map_or(Ok(ReadPass { choices, gathered, vehicle }), Err);
         }
         for (id, payload) in std::mem::take(&mut gathered.samples) {
             samples.entry(id).or_insert(payload);

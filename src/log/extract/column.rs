@@ -37,7 +37,7 @@ impl Column {
         }
     }
 
-    /// Adds the values of the next stretch of the log.
+    /// Adds the values of the next section of the log.
     pub(crate) fn append(&mut self, next: Self) {
         self.time_ns.extend(next.time_ns);
         self.value.extend(next.value);

@@ -7,7 +7,7 @@ use mcap::records::{Record, op};
 
 /// The first and the last eight bytes of a log.
 pub(crate) const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
-/// Opcode and length in front of each record.
+/// Opcode and length before each record.
 pub(crate) const PREFIX: u64 = 9;
 /// Length of a footer's body.
 pub(crate) const FOOTER: u64 = 20;

@@ -72,7 +72,7 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
                 continue;
             }
             let series = if choices.named { series::path(&spec.path, container, candidates) } else { None };
-            // a path without a value is still compiled where its error says more than "the topic is missing"
+            // a path without a value is still compiled where its error is more specific than "the topic is missing"
             let telling = |leads: bool| leads || has_topic || (signal.is_required() && !is_plain);
             if let Some((path, _)) = series.filter(|(_, leads)| telling(*leads)) {
                 let reason = format!("{why} as the series {}", spec.path);
@@ -185,7 +185,7 @@ pub(crate) fn plans(
     for (column, error) in problems {
         let choice = &choices.found[column];
         if served.contains(&column) {
-            choices.notes.push(format!("{} has messages that cannot be used beside others that can: {error}", choice.spec.path.topic));
+            choices.notes.push(format!("{} has both usable and unusable messages: {error}", choice.spec.path.topic));
         } else if choices.named || choice.signal.is_required() {
             return Err(error);
         } else {

@@ -137,7 +137,7 @@ impl<'d> Declared<'d> {
 
     fn message(&mut self, within: &str, message: &'d DescriptorProto, proto3: bool, depth: usize) -> Result<(), String> {
         if depth > MAX_DEPTH {
-            return Err(format!("messages are declared within each other more than {MAX_DEPTH} deep"));
+            return Err(format!("message declarations are nested more than {MAX_DEPTH} deep"));
         }
         let name = full(within, message.name());
         self.names.entry(name.clone()).or_insert(NamedDescriptor::Message(self.messages.len()));
@@ -173,7 +173,7 @@ impl<'d> Declared<'d> {
         let name = field.name().to_owned();
         let number = u32::try_from(field.number()).ok().filter(|number| (1..1 << 29).contains(number));
         let number = number.ok_or_else(|| format!("field {name} of {within} has the number {}", field.number()))?;
-        let unknown = || format!("field {name} of {within} has no type that is known");
+        let unknown = || format!("field {name} of {within} has an unknown type");
         let mut is_map = false;
         let kind = match field.r#type.map(Type::try_from) {
             Some(Ok(kind)) if !matches!(kind, Type::Message | Type::Group | Type::Enum) => ProtobufKind::Scalar(kind),

@@ -122,7 +122,7 @@ module b { module msg { struct Inner { long x, y; }; }; };
 "#;
 
     #[test]
-    fn every_kind_of_member_is_understood() {
+    fn every_kind_of_member_is_supported() {
         let shape = parse("a/msg/Status", TEXT).unwrap();
         let kinds: Vec<_> = shape.fields.iter().map(|(name, shape)| (name.as_str(), shape.clone())).collect();
         assert_eq!(kinds[1], ("count", Shape::Number(Kind::U64)));

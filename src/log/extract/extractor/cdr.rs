@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn both_versions_of_the_encoding_are_read() {
         let plan = plan();
-        // version 1 aligns 8-byte numbers to 8, version 2 to 4, and version 2 counts the bytes of arrays of texts and messages
+        // version 1 aligns 8-byte numbers to 8, version 2 to 4, and version 2 counts the bytes of arrays of strings and messages
         for payload in [payload([0, 1], None), payload([0, 7], Some([16, 12])), payload([0, 0x11], Some([16, 12]))] {
             let mut taken = Taken::default();
             plan.decode(&payload, &mut taken).unwrap();

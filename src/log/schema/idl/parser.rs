@@ -109,7 +109,7 @@ impl<'a> IdlParser<'a> {
                     self.found.types.insert(name, IdlDefinition::Enumeration);
                 }
                 "const" => self.constant()?,
-                other => return Err(format!("{other:?} is not understood")),
+                other => return Err(format!("{other:?} is not supported")),
             }
         }
         Ok(())
@@ -171,7 +171,7 @@ impl<'a> IdlParser<'a> {
         while self.peek() == "[" {
             self.at += 1;
             let length = self.next()?;
-            lengths.push(length.parse().map_err(|_| format!("the array length {length:?} is no number"))?);
+            lengths.push(length.parse().map_err(|_| format!("the array length {length:?} is not a number"))?);
             self.expect("]")?;
         }
         Ok((name, lengths))
@@ -221,7 +221,7 @@ impl<'a> IdlParser<'a> {
                     self.at += 1;
                     number(Kind::I64)
                 }
-                "double" => return Err("long double is not understood".into()),
+                "double" => return Err("long double is not supported".into()),
                 _ => number(Kind::I32),
             },
             "unsigned" => match self.next()? {
@@ -231,7 +231,7 @@ impl<'a> IdlParser<'a> {
                     number(Kind::U64)
                 }
                 "long" => number(Kind::U32),
-                other => return Err(format!("unsigned {other} is not understood")),
+                other => return Err(format!("unsigned {other} is not supported")),
             },
             word @ ("string" | "wstring") => {
                 if self.peek() == "<" {
@@ -241,7 +241,7 @@ impl<'a> IdlParser<'a> {
                 }
                 IdlName::Scalar(if word == "string" { Shape::Text } else { Shape::WideText })
             }
-            word @ ("union" | "map" | "bitset" | "bitmask" | "fixed" | "any") => return Err(format!("{word} is not understood")),
+            word @ ("union" | "map" | "bitset" | "bitmask" | "fixed" | "any") => return Err(format!("{word} is not supported")),
             name => IdlName::Type { name: name.to_owned(), scope: self.scope.join("::") },
         };
         for _ in 0..sequences {

@@ -60,7 +60,7 @@ impl Compiler {
                 });
             }
             Shape::Number(kind) => {
-                // all requests for the same value, except the last, read it and step back: rare, so the code stays simple
+                // several slots for the same value are rare: the value is read as an array of one number
                 match wish.take[..] {
                     [] => skip_numbers(kind.size(), 1, into),
                     [slot] => into.push(Operation::Take { kind: *kind, slot }),

@@ -38,7 +38,7 @@ pub(crate) enum Operation {
         kind: Kind,
         picks: Vec<(Pick, Vec<usize>)>,
     },
-    /// Elements of an array of texts.
+    /// Elements of an array of strings.
     Texts {
         size: Size,
         picks: Vec<(Pick, Vec<usize>)>,
