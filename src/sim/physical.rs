@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impossible_setting_is_named_with_what_is_allowed() {
+    fn an_impossible_setting_is_reported_with_the_allowed_range() {
         let settings = PhysicalSettings { static_nm: 1.0, ..PhysicalSettings::default() };
         let error = PhysicalMotion::new(&settings, &vehicle(), STEP_S, 1).unwrap_err();
         assert_eq!(error.to_string(), "motion.static_nm is 1; allowed: coulomb_nm to 1e5");

@@ -15,7 +15,7 @@ pub struct Timing {
     pub phase_s: Option<f64>,
     /// Time from reading to arrival [s]. Default 0.004.
     pub latency_s: f64,
-    /// Standard deviation of the stamp from the true time of the reading [s], truncated at three. Default 0.0008.
+    /// Standard deviation of the stamp from the true time of the reading [s], limited to ±3 of them. Default 0.0008.
     pub jitter_s: f64,
     /// Offset of the sensor's clock [s], added to every stamp; positive if the clock is ahead. Default 0.
     pub clock_offset_s: f64,
