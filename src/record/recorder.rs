@@ -132,7 +132,7 @@ mod tests {
     fn an_angle_beyond_the_steering_limit_is_refused_with_the_limit() {
         let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = 8\n[[runs]]\ntorque_nm = 8\nwheel_angle_deg = [30, -120]\n").unwrap();
         let error = record(&VehicleFile::from_toml(VEHICLE).unwrap(), &campaign, None).unwrap_err().to_string();
-        assert_eq!(error, "runs entry 2: wheel_angle_deg is -120; the vehicle steers to 100° either way");
+        assert_eq!(error, "runs entry 2: wheel_angle_deg is -120; the vehicle steers up to 100° in both directions");
     }
 
     #[test]
