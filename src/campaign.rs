@@ -1,8 +1,8 @@
-//! From the signals of a log to its runs, with a verdict on every sample.
+//! Finds the runs in the signals of a log, with a verdict on every sample.
 //!
 //! In: a [`Track`](crate::signal::Track). Out: a [`Survey`]: one [`Verdict`] per speed sample, the [`Stretch`]es of motion that a fit may
-//! use, and the [`Hold`]s, the stretches of constant command that people call runs. What only a model can tell (a push by hand) is added
-//! by the fit. A [`Census`] tells the wheel angles of the runs, and an [`AngleGroup`] holds the surveys of the runs at one of them.
+//! use, and the [`Hold`]s, the intervals of constant command, usually called runs. Verdicts that need a model (a push by hand) are added
+//! by the fit. A [`Census`] lists the wheel angles of the runs. An [`AngleGroup`] holds the surveys of the runs at one of these angles.
 
 mod angles;
 mod by_angle;

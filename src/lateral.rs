@@ -1,8 +1,8 @@
-//! Lateral error compensation, the calibration: logs with known compensation angles → which mean lateral error an angle adds.
+//! Calibration of the lateral error compensation: logs with known compensation angles → mean lateral error added by each angle.
 //!
-//! In: [`Recording`](crate::log::Recording)s of one task, read by [`crate::log::read_lateral`], one without compensation and the others with one
-//! angle each. Out: a [`LateralTableFile`](crate::map::LateralTableFile) and a [`LateralReport`]. The law that uses it at run time is
-//! [`crate::control::lateral_compensation`].
+//! In: [`Recording`](crate::log::Recording)s of one task, read by [`crate::log::read_lateral`]: one without compensation and the others
+//! with one angle each. Out: a [`LateralTableFile`](crate::map::LateralTableFile) and a [`LateralReport`]. The run-time law
+//! [`crate::control::lateral_compensation`] uses the table.
 
 mod bins;
 mod error;

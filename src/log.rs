@@ -1,8 +1,8 @@
-//! MCAP logs of any writer into signals in SI.
+//! Reads MCAP logs of any writer as signals in SI units.
 //!
-//! In: a log (ROS 2, ROS 1, protobuf or JSON; chunked or not, compressed or not, damaged or not) and a [`Source`] that says where the
-//! signals are. Out: a [`Recording`], the signals with their origin, and an account of what was lost. Nothing that a log holds makes
-//! this room panic, abort or take more memory than a few chunks.
+//! In: a log (ROS 2, ROS 1, protobuf or JSON; chunked or not, compressed or not, damaged or not) and a [`Source`] with the paths of the
+//! signals. Out: a [`Recording`] with the signals, their origin, and a report of the lost data. No content of a log can make this module
+//! panic, abort or use more memory than a few chunks.
 //!
 //! ```no_run
 //! use pivot_cal::log::{Source, VehicleOverrides, read};
@@ -51,10 +51,10 @@ pub use vehicle::VEHICLE_METADATA;
 /// Where the signals of a log are.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// As a signal map says; signals that it leaves out are not looked for.
+    /// A signal map gives the paths; signals that it omits are not searched for.
     Map(SignalMap),
-    /// As a preset says; signals that it leaves out are looked for.
+    /// A preset gives the paths; signals that it omits are searched for.
     Preset(Preset),
-    /// Looked for by type, name and unit.
+    /// Searched for by type, name and unit.
     Detect,
 }

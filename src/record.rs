@@ -1,7 +1,7 @@
-//! Recording: a campaign plan driven on the simulator and written as a log that any MCAP tool reads.
+//! Recording: drives a campaign plan on the simulator and writes a log that any MCAP tool reads.
 //!
-//! In: a vehicle ([`crate::sim::VehicleFile`]) and a [`Campaign`]. Out: the bytes of an MCAP file of ROS 2 messages, and a [`RecordReport`] of the
-//! runs. [`LogWriter`] and [`RosMessage`] write ROS 2 logs for others too.
+//! In: a vehicle ([`crate::sim::VehicleFile`]) and a [`Campaign`]. Out: the bytes of an MCAP file of ROS 2 messages, and a
+//! [`RecordReport`] of the runs. Other modules also use [`LogWriter`] and [`RosMessage`] to write ROS 2 logs.
 
 mod campaign;
 mod cdr;

@@ -1,7 +1,7 @@
 //! Time series on one clock.
 //!
-//! In: the signals of one log in SI ([`crate::log::Recording`]). Out: a [`Track`], in which signs are resolved, repeated values are told
-//! from new ones, and every time is in seconds since the log's first sample.
+//! In: the signals of one log in SI ([`crate::log::Recording`]). Out: a [`Track`] with resolved signs, without repeated values, and with
+//! all times in seconds since the log's first sample.
 
 mod align;
 mod error;

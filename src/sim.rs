@@ -1,10 +1,11 @@
-//! The simulator: one vehicle on its floor, a fixed step at a time, deterministic for a seed.
+//! The simulator: one vehicle on its floor with a fixed time step, deterministic for a seed.
 //!
-//! In: [`WorldSettings`] (from a vehicle's TOML file, [`VehicleFile`], or from a fit, [`WorldSettings::identified`]) and a [`WorldCommand`] per step. Out: the
-//! truth, [`TrueState`], and what sensors say of it, [`Measurement`]. The parts, each its own type: drive, traction, motion (physical or
-//! identified), steering, body, sensors; combined by [`World`]. [`Truth`] is the physical plant's exact map.
+//! In: [`WorldSettings`] (from a vehicle's TOML file, [`VehicleFile`], or from a fit, [`WorldSettings::identified`]) and a
+//! [`WorldCommand`] per step. Out: the true state, [`TrueState`], and the sensor readings, [`Measurement`]. The parts are separate types:
+//! drive, traction, motion (physical or identified), steering, body, sensors; [`World`] combines them. [`Truth`] is the physical plant's
+//! exact map.
 //!
-//! Everything random comes from one seed through one stream per source ([`Stream`]), so that results depend on nothing else.
+//! All random numbers come from one seed through one stream per source ([`Stream`]), so that results do not depend on anything else.
 
 mod drive;
 mod error;

@@ -1,11 +1,11 @@
-//! How far two words are apart, to name the nearest known one beside a misspelt one.
+//! Edit distance of two words, to suggest the nearest known word for a misspelt one.
 
-/// Characters to insert, delete or replace in one text to get the other (Levenshtein distance), without regard to case.
+/// Levenshtein distance: number of characters to insert, delete or replace in one text to get the other, ignoring case.
 pub(crate) fn edits(a: &str, b: &str) -> usize {
     strsim::levenshtein(&a.to_lowercase(), &b.to_lowercase())
 }
 
-/// The candidate fewest edits away from `found`, if at most half of its letters differ.
+/// The candidate with the smallest distance from `found`, if at most half of its letters differ.
 pub(crate) fn nearest<'a>(found: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .map(|candidate| (edits(found, candidate), candidate))

@@ -1,7 +1,6 @@
 //! Units of measure: names that a signal map may use, and their factor to SI.
 //!
-//! Inside the library everything is SI with radians; a value is converted once, where it enters:
-//! SI = factor · (scale · raw + offset).
+//! SI = factor · (scale · raw + offset): a value is converted once, at input. Inside the library all values are in SI with radians.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -14,12 +13,12 @@ pub const RAD_S_PER_RPM: f64 = 2.0 * PI / 60.0;
 /// Nanoseconds in one second.
 pub const NS_PER_S: f64 = 1e9;
 
-/// What a unit measures.
+/// Dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Dimension {
     /// Metres per second.
     Speed,
-    /// Radians per second, of a wheel or of the vehicle's heading.
+    /// Radians per second of a wheel or of the vehicle's heading.
     AngularSpeed,
     /// Radians.
     Angle,
@@ -29,7 +28,7 @@ pub enum Dimension {
     Time,
     /// Metres.
     Length,
-    /// A bare number: a gear, a flag, a ratio.
+    /// A number without dimension: a gear, a flag, a ratio.
     Number,
 }
 
@@ -55,7 +54,7 @@ pub struct Unit {
     factor: f64,
 }
 
-/// Every unit known, the SI unit of a dimension first; names in one row mean the same.
+/// All known units, the SI unit of a dimension first; names in one row have the same meaning.
 const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["m/s", "mps", "m/sec"], Dimension::Speed, 1.0),
     (&["km/h", "kmh", "kph"], Dimension::Speed, 1.0 / 3.6),
@@ -84,7 +83,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["%"], Dimension::Number, 1e-2),
 ];
 
-/// A unit's name that is not known.
+/// An unknown unit name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("unit {found:?} is not known; known units: {}", known())]
 pub struct UnknownUnit {
@@ -102,12 +101,12 @@ impl Unit {
         self.name
     }
 
-    /// What the unit measures.
+    /// Dimension of the unit.
     pub fn dimension(self) -> Dimension {
         self.dimension
     }
 
-    /// SI value of one of this unit: `km/h` gives 1/3.6 (m/s), `deg` π/180 (rad).
+    /// SI value of one unit: `km/h` gives 1/3.6 (m/s), `deg` π/180 (rad).
     pub fn factor(self) -> f64 {
         self.factor
     }
@@ -148,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_unit_is_named_beside_the_known_ones() {
+    fn the_error_of_an_unknown_unit_lists_the_known_ones() {
         let error = "furlong".parse::<Unit>().unwrap_err();
         assert!(error.to_string().contains("furlong") && error.to_string().contains("km/h"));
     }

@@ -242,7 +242,7 @@ fn the_reference_as_a_whole_path_gives_the_table_of_its_matched_points() {
     }
     for (x, y, words) in [
         ("/plan.xs[:]", "/pose.y", "both must be slices of one topic"),
-        ("/plan.xs[:].a[:]", "/plan.ys[:].a[:]", "neither another one nor a filter"),
+        ("/plan.xs[:].a[:]", "/plan.ys[:].a[:]", "followed by another slice or a filter"),
         ("/plan.xs[3:5]", "/plan.ys[9:8]", "gives no value"),
     ] {
         let (status, _, errors) = map(x, y);

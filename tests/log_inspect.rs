@@ -49,7 +49,7 @@ fn a_damaged_log_is_a_warning_or_with_strict_a_rejection() {
 #[test]
 fn a_file_that_is_no_log_is_an_error_with_its_name() {
     let output = inspect(&["Cargo.toml"]).code(1);
-    assert!(String::from_utf8_lossy(&output.get_output().stderr).contains("Cargo.toml: this is no MCAP log"));
+    assert!(String::from_utf8_lossy(&output.get_output().stderr).contains("Cargo.toml: this is not an MCAP log"));
     inspect(&["no_such_file.mcap"]).code(1);
     inspect(&["nothing_*.mcap"]).code(1);
 }

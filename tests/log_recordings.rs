@@ -76,12 +76,12 @@ fn the_files_of_a_bag_are_one_recording_in_the_order_of_its_metadata() {
 }
 
 #[test]
-fn a_file_of_a_bag_without_messages_is_left_aside_with_a_remark() {
+fn a_file_of_a_bag_without_messages_is_skipped_with_a_note() {
     let folder = tempfile::tempdir().unwrap();
     bag(folder.path(), &[0..0, 0..700, 700..1200, 0..0]);
     let recording = joined(folder.path());
     assert_eq!(recording.signals.speed.len(), 1200);
-    assert_eq!(recording.notes.iter().filter(|note| note.contains("is left aside")).count(), 2, "{:?}", recording.notes);
+    assert_eq!(recording.notes.iter().filter(|note| note.contains("is skipped")).count(), 2, "{:?}", recording.notes);
 }
 
 #[test]

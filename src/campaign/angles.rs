@@ -1,8 +1,8 @@
 //! The wheel angles at which a log's runs were driven.
 //!
-//! In: the [`Track`]s of the logs. Out: a [`Census`]: the angles at which torque was held, with their runs. An angle belongs to runs, not to
-//! samples: the wheel angle of a run is the median over its motion, and a run along which the wheel drifts has none. Runs within
-//! `angle_tolerance_deg` of one angle are one group, so that two angles are told apart from twice the tolerance on.
+//! In: the [`Track`]s of the logs. Out: a [`Census`]: the angles at which torque was held, with their runs. An angle belongs to runs, not
+//! to samples: the wheel angle of a run is the median over its motion. A run during which the wheel drifts has no angle. Runs within
+//! `angle_tolerance_deg` of one angle are one group, so two angles are separate if they differ by at least twice the tolerance.
 
 use crate::campaign::SurveySettings;
 use crate::campaign::gates::clean_angle;
@@ -11,20 +11,20 @@ use crate::signal::{Series, Track, median};
 use crate::units::RAD_PER_DEG;
 use std::fmt;
 
-/// Slower than this a wheel is not surely moving [m/s].
+/// Below this speed it is uncertain whether the wheel moves [m/s].
 const MOVING_MPS: f64 = 0.03;
-/// A run counts from this much motion on [s].
+/// Shortest motion of a run that counts [s].
 const SHORTEST_RUN_S: f64 = 0.2;
-/// Torques nearer than this share of the largest count as one.
+/// Torques closer than this share of the largest count as one.
 const SAME_TORQUE: f64 = 0.04;
-/// Fewest torques at an angle that make a map of it worth trying.
+/// Smallest number of torques at an angle for a map.
 const FEWEST_TORQUES: usize = 3;
 
-/// A wheel angle at which runs were driven.
+/// A wheel angle of some runs.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct HeldAngle {
-    /// The angle [°], left positive: the test angle, or the median of the runs in whole degrees, since an angle sensor's bias and noise are
-    /// some tenths of a degree and people give whole ones.
+    /// The angle [°], left positive: the test angle, or the median of the runs in whole degrees. An angle sensor's bias and noise are some
+    /// tenths of a degree, and test angles are usually whole degrees.
     pub wheel_angle_deg: f64,
     /// Lowest and highest median of a run [°].
     pub range_deg: [f64; 2],
@@ -37,7 +37,7 @@ pub struct HeldAngle {
 }
 
 impl HeldAngle {
-    /// Whether enough torques were held for a map of this angle to be tried.
+    /// Whether enough torques were held for a map of this angle.
     pub fn is_campaign(&self) -> bool {
         self.torques >= FEWEST_TORQUES
     }
@@ -54,9 +54,9 @@ impl fmt::Display for HeldAngle {
 pub struct Census {
     /// The angles, ascending.
     pub held: Vec<HeldAngle>,
-    /// Runs along which the wheel turned by more than a group may be wide.
+    /// Number of runs during which the wheel turned by more than the width of a group.
     pub drifting_runs: usize,
-    /// Runs that lie beside an angle with more runs, too far to belong to it and too near to be one of their own.
+    /// Number of runs near an angle with more runs: too far away to belong to it, too near to form a separate angle.
     pub between_runs: usize,
 }
 
@@ -69,7 +69,8 @@ struct AngledRun {
 }
 
 impl Census {
-    /// Of the runs in `tracks`. Where runs lie within the tolerance of the vehicle's test angle, that angle is one of the groups.
+    /// The census of the runs in `tracks`. If some runs are within the tolerance of the vehicle's test angle, that angle is one of the
+    /// groups.
     pub fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &SurveySettings) -> Self {
         let mut census = Self::default();
         let mut runs = Vec::new();
@@ -114,13 +115,13 @@ impl Census {
         self.held.iter().any(|h| (h.wheel_angle_deg - test_angle_deg).abs() > 1e-9)
     }
 
-    /// The held angle that `wheel_angle_deg` means: the nearest one within the tolerance.
+    /// The held angle for `wheel_angle_deg`: the nearest one within the tolerance.
     pub fn find(&self, wheel_angle_deg: f64, settings: &SurveySettings) -> Option<&HeldAngle> {
         let away = |h: &HeldAngle| (h.wheel_angle_deg - wheel_angle_deg).abs();
         self.held.iter().filter(|h| away(h) <= settings.angle_tolerance_deg).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
-    /// The angles for people.
+    /// The angles as text.
     pub fn text(&self) -> String {
         if self.held.is_empty() {
             return "none".to_owned();
@@ -129,13 +130,13 @@ impl Census {
     }
 }
 
-/// The whole degree about which, within the tolerance, the most motion lies.
+/// The whole degree with the most motion within the tolerance.
 fn busiest(runs: &[AngledRun], tolerance_deg: f64) -> Option<f64> {
     let window = |first: usize| runs[first..].iter().take_while(move |r| r.angle_deg <= runs[first].angle_deg + 2.0 * tolerance_deg - 1.0);
     let weight = |first: usize| window(first).map(|r| r.moving_s).sum::<f64>();
     let first = (0..runs.len()).max_by(|a, b| weight(*a).total_cmp(&weight(*b)).then(b.cmp(a)))?;
     let angles: Vec<f64> = window(first).map(|r| r.angle_deg).collect();
-    // the median, held so that the whole window stays within the tolerance
+    // the median, limited so that the whole window stays within the tolerance
     let (low, high) = (angles[0], angles[angles.len() - 1]);
     let centre = median(&angles).clamp((high - tolerance_deg + 0.5).min(low + tolerance_deg - 0.5), low + tolerance_deg - 0.5).round();
     Some(if centre == 0.0 { 0.0 } else { centre })
@@ -234,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_within_the_tolerance_are_one_and_what_lies_between_two_is_told() {
+    fn angles_within_the_tolerance_are_one_and_runs_between_two_are_reported() {
         let steady = |angle: f64| (angle, angle, 10.0);
         let census = Census::new([&track(&[steady(30.0), steady(33.0), steady(86.0), steady(90.0)])], &SurveySettings::default());
         // 30 and 33 are within 2.5° of 31 or 32; 86 is too far from the test angle and too near to be another one
@@ -246,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_along_which_the_wheel_drifts_has_no_angle() {
+    fn a_run_during_which_the_wheel_drifts_has_no_angle() {
         let census = Census::new([&track(&[(20.0, 50.0, 10.0), (30.0, 31.0, 10.0)])], &SurveySettings::default());
         assert_eq!((census.drifting_runs, census.held.len()), (1, 1));
         assert_eq!(census.held[0].runs, 1);

@@ -1,20 +1,20 @@
 //! One survey per log and wheel angle.
 //!
-//! In: [`Recording`]s and the wheel angles wanted. Out: an [`AngleGroup`] per angle, its surveys as if the log had been driven for that angle
-//! alone: samples elsewhere are left out as *wheel not at angle*.
+//! In: [`Recording`]s and the wanted wheel angles. Out: an [`AngleGroup`] per angle. Its surveys treat the log as driven for that angle
+//! alone: samples at other angles are left out as *wheel not at angle*.
 //!
-//! The yaw rate is a witness of the wheel's speed by v = L·θ̇ / sin δ, whose scale is as good as sin δ is known: an angle sensor's bias of 0.3°
-//! changes it by 0.00001 at 90°, by 0.9 % at 30°, and without bound toward 0°. Hence the angle with the largest |sin δ| alone tells the
-//! encoder's scale; elsewhere the yaw rate is scaled to agree with the encoder, and below 15° it is left out. At 0° there is none.
+//! v = L·θ̇ / sin δ gives the wheel's speed from the yaw rate. Its scale is only as accurate as sin δ: an angle sensor's bias of 0.3°
+//! changes it by 0.00001 at 90°, by 0.9 % at 30°, and without bound toward 0°. Hence only the angle with the largest |sin δ| determines the
+//! encoder's scale. At other angles the yaw rate is scaled to agree with the encoder; below 15° it is ignored. At 0° it gives no speed.
 
 use crate::campaign::{Survey, SurveySettings};
 use crate::log::Recording;
 use crate::signal::{Result, Track, median};
 use crate::units::RAD_PER_DEG;
 
-/// Below this wheel angle the yaw rate tells no speed [°]: a wheel angle that wanders by 0.3° would pass for 2 % of slip.
+/// Below this wheel angle the yaw rate gives no speed [°]: a wheel angle that drifts by 0.3° would look like 2 % of slip.
 const LEAST_YAW_ANGLE_DEG: f64 = 15.0;
-/// A scale beyond what a wheel angle that is off by the tolerance explains is told, from this excess on.
+/// A scale error is reported if it exceeds, by this amount, the error from a wheel angle that is wrong by the tolerance.
 const UNEXPLAINED: f64 = 0.01;
 
 /// The surveys of the runs at one wheel angle.
@@ -27,20 +27,20 @@ pub struct AngleGroup {
 }
 
 impl AngleGroup {
-    /// Surveys of runs at one wheel angle, that of the first.
+    /// Surveys of runs at one wheel angle, the angle of the first survey.
     pub fn of(surveys: Vec<Survey>) -> Self {
         Self { wheel_angle_deg: surveys.first().map_or(0.0, |s| s.track.wheel_angle_deg), surveys }
     }
 }
 
-/// What grouping gives.
+/// Result of grouping.
 #[derive(Debug, Clone, Default)]
 pub struct Grouped {
     /// The groups, by ascending angle.
     pub groups: Vec<AngleGroup>,
-    /// Angles at which no log holds anything to use, with the reason of each log.
+    /// Angles without usable data in any log, with the reason of each log.
     pub empty: Vec<(f64, String)>,
-    /// What a reader should know of the yaw rate.
+    /// Notes on the yaw rate.
     pub notes: Vec<String>,
 }
 
@@ -53,7 +53,7 @@ impl From<AngleGroup> for Grouped {
 /// Surveys every log at each of `angles_deg`.
 ///
 /// # Errors
-/// Signals from which no track can be made.
+/// No track can be made from the signals.
 pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &SurveySettings) -> Result<Grouped> {
     let mut angles_deg = angles_deg.to_vec();
     angles_deg.sort_unstable_by(f64::total_cmp);
@@ -86,13 +86,13 @@ fn sine(group: &AngleGroup) -> f64 {
     (group.wheel_angle_deg * RAD_PER_DEG).sin().abs()
 }
 
-/// Encoder over yaw speed, the median over the logs; absent without a yaw rate, or where nothing moves fast enough.
+/// Encoder speed over yaw speed, the median over the logs; absent without a yaw rate or without enough speed.
 fn encoder_over_yaw(group: &AngleGroup) -> Option<f64> {
     let scales: Vec<f64> = group.surveys.iter().filter_map(|s| s.alignment).map(|a| a.scale).collect();
     (!scales.is_empty()).then(|| median(&scales))
 }
 
-/// Scales the yaw speeds of all groups but that with the largest |sin δ| so that encoder and yaw rate compare there as they do in it.
+/// Scales the yaw speeds of all groups so that the ratio of encoder and yaw speed equals that of the group with the largest |sin δ|.
 fn scale_yaw_rates(grouped: &mut Grouped, settings: &SurveySettings) {
     let with_yaw = || grouped.groups.iter().filter(|g| encoder_over_yaw(g).is_some());
     let Some(best) = with_yaw().max_by(|a, b| sine(a).total_cmp(&sine(b)).then(a.wheel_angle_deg.total_cmp(&b.wheel_angle_deg))) else {
@@ -105,7 +105,7 @@ fn scale_yaw_rates(grouped: &mut Grouped, settings: &SurveySettings) {
         let explained = settings.angle_tolerance_deg * RAD_PER_DEG / (group.wheel_angle_deg * RAD_PER_DEG).tan().abs();
         if (factor - 1.0).abs() > explained + UNEXPLAINED {
             grouped.notes.push(format!(
-                "at {}° the yaw rate tells a speed {:.1} % off the encoder's, more than a wheel angle off by {}° explains: slip, or a wrong wheelbase",
+                "at {}° the speed from the yaw rate differs from the encoder's by {:.1} %, more than a wheel angle error of {}° explains: slip, or a wrong wheelbase",
                 group.wheel_angle_deg,
                 100.0 * (factor - 1.0).abs(),
                 settings.angle_tolerance_deg
@@ -116,7 +116,7 @@ fn scale_yaw_rates(grouped: &mut Grouped, settings: &SurveySettings) {
             if let Some(yaw) = &mut track.yaw_speed_mps {
                 yaw.value.iter_mut().for_each(|v| *v *= factor);
             }
-            // the same samples pass as before, or more, now that no false slip parts the witnesses
+            // the same samples pass as before, or more, because false slip between the speed sources is gone
             if let Ok(again) = Survey::new(track, settings) {
                 *survey = again;
             }

@@ -1,15 +1,15 @@
-//! Logs in which there is nothing to calibrate with.
+//! Errors of logs without usable data for a calibration.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// A gate that removes everything: each names its threshold, what was seen, and what would pass.
+/// A gate removes all samples: each message gives its threshold, the values found, and values that would pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error(
-        "no run at the test angle: the wheel never was within {tolerance_deg}° of {wanted_deg}°; while the vehicle moved it was between {low_deg:.1}° and {high_deg:.1}° (median {median_deg:.1}°). If the runs were driven there, give --test-angle-deg {median_deg:.0}; if the sensor has an offset, give `offset` in the signal map"
+        "no run at the test angle: the wheel was never within {tolerance_deg}° of {wanted_deg}°; while the vehicle moved it was between {low_deg:.1}° and {high_deg:.1}° (median {median_deg:.1}°). If the runs were driven there, give --test-angle-deg {median_deg:.0}; if the sensor has an offset, give `offset` in the signal map"
     )]
     NothingAtAngle { tolerance_deg: f64, wanted_deg: f64, low_deg: f64, high_deg: f64, median_deg: f64 },
     #[error(

@@ -1,20 +1,20 @@
-//! The gates that need no model: each looks at one signal and marks intervals.
+//! The gates that need no model: each examines one signal and marks intervals.
 
 use crate::campaign::SurveySettings;
 use crate::signal::{Series, median_of_few};
 use crate::units::RAD_PER_DEG;
 
-/// Closed intervals of time [s], ordered and apart.
+/// Closed intervals of time [s], ordered and disjoint.
 pub(crate) type Intervals = Vec<(f64, f64)>;
 
-/// Whether `t_s` lies in one of `intervals`.
+/// Whether `t_s` is in one of `intervals`.
 pub(crate) fn within(intervals: &[(f64, f64)], t_s: f64) -> bool {
     let k = intervals.partition_point(|(from, _)| *from <= t_s);
     k > 0 && t_s <= intervals[k - 1].1
 }
 
-/// Intervals in which `marked` holds at the samples of `series`, each reaching half a step beyond its samples and `margin_s` more, joined
-/// where they overlap.
+/// Intervals in which `marked` holds at the samples of `series`. Each extends beyond its samples by half a step plus `margin_s`;
+/// overlapping intervals are joined.
 fn intervals(series: &Series, margin_s: f64, marked: impl Fn(usize) -> bool) -> Intervals {
     let reach = margin_s + 0.5 * series.median_period_s().min(1.0);
     let mut found: Intervals = Vec::new();
@@ -28,7 +28,7 @@ fn intervals(series: &Series, margin_s: f64, marked: impl Fn(usize) -> bool) -> 
     found
 }
 
-/// The wheel angle over time, its spikes removed (median of five).
+/// The wheel angle over time, without spikes (median of five).
 pub(crate) fn clean_angle(angle_rad: &Series) -> Series {
     let n = angle_rad.len();
     let mut around = [0.0; 5];
@@ -54,7 +54,7 @@ pub(crate) fn steering(angle_rad: &Series, settings: &SurveySettings) -> Interva
     intervals(angle_rad, 0.05, |i| rates[i].abs() / RAD_PER_DEG > settings.steering_rate_deg_s)
 }
 
-/// Where an emergency stop is on: from the last message that says it is off to the first that says so again.
+/// Where an emergency stop is active: from the last "off" message before it to the first one after it.
 pub(crate) fn emergency_stops(estop: &Series) -> Intervals {
     let mut found: Intervals = Vec::new();
     let mut on = false;
@@ -73,7 +73,7 @@ pub(crate) fn emergency_stops(estop: &Series) -> Intervals {
     found
 }
 
-/// Where the torque command is unknown: gaps with different commands on both sides, and the time that the drive needs to settle after.
+/// Where the torque command is unknown: gaps with different commands on both sides, and the settling time of the drive after them.
 pub(crate) fn command_gaps(command: &Series, settings: &SurveySettings) -> Intervals {
     let longest = settings.command_gap_s.max(4.0 * command.median_period_s().min(1.0));
     let settle_s = 0.4;
@@ -83,7 +83,7 @@ pub(crate) fn command_gaps(command: &Series, settings: &SurveySettings) -> Inter
             found.push((command.t_s[i - 1], command.t_s[i] + settle_s));
         }
     }
-    // beyond the command's ends nothing is known
+    // before the first and after the last command it is unknown
     if let (Some(first), Some(last)) = (command.t_s.first(), command.t_s.last()) {
         found.insert(0, (f64::NEG_INFINITY, *first));
         found.push((last + longest, f64::INFINITY));
@@ -91,7 +91,7 @@ pub(crate) fn command_gaps(command: &Series, settings: &SurveySettings) -> Inter
     found
 }
 
-/// Samples that their neighbours do not share: Hampel's rule over ±3 samples, with a floor so that a quantum is no outlier.
+/// Outliers by Hampel's rule over ±3 samples, with a floor so that one quantum is not an outlier.
 pub(crate) fn outliers(series: &Series, mads: f64) -> Vec<bool> {
     let floor = crate::signal::noise_std(&series.value).max(crate::signal::quantum(&series.value)).max(1e-6);
     crate::signal::hampel(&series.value, mads, floor)
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn an_emergency_stop_reaches_back_to_the_last_message_that_says_off() {
+    fn an_emergency_stop_begins_at_the_last_off_message() {
         let stops = emergency_stops(&series(&[0.0, 0.0, 1.0, 1.0, 0.0]));
         assert_eq!(stops.len(), 1);
         assert!(within(&stops, 0.15) && within(&stops, 0.35) && !within(&stops, 0.05));

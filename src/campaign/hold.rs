@@ -1,14 +1,14 @@
-//! Stretches of constant torque command: what people call runs.
+//! Intervals of constant torque command, usually called runs.
 
 use crate::campaign::SurveySettings;
 use crate::signal::Series;
 
-/// A stretch of constant command, or of quick changes (each held for less than 0.3 s) taken together.
+/// An interval of constant command, or of quick changes (each held for less than 0.3 s) taken together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold {
-    /// When the command was first told [s].
+    /// When the command was first given [s].
     pub from_s: f64,
-    /// When the next command was told [s].
+    /// When the next command was given [s].
     pub to_s: f64,
     /// Median command [N·m], vehicle frame.
     pub torque_nm: f64,
@@ -16,7 +16,7 @@ pub struct Hold {
     pub steady: bool,
 }
 
-/// A hold shorter than this is one of several quick changes [s].
+/// A shorter hold is one of several quick changes [s].
 const QUICK_S: f64 = 0.3;
 
 /// Cuts the command into holds; `largest_nm` scales the tolerance.

@@ -1,10 +1,10 @@
-//! The ledger: how many samples and seconds each verdict has.
+//! The ledger: number of samples and seconds per verdict.
 
 use crate::campaign::SampleVerdict;
 use crate::map::LedgerRow;
 use crate::signal::Series;
 
-/// The time that each sample stands for [s]: half of the way to both neighbours, and at most two periods where messages are missing.
+/// The time that each sample represents [s]: half the distance to both neighbours, at most two periods where messages are missing.
 pub fn sample_seconds(series: &Series) -> Vec<f64> {
     let period = series.median_period_s().min(1.0);
     let n = series.len();
@@ -17,7 +17,7 @@ pub fn sample_seconds(series: &Series) -> Vec<f64> {
         .collect()
 }
 
-/// Samples and seconds per verdict, in the order of [`SampleVerdict::ALL`], verdicts without samples left out.
+/// Samples and seconds per verdict, in the order of [`SampleVerdict::ALL`], without verdicts that have no samples.
 pub fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) -> Vec<LedgerRow> {
     let mut counts = [(0u64, 0.0f64); SampleVerdict::ALL.len()];
     for (verdict, seconds) in samples {

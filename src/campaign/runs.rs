@@ -1,12 +1,12 @@
-//! The runs as people list them: one row per hold at the test angle, without what only a model can tell.
+//! The table of runs: one row per hold at the test angle, without the values that need a model.
 
 use crate::campaign::{Hold, SampleVerdict, Survey, ledger};
 use crate::map::{Gear, RunRow};
 
-/// One row per hold that has moving samples at the test angle, or torque on a wheel at rest there, with the hold itself. `verdicts` are those
-/// of the survey, or the final ones of a fit; `encoder_scale` is the encoder's reading over the true speed.
+/// One row per hold, with the hold itself, for holds with moving samples at the test angle or torque on a wheel at rest there. `verdicts`
+/// are those of the survey, or the final ones of a fit; `encoder_scale` is the encoder's reading over the true speed.
 ///
-/// What a model tells (simulated speed, offset) is left empty.
+/// Values from a model (simulated speed, offset) are left empty.
 pub fn runs(survey: &Survey, verdicts: &[SampleVerdict], encoder_scale: f64) -> Vec<(Hold, RunRow)> {
     let encoder = &survey.track.encoder_mps;
     let mut rows = Vec::new();
@@ -44,7 +44,7 @@ pub fn runs(survey: &Survey, verdicts: &[SampleVerdict], encoder_scale: f64) -> 
     rows
 }
 
-/// The gear of a hold: that of the stretch it shares time with, else what the log says, else the direction of its torque.
+/// The gear of a hold: that of the overlapping stretch, otherwise that of the log, otherwise the direction of its torque.
 fn gear_of(survey: &Survey, hold: &Hold) -> Gear {
     let stretch = survey.stretches.iter().find(|s| s.from_s < hold.to_s && s.to_s > hold.from_s).map(|s| s.gear);
     let logged = survey.track.gear.as_ref().and_then(|g| g.held(hold.from_s + 0.2)).filter(|g| *g != 0.0);
@@ -52,7 +52,7 @@ fn gear_of(survey: &Survey, hold: &Hold) -> Gear {
     stretch.unwrap_or(if sign < 0.0 { Gear::Reverse } else { Gear::Forward })
 }
 
-/// Rounds to 1/`steps`: figures of a report need no sixteen digits.
+/// Rounds to 1/`steps`: a report does not need sixteen digits.
 fn round(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps
 }

@@ -1,11 +1,11 @@
-//! What counts as a usable sample.
+//! Criteria of a usable sample.
 
 use serde::{Deserialize, Serialize};
 
-/// Thresholds of the gates. The defaults suit any vehicle of the class; none needs touching for an ordinary log.
+/// Thresholds of the gates. The defaults suit any vehicle of the class; an ordinary log needs no change.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurveySettings {
-    /// Largest distance of the wheel from the test angle [°]. Default 2.5: an angle sensor's bias and noise stay below 1°, and 2.5° change
+    /// Largest deviation of the wheel from the test angle [°]. Default 2.5: an angle sensor's bias and noise stay below 1°, and 2.5° change
     /// the yaw rate of a pivot by 0.1 %.
     pub angle_tolerance_deg: f64,
     /// Steering speed above which the wheel counts as moving [°/s]. Default 5, several standard errors of a slope over 0.2 s of a signal
@@ -17,16 +17,16 @@ pub struct SurveySettings {
     pub command_gap_s: f64,
     /// Largest change of the command within one hold [N·m], as a share of the largest command. Default 0.01.
     pub hold_tolerance: f64,
-    /// Difference of encoder and yaw speed that means slip: this [m/s] plus `slip_ratio` of the speed. Default 0.04.
+    /// Threshold of slip: difference of encoder and yaw speed above this [m/s] plus `slip_ratio` times the speed. Default 0.04.
     pub slip_mps: f64,
     /// See `slip_mps`. Default 0.03: twice the slip of an ordinary tyre under load.
     pub slip_ratio: f64,
-    /// Hampel filter: a sample further from the median of its seven neighbours than this many scaled median absolute deviations is an
-    /// outlier. Default 6.
+    /// Hampel filter: a sample is an outlier if its distance from the median of its seven neighbours exceeds this many scaled median
+    /// absolute deviations. Default 6.
     pub hampel_mads: f64,
     /// Shortest usable stretch [s]. Default 0.2.
     pub shortest_stretch_s: f64,
-    /// Below this speed a wheel that slows down counts as coming to rest [m/s]. Default 0.012.
+    /// Below this speed a decelerating wheel counts as coming to rest [m/s]. Default 0.012.
     pub stopping_mps: f64,
 }
 

@@ -1,13 +1,13 @@
-//! Slip by two witnesses: the encoder sees the wheel, the yaw rate sees the vehicle.
+//! Slip from two speed sources: the encoder measures the wheel, the yaw rate measures the vehicle.
 
 use crate::campaign::SurveySettings;
 use crate::campaign::gates::Intervals;
 use crate::signal::{Alignment, Series};
 
-/// Where encoder and yaw speed part ways, and how they compare elsewhere.
+/// Where encoder and yaw speed differ, and their scale and delay elsewhere.
 ///
-/// The difference is averaged over ±0.06 s after scale and delay are taken out. It counts as slip from where it leaves a small band to
-/// where it returns, whenever it exceeds the threshold in between.
+/// The difference is averaged over ±0.06 s after scale and delay are removed. If it exceeds the threshold, it counts as slip from where it
+/// leaves a small band to where it returns.
 pub(crate) fn slips(encoder: &Series, yaw: &Series, alignment: Alignment, settings: &SurveySettings) -> Intervals {
     let mut yaw_along = yaw.cursor();
     let difference: Vec<f64> = encoder

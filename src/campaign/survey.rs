@@ -1,4 +1,4 @@
-//! The survey of one log: a verdict on every sample, the stretches that a fit may use, the runs.
+//! The survey of one log: a verdict on every sample, the usable stretches for a fit, the runs.
 
 use crate::campaign::gates::within;
 use crate::campaign::hold::{Hold, holds};
@@ -7,22 +7,23 @@ use crate::map::Gear;
 use crate::signal::{Alignment, RestDetector, Series, Track};
 use crate::units::RAD_PER_DEG;
 
-/// A stretch of motion without interruption, every sample of which may be used.
+/// An uninterrupted interval of motion with only usable samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// Gear.
     pub gear: Gear,
-    /// First usable moment [s]. For a start from rest this lies a little before the motion, which begins when the torque breaks away.
+    /// First usable time [s]. For a start from rest it is a little before the motion, which begins at breakaway.
     pub from_s: f64,
-    /// Last usable moment [s], where it ends in a stop as the readings alone tell it.
+    /// Last usable time [s]. If the stretch ends in a stop, it is estimated from the readings alone.
     pub to_s: f64,
-    /// Where it ends in a stop, when the vehicle rests at last [s]: who knows better when the wheel came to rest may use what lies between.
+    /// For a stretch that ends in a stop: time from which the vehicle is at rest [s]. With a better estimate of the stop, the samples
+    /// before this time are usable too.
     pub stopped_s: Option<f64>,
-    /// Whether the vehicle rested just before, so that the speed is known to start from 0.
+    /// Whether the vehicle was at rest just before, so that the speed starts from 0.
     pub from_rest: bool,
 }
 
-/// A held torque at rest, and whether it set the vehicle in motion: what bounds the breakaway torque.
+/// A held torque at rest, and whether it set the vehicle in motion: a bound of the breakaway torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StartTrial {
     /// Gear.
@@ -33,24 +34,24 @@ pub struct StartTrial {
     pub moved: bool,
 }
 
-/// What the signals of one log alone tell about its samples.
+/// Result for the samples of one log, from its signals alone.
 #[derive(Debug, Clone)]
 pub struct Survey {
     /// The signals.
     pub track: Track,
     /// One verdict per encoder sample.
     pub verdicts: Vec<SampleVerdict>,
-    /// The time that each encoder sample stands for [s].
+    /// The time that each encoder sample represents [s].
     pub seconds: Vec<f64>,
     /// Usable stretches, in order.
     pub stretches: Vec<Stretch>,
-    /// Stretches of constant command, in order.
+    /// Intervals of constant command, in order.
     pub holds: Vec<Hold>,
     /// Starts from rest, successful or not.
     pub start_trials: Vec<StartTrial>,
-    /// How the encoder compares with the yaw rate, where there is one.
+    /// Scale and delay of the encoder relative to the yaw rate, if there is one.
     pub alignment: Option<Alignment>,
-    /// Resting bias of the yaw speed [m/s], where there is one.
+    /// Bias of the yaw speed at rest [m/s], if there is one.
     pub yaw_bias_mps: f64,
     /// Range of the wheel angle while the vehicle moved: lowest, median, highest [°].
     pub moving_angle_deg: Option<[f64; 3]>,
@@ -60,7 +61,7 @@ impl Survey {
     /// Judges every sample of `track`.
     ///
     /// # Errors
-    /// A gate that removes everything, with its threshold, what was seen and what would pass.
+    /// A gate removes all samples; the error gives its threshold, the values found and values that would pass.
     pub fn new(track: Track, settings: &SurveySettings) -> Result<Self> {
         let encoder = &track.encoder_mps;
         let n = encoder.len();
@@ -123,7 +124,7 @@ impl Survey {
         Ok(survey)
     }
 
-    /// Says which gate removed everything, if one did.
+    /// Reports the gate that removed all samples, if there is one.
     fn check(&self, settings: &SurveySettings, at_rest: &[bool], commanded: f64) -> Result<()> {
         let values = &self.track.command_nm.value;
         let (low_nm, high_nm) =
@@ -155,17 +156,17 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0f64, |m, v| m.max(v.abs()))
 }
 
-/// The encoder's mean over ±0.04 s, with its scale taken out [m/s].
+/// The encoder's mean over ±0.04 s, divided by its scale [m/s].
 fn smoothed_speed(track: &Track, alignment: Alignment) -> Vec<f64> {
     track.encoder_mps.smoothed(0.04).iter().map(|v| v / alignment.scale).collect()
 }
 
-/// The gear engaged at each encoder sample; by the direction of travel where the log has no gear. `None` in neutral.
+/// The gear engaged at each encoder sample, from the direction of travel if the log has no gear. `None` in neutral.
 fn gears(track: &Track, speed_mps: &[f64]) -> Vec<Option<Gear>> {
-    let mut told = track.gear.as_ref().map(Series::cursor);
+    let mut logged = track.gear.as_ref().map(Series::cursor);
     let mut command = track.command_nm.cursor();
     let gear_at = |(t_s, speed_mps): (&f64, &f64)| {
-        let direction = match &mut told {
+        let direction = match &mut logged {
             Some(gear) => gear.held(*t_s)?,
             None if speed_mps.abs() > 0.01 => *speed_mps,
             None => command.held(*t_s)?,
@@ -192,10 +193,10 @@ fn moving_angle(angle: &Series, encoder: &Series, at_rest: &[bool]) -> Option<[f
     Some([degrees[0], degrees[degrees.len() / 2], degrees[degrees.len() - 1]])
 }
 
-/// A run that an emergency stop cuts off is lost from its torque step on, and what follows until the vehicle rests.
+/// A run interrupted by an emergency stop is lost from its torque step on until the vehicle is at rest.
 fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest: &[bool], verdicts: &mut [SampleVerdict]) {
     for (from, to) in stops {
-        // the command may fall to zero a moment before the stop's own message
+        // the command may fall to zero shortly before the stop's own message
         let before = from - 0.05;
         let run_from = holds.iter().rev().find(|h| h.from_s <= before).map_or(*from, |h| h.from_s);
         for i in encoder.range(run_from, *from) {
@@ -212,9 +213,9 @@ fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest:
     }
 }
 
-/// The last moments before rest. A mean over some samples tells late that the wheel stands, most of all when it brakes hard, and readings at
-/// rest would pass for motion without acceleration. So the moment of the stop is extrapolated from the readings before it, and all from a
-/// little earlier on is left out.
+/// The last interval before rest. A mean over some samples detects rest late, most of all in hard braking, and readings at rest would look
+/// like motion without acceleration. So the time of the stop is extrapolated from the readings before it, and the samples from a little
+/// earlier on are left out.
 fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &SurveySettings, verdicts: &mut [SampleVerdict]) {
     let stands = |verdicts: &[SampleVerdict], i: usize| at_rest[i] || verdicts[i] == SampleVerdict::WrongGear;
     for i in 1..encoder.len() {
@@ -233,14 +234,14 @@ fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &S
     }
 }
 
-/// How far back a stop is looked for [s].
+/// Length of the search for a stop [s].
 const STOP_WINDOW_S: f64 = 0.4;
-/// A reading above this is in motion beyond noise and quantum [m/s].
+/// A reading above this shows motion; noise and quantum are smaller [m/s].
 const CLEARLY_MOVING_MPS: f64 = 0.04;
-/// What is left out before a stop: the encoder's delay, and the noise of the extrapolation [s].
+/// Time left out before a stop [s]: the encoder's delay, and the noise of the extrapolation.
 const STOP_MARGIN_S: f64 = 0.02;
 
-/// When the line through the magnitudes of the readings `at` crosses zero, if it falls.
+/// Time at which the line through the magnitudes of the readings `at` crosses zero, if it falls.
 fn stop_time(encoder: &Series, at: &[usize]) -> Option<f64> {
     if at.len() < 3 {
         return None;
@@ -257,7 +258,7 @@ fn stop_time(encoder: &Series, at: &[usize]) -> Option<f64> {
     (stv < 0.0).then(|| mean_t - mean_v * stt / stv)
 }
 
-/// Joins used samples into stretches; what is too short is marked so.
+/// Joins used samples into stretches; samples of too short ones are marked.
 fn stretches(
     encoder: &Series,
     gears: &[Option<Gear>],
@@ -301,7 +302,7 @@ fn stretches(
     found
 }
 
-/// Torque steps that met the vehicle at rest, long enough (0.5 s) to tell whether it moves.
+/// Torque steps with the vehicle at rest, long enough (0.5 s) to show whether it moves.
 fn start_trials(encoder: &Series, gears: &[Option<Gear>], holds: &[Hold], verdicts: &[SampleVerdict], least_nm: f64) -> Vec<StartTrial> {
     holds
         .iter()

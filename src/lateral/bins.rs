@@ -1,9 +1,9 @@
-//! From a log to lateral errors over the way: e = cos θ·(y_m − y) − sin θ·(x_m − x) at every matched point, averaged over pieces of the way.
+//! e = cos θ·(y_m − y) − sin θ·(x_m − x): the lateral error at every matched point of a log, averaged over pieces of the path.
 //!
-//! The matched points are logged, or found on the reference path that is logged whole.
+//! The matched points are logged, or found on the logged reference path.
 //!
-//! The way is that of the matched point along its path, so that runs of one task can be compared piece by piece. What lies within the settling
-//! way after a start or a standstill is left out: there the tracking law still draws the vehicle onto the path.
+//! Distance is that of the matched point along its path, so that runs of one task can be compared piece by piece. The settling distance
+//! after a start or a standstill is left out: there the tracking law is still steering the vehicle onto the path.
 
 use crate::lateral::nearest::NearestPoint;
 use crate::lateral::settings::LateralFitSettings;
@@ -13,7 +13,7 @@ use crate::units::{NS_PER_S, RAD_PER_DEG};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-/// A piece of the way.
+/// A piece of the path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bin {
     /// Sum of the errors [m].
@@ -36,28 +36,28 @@ pub struct CompensationRun {
     pub log: String,
     /// Compensation angle [rad]; 0 for the base.
     pub angle_rad: f64,
-    /// Way of the whole run [m].
+    /// Distance of the whole run [m].
     pub way_m: f64,
-    /// The pieces of the way that count, by number.
+    /// The counted pieces of the path, by number.
     pub bins: BTreeMap<u32, Bin>,
 }
 
-/// Readings further apart than this are not joined [s].
+/// Longest gap between readings that are joined [s].
 const GAP_S: f64 = 0.3;
-/// The matched point has moved when it is this far from where it last was [m]: well above the noise of a pose.
+/// Smallest distance that counts as a move of the matched point [m]: well above the noise of a pose.
 const MOVED_M: f64 = 0.05;
-/// Standing this long ends a stretch [s].
+/// A standstill of this length ends an interval [s].
 const STANDING_S: f64 = 1.0;
-/// Spread of a compensation angle that counts as one angle [rad].
+/// Largest spread of a compensation angle that counts as one angle [rad].
 const ONE_ANGLE_RAD: f64 = 0.02 * RAD_PER_DEG;
-/// Fewest matched points of a log.
+/// Smallest number of matched points of a log.
 const LEAST: usize = 50;
 
 impl CompensationRun {
-    /// Of a recording that was read for the lateral calibration.
+    /// The run of a recording that was read for the lateral calibration.
     ///
     /// # Errors
-    /// No heading, signals that do not overlap, a compensation that changes.
+    /// There is no heading, the signals do not overlap, or the compensation changes.
     pub fn new(recording: &Recording, settings: &LateralFitSettings) -> Result<Self> {
         let log = recording.source.file.clone();
         let heading = heading(recording).ok_or_else(|| Error::NoHeading { log: log.clone() })?;
@@ -83,7 +83,7 @@ fn place(time_ns: i64, [x_m, y_m]: [f64; 2], [x, y, yaw_rad]: [f64; 3]) -> PathP
     (time_ns, x_m, y_m, cos * (y_m - y) - sin * (x_m - x))
 }
 
-/// At every matched point that is logged, the pose between its readings.
+/// Errors at every logged matched point, with the interpolated pose.
 fn from_points(recording: &Recording, heading: &Signal) -> Vec<PathPlace> {
     let none = Signal::default();
     let read = |name| recording.signals.lateral.get(&name).unwrap_or(&none);
@@ -98,7 +98,7 @@ fn from_points(recording: &Recording, heading: &Signal) -> Vec<PathPlace> {
     places.collect()
 }
 
-/// At every pose, the nearest point of the path in force.
+/// Errors at every pose, to the nearest point of the current path.
 fn from_paths(recording: &Recording, heading: &Signal) -> Vec<PathPlace> {
     let none = Signal::default();
     let read = |name| recording.signals.lateral.get(&name).unwrap_or(&none);
@@ -113,7 +113,7 @@ fn from_paths(recording: &Recording, heading: &Signal) -> Vec<PathPlace> {
     places.collect()
 }
 
-/// The heading: as logged, or from its quaternion: θ = 2·atan2(z, w) on level ground.
+/// The heading: logged, or θ = 2·atan2(z, w) from its quaternion on level ground.
 fn heading(recording: &Recording) -> Option<Signal> {
     let signals = &recording.signals.lateral;
     if let Some(yaw) = signals.get(&SignalName::Yaw) {
@@ -143,7 +143,7 @@ fn angle(signal: Option<&Signal>, log: &str) -> Result<f64> {
     Ok(values[values.len() / 2])
 }
 
-/// Whole way, and the pieces that count.
+/// Total distance, and the counted pieces.
 fn binned(errors: &[PathPlace], settings: &LateralFitSettings) -> (f64, BTreeMap<u32, Bin>) {
     let mut bins: BTreeMap<u32, Bin> = BTreeMap::new();
     let (mut way_m, mut since_start_m) = (0.0, 0.0);
@@ -177,7 +177,8 @@ struct PathCursor {
 }
 
 impl PathCursor {
-    /// Linear between the readings around `time_ns`; `None` outside them or in a gap. `circular`: an angle, by the shorter way.
+    /// Linear interpolation at `time_ns`; `None` outside the readings or in a gap. `circular`: an angle, interpolated along the shorter
+    /// arc.
     fn at(&mut self, signal: &Signal, time_ns: i64, circular: bool) -> Option<f64> {
         let (times, values) = (&signal.time_ns, &signal.value);
         while self.next < times.len() && times[self.next] < time_ns {

@@ -1,35 +1,33 @@
-//! Why no compensation table can be made of logs.
+//! Reasons why logs give no compensation table.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why no compensation table can be made of logs.
+/// Reason why logs give no compensation table.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("{log}: the heading is missing: name `yaw`, or `yaw_z` and `yaw_w` of its quaternion, in the signal map")]
     NoHeading { log: String },
     #[error("{log}: none of the {found} reference path(s) has two points or more")]
     NoPath { log: String, found: usize },
-    #[error(
-        "{log}: pose and reference overlap in {found} place(s); {needed} are needed: are their stamps of one clock, and their places in one frame?"
-    )]
+    #[error("{log}: pose and reference overlap in {found} place(s); {needed} are needed: do they use the same clock and the same frame?")]
     NoOverlap { log: String, found: usize, needed: usize },
     #[error(
         "{log}: the compensation changes from {low_deg:.3}° to {high_deg:.3}°; a run of the calibration has one angle from start to end"
     )]
     Changing { log: String, low_deg: f64, high_deg: f64 },
-    #[error("none of the {found} log(s) is without compensation (angle 0); drive the task once without, and add its log")]
+    #[error("none of the {found} log(s) is without compensation (angle 0); drive the task once without compensation, and add its log")]
     NoBase { found: usize },
     #[error("{first} and {second} are both without compensation; name one base")]
     TwoBases { first: String, second: String },
     #[error("{log}: {found_m:.1} m of the task remain; at least {needed_m:.1} m are needed")]
     TooShort { log: String, found_m: f64, needed_m: f64 },
-    #[error("{log} drives {found_m:.1} m, the base {base}, {base_m:.1} m; within {allowed_pct} % they would be the same task")]
+    #[error("{log} drives {found_m:.1} m, the base {base}, {base_m:.1} m; logs of the same task differ by at most {allowed_pct} %")]
     OtherTask { log: String, found_m: f64, base: String, base_m: f64, allowed_pct: f64 },
     #[error(
-        "{left} of {all} entries are left; at least one angle beside the base is needed: drive smaller angles, or raise the threshold of {threshold_m} m"
+        "{left} of {all} entries are left; at least one angle besides the base is needed: drive smaller angles, or raise the threshold of {threshold_m} m"
     )]
     NothingLeft { left: usize, all: usize, threshold_m: f64 },
     #[error("the errors of the angles do not differ: the compensation does not reach the steering, or the angles are too small")]

@@ -1,4 +1,4 @@
-//! From runs to the compensation table: differences to the base, standard errors, what is dropped, the monotone curve.
+//! Makes the compensation table from runs: differences to the base, standard errors, dropped entries, the monotone curve.
 
 use crate::lateral::bins::{Bin, CompensationRun};
 use crate::lateral::isotonic::isotonic;
@@ -11,28 +11,28 @@ use crate::map::{
 };
 use serde::Serialize;
 
-/// What happened.
+/// Report of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LateralReport {
-    /// Pieces of the way that each entry rests on, in the order of the entries.
+    /// Number of pieces of the path per entry, in the order of the entries.
     pub pieces: Vec<usize>,
     /// Slope of the curve between its ends [rad/m].
     pub slope_rad_per_m: f64,
-    /// Largest correction that made the entries monotone, in standard errors.
+    /// Largest correction to make the entries monotone, in standard errors.
     pub largest_correction: f64,
 }
 
-/// Most angles, the base included: what the run-time law's table holds.
+/// Largest number of angles with the base: the size of the run-time law's table.
 const MOST: usize = 32;
-/// An angle up to this is none [rad].
+/// An angle up to this counts as zero [rad].
 const NO_ANGLE_RAD: f64 = 1e-6;
-/// Smallest standard error that weighs in the fit [m]: entries without noise would otherwise weigh infinitely.
+/// Smallest standard error used for weights in the fit [m]: entries without noise would otherwise have infinite weight.
 const LEAST_STD_ERR_M: f64 = 1e-6;
 
 /// Makes the table.
 ///
 /// # Errors
-/// No base or two, logs of another task or too short, a compensation that changes within a log, fewer than one entry left.
+/// There is no base or more than one, logs are of another task or too short, the compensation changes within a log, or no entry is left.
 pub fn fit(recordings: &[Recording], settings: &LateralFitSettings) -> Result<(LateralTableFile, LateralReport)> {
     for (field, value, low, high) in [
         ("threshold_m", settings.threshold_m, 1e-4, 10.0),
@@ -45,7 +45,7 @@ pub fn fit(recordings: &[Recording], settings: &LateralFitSettings) -> Result<(L
         }
     }
     let mut runs = recordings.iter().map(|r| Ok((CompensationRun::new(r, settings)?, &r.source))).collect::<Result<Vec<_>>>()?;
-    // the order of the logs must not matter
+    // the order of the logs must not change the result
     runs.sort_by(|a, b| a.0.angle_rad.total_cmp(&b.0.angle_rad).then_with(|| a.1.sha256.cmp(&b.1.sha256)));
     let mut bases = runs.iter().filter(|(run, _)| run.angle_rad.abs() <= NO_ANGLE_RAD);
     let Some((base, base_source)) = bases.next() else { return Err(Error::NoBase { found: runs.len() }) };
@@ -119,7 +119,7 @@ fn alone(run: &CompensationRun, settings: &LateralFitSettings) -> Result<Lateral
     Ok(LateralMean { mean_error_m: mean, std_err_m: std_err, way_m: way(values.len(), &run.log, settings)? })
 }
 
-/// Entry of a run: the mean of the differences to the base, piece by piece, so that what the path itself does cancels.
+/// Entry of a run: the mean of the differences to the base, piece by piece, so that the effect of the path itself cancels.
 fn against(run: &CompensationRun, base: &CompensationRun, settings: &LateralFitSettings) -> Result<LateralEntry> {
     if (run.way_m - base.way_m).abs() > settings.same_task * base.way_m {
         return Err(Error::OtherTask {
@@ -144,13 +144,13 @@ fn against(run: &CompensationRun, base: &CompensationRun, settings: &LateralFitS
     })
 }
 
-/// The curve, and the largest correction in standard errors: errors made monotone over the angle (in the direction that they have on the whole),
-/// angles of equal errors joined.
+/// The curve, and the largest correction in standard errors. The errors are made monotone over the angle, in their overall direction, and
+/// angles of equal errors are joined.
 fn curve(entries: &[LateralEntry]) -> Result<(LateralCurve, f64)> {
     let mut sorted: Vec<&LateralEntry> = entries.iter().collect();
     sorted.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad));
     let std_err = |e: &LateralEntry| e.std_err_m.clamp(LEAST_STD_ERR_M, 1e3);
-    // the base weighs like the best entry: its zero is exact by definition, but must not outweigh all others
+    // the base has the weight of the best entry: its zero is exact by definition, but must not outweigh all others
     let best = sorted.iter().filter(|e| e.angle_rad != 0.0).map(|e| std_err(e)).fold(f64::INFINITY, f64::min);
     let weights: Vec<f64> = sorted.iter().map(|e| std_err(e).max(best).powi(-2)).collect();
     let covariance: f64 = sorted.iter().zip(&weights).map(|(e, w)| w * e.angle_rad * e.error_m).sum();
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(curve.error_m[3], 0.021);
     }
 
-    /// A vehicle beside a straight of `way_m` at 0.8 m/s and 50 Hz: offset plus noise with a memory, `angle` on top.
+    /// A vehicle beside a straight of `way_m` at 0.8 m/s and 50 Hz: offset plus correlated noise, plus `angle`.
     fn recording(file: &str, angle_rad: f64, offset_m: f64, way_m: f64, seed: u64) -> Recording {
         let mut random = Pcg64::new(u128::from(seed), 5);
         let mut noise = 0.0;
@@ -265,7 +265,7 @@ mod tests {
             largest = largest.max((entry.error_m - added_m).abs());
             assert!((file.base.mean_error_m - base_m).abs() < 5.0 * file.base.std_err_m);
         }
-        // 95.4 % for two standard errors; a memory of 1.6 m in 56 m leaves some 35 independent values, which is what the trials may miss
+        // 95.4 % for two standard errors; a correlation length of 1.6 m in 56 m leaves some 35 independent values, so some trials may miss
         assert!(covered >= 88, "{covered} of {trials}, largest {largest}");
     }
 
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_without_effect_are_no_table() {
+    fn angles_without_effect_give_no_table() {
         assert!(matches!(curve(&[entry(0.0, 0.0, 0.0), entry(0.01, 0.0, 1e-3)]), Err(Error::NoEffect)));
     }
 }

@@ -1,25 +1,25 @@
-//! The nearest point of a reference path that is logged whole, as the run-time law would have matched it.
+//! The nearest point of a logged reference path, matched as in the run-time law.
 //!
-//! The polyline in force is the latest before the pose's time. The nearest point is the foot of the perpendicular on its segments, or a corner. It is
-//! sought around the last one, so that another branch of a path that crosses itself or comes back does not catch it; only at first, and when it
-//! has been lost, along the whole polyline, and then on segments that run along the vehicle's axis.
+//! The current polyline is the latest before the pose's time. The nearest point is the foot of the perpendicular on its segments, or a
+//! corner. The search covers the surroundings of the last match, so that it does not change to another branch where a path crosses itself
+//! or comes back. Only at the start and after a lost match, it covers the whole polyline, on segments along the vehicle's axis.
 
 use crate::log::ReferencePath;
 
-/// Way along the path, to either side of the last point, that is searched [m]: some ten periods of a sweeper's way.
+/// Searched distance along the path on either side of the last point [m]: a sweeper's distance in some ten periods.
 const WINDOW_M: f64 = 1.5;
-/// Nearer than this a point in the window counts as found [m].
+/// Largest distance at which a point in the window counts as found [m].
 const FOUND_M: f64 = 1.0;
-/// A pose further than this from its path is none of that path's [m].
+/// Largest distance of a pose from its path [m].
 const FAR_M: f64 = 2.0;
-/// cos of the largest angle between the vehicle's axis and a segment that it may be on: 60°.
+/// cos of the largest angle between the vehicle's axis and its segment: 60°.
 const ALONG: f64 = 0.5;
 
 /// Matches poses at ascending times.
 #[derive(Debug, Clone)]
 pub(crate) struct NearestPoint<'a> {
     paths: &'a [ReferencePath],
-    /// The first path that is not yet in force.
+    /// The first path that is not yet current.
     next: usize,
     /// Segment of the last match.
     segment: Option<usize>,
@@ -39,7 +39,7 @@ impl<'a> NearestPoint<'a> {
         Self { paths, next: 0, segment: None }
     }
 
-    /// The nearest point of the path in force; `None` before the first, on a path of fewer than two points, or too far from it.
+    /// The nearest point of the current path; `None` before the first, on a path of fewer than two points, or too far from it.
     pub(crate) fn at(&mut self, time_ns: i64, place_m: [f64; 2], yaw_rad: f64) -> Option<[f64; 2]> {
         while self.paths.get(self.next).is_some_and(|path| path.time_ns <= time_ns) {
             self.next += 1;
@@ -122,13 +122,13 @@ mod tests {
         let mut nearest = NearestPoint::new(&paths);
         assert_eq!(nearest.at(9, [1.0, 0.5], 0.0), None);
         assert_eq!(nearest.at(10, [1.0, 0.5], 0.0), Some([1.0, 0.0]));
-        assert_eq!(nearest.at(20, [1.0, 0.5], 0.0), None, "an empty path takes the last one back");
+        assert_eq!(nearest.at(20, [1.0, 0.5], 0.0), None, "an empty path cancels the last one");
         assert_eq!(nearest.at(35, [1.0, 0.5], 0.0), Some([1.0, 1.0]));
         assert_eq!(nearest.at(36, [1.0, 9.0], 0.0), None, "too far away to be on it");
     }
 
     #[test]
-    fn where_a_path_crosses_itself_the_branch_that_is_driven_counts() {
+    fn where_a_path_crosses_itself_the_driven_branch_counts() {
         // east, around, and south across the first branch at x = 5
         let loop_m = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [5.0, 5.0], [5.0, -5.0]];
         let paths = [path(0, &loop_m)];
@@ -139,13 +139,13 @@ mod tests {
             let found = nearest.at(i64::from(k), [x, 0.04], 0.0);
             assert!(found.is_some_and(|p| (p[0] - x).abs() < 1e-12 && p[1] == 0.0), "{x}: {found:?}");
         }
-        // seen for the first time at the crossing, the heading decides
+        // first match at the crossing: the heading decides
         let south = NearestPoint::new(&paths).at(1, [5.03, 0.0], -1.5);
         assert!(south.is_some_and(|p| p[0] == 5.0), "{south:?}");
     }
 
     #[test]
-    fn repeated_points_and_ends_are_no_harm() {
+    fn repeated_points_and_ends_do_no_harm() {
         let paths = [path(0, &[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]), path(50, &[[3.0, 3.0], [3.0, 3.0]])];
         let mut nearest = NearestPoint::new(&paths);
         assert_eq!(nearest.at(1, [1.4, 0.1], 0.0), Some([1.0, 0.0]), "beyond the end: the end");

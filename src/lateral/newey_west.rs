@@ -1,8 +1,8 @@
 //! The mean of a correlated series and its standard error.
 //!
 //! Var(mean) = [γ₀ + 2 Σ_{l≤L} (1 − l/(L+1)) γ_l]/n, γ_l the autocovariances, with L = ⌊4 (n/100)^{2/9}⌋. Sources: Newey & West (1987), *A
-//! Simple, Positive Semi-Definite, Heteroskedasticity and Autocorrelation Consistent Covariance Matrix*, Econometrica 55(3), for the weights; (1994),
-//! *Automatic Lag Selection in Covariance Matrix Estimation*, Rev. Econ. Stud. 61(4), for L.
+//! Simple, Positive Semi-Definite, Heteroskedasticity and Autocorrelation Consistent Covariance Matrix*, Econometrica 55(3), for the
+//! weights; (1994), *Automatic Lag Selection in Covariance Matrix Estimation*, Rev. Econ. Stud. 61(4), for L.
 
 /// A mean and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -13,7 +13,7 @@ pub struct Mean {
     pub std_err: f64,
 }
 
-/// Weighted mean of `values` in their order, with its standard error. Weights count the readings behind a value; equal ones weigh every value alike.
+/// Weighted mean of `values` in their order, with its standard error. A weight is the number of readings of a value.
 pub fn newey_west(values: &[f64], weights: &[f64]) -> Mean {
     let n = values.len().min(weights.len());
     let total: f64 = weights[..n].iter().sum();
@@ -37,7 +37,7 @@ pub fn newey_west(values: &[f64], weights: &[f64]) -> Mean {
     Mean { mean, std_err: (long_run.max(0.0) / n as f64).sqrt() / (1.0 - rho) }
 }
 
-/// Largest AR(1) coefficient that is believed.
+/// Largest accepted AR(1) coefficient.
 const MOST_MEMORY: f64 = 0.97;
 
 #[cfg(test)]
@@ -67,7 +67,7 @@ mod tests {
         let scatter = (means.iter().map(|m| m.mean * m.mean).sum::<f64>() / f64::from(trials)).sqrt();
         let estimated = (means.iter().map(|m| m.std_err * m.std_err).sum::<f64>() / f64::from(trials)).sqrt();
         let naive = (1.0 / n as f64).sqrt();
-        // the truth is √3 times the naive one; 2000 trials give the scatter to 1.6 %, and the mean's own estimate biases ρ by −3/n
+        // the true value is √3 times the naive one; 2000 trials give the scatter to 1.6 %, and the estimated mean biases ρ by −3/n
         assert!((scatter / naive - 3.0_f64.sqrt()).abs() < 0.1, "{}", scatter / naive);
         assert!((0.93..1.04).contains(&(estimated / scatter)), "{}", estimated / scatter);
     }

@@ -2,30 +2,30 @@
 
 use serde::Serialize;
 
-/// Over what a mean is taken.
+/// Weighting of means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Weighting {
-    /// The way: every piece of it counts alike, however long it took.
+    /// By distance: all pieces of the path have the same weight, for any duration.
     Distance,
-    /// The control periods: every reading counts alike.
+    /// By control periods: all readings have the same weight.
     Periods,
 }
 
 /// Settings of the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LateralFitSettings {
-    /// Entries at or beyond this are dropped [m]. Default 0.3: further out the tracking law is at its limits.
+    /// Entries at or beyond this are dropped [m]. Default 0.3: at larger errors the tracking law is at its limits.
     pub threshold_m: f64,
-    /// Over what means are taken. Default the way.
+    /// Weighting of means. Default: by distance.
     pub weighting: Weighting,
-    /// Length of a piece of the way [m]. Default 0.5.
+    /// Length of a piece of the path [m]. Default 0.5.
     pub piece_m: f64,
-    /// Way after every start that is left out [m]. Default 4.
+    /// Skipped distance after every start [m]. Default 4.
     pub settle_m: f64,
-    /// Shortest way that may remain [m]. Default 10.
+    /// Shortest remaining distance [m]. Default 10.
     pub least_m: f64,
-    /// How much the ways of two runs of one task may differ, as a share. Default 0.05.
+    /// Largest difference between the distances of two runs of one task, as a share. Default 0.05.
     pub same_task: f64,
 }
 

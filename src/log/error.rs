@@ -1,33 +1,33 @@
-//! What can be wrong with a log or a signal map. The file's name is added by the caller.
+//! Errors of a log or a signal map. The caller adds the file name.
 
 use crate::log::extractor_error::PlanError;
 use crate::log::schema_error::SchemaError;
 use crate::map;
 use crate::units::{Dimension, UnknownUnit};
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can be wrong with a log or a signal map.
+/// Error of a log or a signal map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("the log cannot be read: {0}")]
     Io(std::io::Error),
-    #[error("this is a folder; logs are files, and a folder is searched for them only when it is named on the command line")]
+    #[error("this is a folder, not a log; a folder is searched for logs only if it is named on the command line")]
     Folder,
     #[error("the folder holds no .mcap file")]
     NoLogs,
     #[error("no file matches {pattern:?}")]
     NoMatch { pattern: String },
-    #[error("{pattern:?} is no pattern for files: {reason}")]
+    #[error("{pattern:?} is not a valid file pattern: {reason}")]
     BadPattern { pattern: String, reason: String },
     #[error("metadata.yaml names the file {file:?}, which is not in the folder")]
     MissingBagFile { file: String },
     #[error("the log is empty (0 bytes)")]
     Empty,
-    #[error("this is no MCAP log: {hint}")]
+    #[error("this is not an MCAP log: {hint}")]
     NotMcap { hint: &'static str },
     #[error("the log holds no message{}", damage.as_ref().map(|text| format!(": {text}")).unwrap_or_default())]
     NoMessages { damage: Option<String> },
@@ -43,7 +43,7 @@ pub enum Error {
     WrongDimension { signal: &'static str, unit: &'static str, dimension: Dimension },
     #[error("{signal}: {field} is {value}; it must be a finite number")]
     NotFinite { signal: &'static str, field: &'static str, value: f64 },
-    #[error("{signal}: relative_to is {found:?}; the only thing that a signal can be relative to is \"gear\"")]
+    #[error("{signal}: relative_to is {found:?}; a signal can only be relative to \"gear\"")]
     RelativeTo { signal: &'static str, found: String },
     #[error("preset {found:?} is not known; known presets: pivot-cal, autoware, joint-state")]
     UnknownPreset { found: String },

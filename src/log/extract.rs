@@ -1,4 +1,4 @@
-//! From messages to columns of values: a compiled extractor per schema, one pass over the messages, times and units.
+//! Converts messages to columns of values: one compiled extractor per schema, one pass over the messages, times and units.
 
 pub(crate) mod column;
 pub(crate) mod convert;

@@ -1,4 +1,4 @@
-//! The bytes of a log: its outer structure, the records of its blocks, and what of them is lost.
+//! The bytes of a log: its outer structure, the records of its blocks, and the lost parts.
 
 pub(crate) mod block;
 pub(crate) mod bytes;

@@ -1,4 +1,4 @@
-//! Which message path is which signal: by signal map, by preset, or by type, name and unit.
+//! Finds the message path of each signal: by signal map, by preset, or by type, name and unit.
 
 pub(crate) mod candidates;
 pub(crate) mod detect;

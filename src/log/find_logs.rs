@@ -1,16 +1,16 @@
-//! Which logs are meant: files, folders of logs, rosbag2 folders, patterns.
+//! Finds the named logs: files, folders of logs, rosbag2 folders, patterns.
 
 use crate::log::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// The recordings that `named` means, each as its files in order; inside a folder or a pattern by name.
+/// The recordings named by `named`, each as its files in order; inside a folder or a pattern they are sorted by name.
 ///
-/// A folder with a `metadata.yaml` is one rosbag2 recording, whose files are taken in the order that it lists; any other folder means
-/// the `.mcap` files in it, each a recording of its own. What is no file and no folder is a pattern such as `logs/*.mcap`, which may
-/// also mean folders.
+/// A folder with a `metadata.yaml` is one rosbag2 recording; its files are taken in the listed order. Any other folder means the `.mcap`
+/// files in it, each a separate recording. A name that is neither a file nor a folder is a pattern such as `logs/*.mcap`, which may also
+/// match folders.
 ///
 /// # Errors
-/// The first of `named` that means nothing, with its text in front of the reason left to the caller.
+/// The first of `named` that matches nothing. The caller adds its text before the reason.
 pub fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
     if named.is_dir() {
         let metadata = named.join("metadata.yaml");
@@ -18,7 +18,7 @@ pub fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
     }
     let text = named.to_string_lossy();
     if named.exists() || !text.contains(['*', '?', '[']) {
-        return Ok(vec![vec![named.to_owned()]]); // reading it tells if it is missing
+        return Ok(vec![vec![named.to_owned()]]); // the reader reports a missing file
     }
     let bad = |reason: String| Error::BadPattern { pattern: text.to_string(), reason };
     let mut found = Vec::new();
@@ -31,7 +31,7 @@ pub fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
     found.sort();
     let mut recordings = Vec::new();
     for path in found {
-        // what is found exists: the name of a folder may look like a pattern itself, and is then taken as it is
+        // matches exist: a folder name that looks like a pattern is taken literally
         recordings.extend(if path.is_dir() { find_logs(&path)? } else { vec![vec![path]] });
     }
     Ok(recordings)
@@ -66,7 +66,7 @@ fn bag(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>> {
     for line in lines {
         let Some(file) = line.trim().strip_prefix("- ") else { break };
         let file = file.trim().trim_matches(['"', '\'']);
-        // the name only: a recording does not reach outside its folder
+        // only the file name: a recording never refers to files outside its folder
         let Some(name) = Path::new(file).file_name() else { continue };
         let path = folder.join(name);
         if !path.is_file() {

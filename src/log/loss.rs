@@ -1,28 +1,28 @@
-//! What of a log could not be used: where, how many bytes, which channels, and why.
+//! The unusable parts of a log: position, number of bytes, channels and reason.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What was read and what was lost of one log.
+/// The read and the lost data of one log.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Loss {
-    /// Messages that were met whole, on any channel.
+    /// Number of intact messages, on any channel.
     pub messages_read: u64,
-    /// Messages known to be lost: from the indexes of damaged chunks, or from the log's own count. `None` when nobody counted them.
+    /// Number of messages known to be lost, from the indexes of damaged chunks or the log's own count. `None` if there is no count.
     pub messages_lost: Option<u64>,
     /// Bytes of the file that could not be used.
     pub bytes_lost: u64,
     /// The damaged places, in file order.
     pub places: Vec<Damage>,
-    /// Messages of wanted channels whose payload does not fit its schema, by topic: skipped.
+    /// Number of skipped messages of wanted channels whose payload does not fit the schema, by topic.
     pub broken_messages: BTreeMap<String, u64>,
-    /// Values that were NaN or infinite, by signal: dropped.
+    /// Number of dropped values that were NaN or infinite, by signal.
     pub not_finite: BTreeMap<String, u64>,
 }
 
 impl Loss {
-    /// Whether the file itself is damaged or messages could not be read; NaN values are not damage.
+    /// Whether the file is damaged or messages could not be read; NaN values are not damage.
     pub fn is_damaged(&self) -> bool {
         !self.places.is_empty() || !self.broken_messages.is_empty()
     }
@@ -53,16 +53,16 @@ impl Loss {
 pub struct Damage {
     /// First byte of the place in the file.
     pub offset: u64,
-    /// Bytes that could not be used; of messages inside a chunk without their compression.
+    /// Number of unusable bytes; inside a chunk, uncompressed.
     pub bytes: u64,
-    /// Messages lost, if an index tells.
+    /// Number of lost messages, if an index gives it.
     pub messages: Option<u64>,
     /// Topics of those messages, as far as known.
     pub topics: Vec<String>,
-    /// What is wrong.
+    /// The kind of damage.
     #[serde(serialize_with = "as_text")]
     pub why: Why,
-    /// Messages lost by channel; turned into topics when all channels are known.
+    /// Number of lost messages by channel; converted to topics when all channels are known.
     #[serde(skip)]
     pub(crate) channels: BTreeMap<u16, u64>,
 }
@@ -77,24 +77,24 @@ fn as_text<S: serde::Serializer>(why: &Why, serializer: S) -> Result<S::Ok, S::E
     serializer.collect_str(why)
 }
 
-/// Why a part of a log cannot be used.
+/// The reason why a part of a log cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Why {
     /// The end of the file is missing.
     Truncated,
-    /// Bytes that are no record.
+    /// Bytes that are not a record.
     NotARecord,
     /// The checksum of a chunk's records differs.
     ChunkCrc { saved: u32, calculated: u32 },
-    /// The checksum of the data section differs, although every chunk is sound.
+    /// The checksum of the data section differs, although every chunk is intact.
     DataCrc { saved: u32, calculated: u32 },
     /// The checksum of the summary differs, or it cannot be parsed.
     BadSummary(&'static str),
     /// The compressed records cannot be decompressed.
     Decompression(String),
-    /// The chunk gives fewer or more bytes than it declares.
+    /// The chunk holds fewer or more bytes than it declares.
     ChunkSize { declared: u64, found: u64 },
     /// The chunk declares more than is allowed.
     TooLarge { declared: u64, allowed: u64 },
@@ -114,7 +114,7 @@ impl fmt::Display for Why {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Truncated => f.write_str("the end of the file is missing"),
-            Self::NotARecord => f.write_str("these bytes are no record"),
+            Self::NotARecord => f.write_str("these bytes are not a record"),
             Self::ChunkCrc { saved, calculated } => write!(f, "the chunk's checksum is {calculated:08x}; the file says {saved:08x}"),
             Self::DataCrc { saved, calculated } => {
                 write!(f, "the data section's checksum is {calculated:08x}; the file says {saved:08x}")

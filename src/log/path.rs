@@ -1,7 +1,8 @@
 //! Message paths: `/topic.field.sub[0]`, slices `[a:b]` with both ends inclusive, −1 the last, filters `{field=="x"}`.
 //!
-//! The syntax is that of Foxglove and `PlotJuggler`, where `[:]{…}` is `{…}`, with one extension: on parallel arrays such as those of `sensor_msgs/JointState` a
-//! filter picks the element whose sibling array matches: `/joint_states.velocity{name=="front_drive_joint"}`.
+//! The syntax is that of Foxglove and `PlotJuggler`, where `[:]{…}` is `{…}`, with one extension: on parallel arrays such as those of
+//! `sensor_msgs/JointState`, a filter selects the element whose sibling array matches:
+//! `/joint_states.velocity{name=="front_drive_joint"}`.
 
 mod parser;
 
@@ -12,7 +13,7 @@ use std::fmt::{self, Write as _};
 pub struct MessagePath {
     /// Name of the topic.
     pub topic: String,
-    /// The way from the message to the value.
+    /// The steps from the message to the value.
     pub steps: Vec<PathStep>,
     text: String,
 }
@@ -33,17 +34,17 @@ pub enum PathStep {
 /// A filter's condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Test {
-    /// Way from the element to the field that is compared.
+    /// Path from the element to the compared field.
     pub field: Vec<String>,
-    /// How it is compared.
+    /// The comparison.
     pub compare: Compare,
-    /// With what.
+    /// The value to compare with.
     pub with: Literal,
 }
 
-/// How a filter compares.
+/// The comparison of a filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // the names say it
+#[allow(missing_docs)] // the names are self-explanatory
 pub enum Compare {
     Equal,
     NotEqual,
@@ -53,17 +54,17 @@ pub enum Compare {
     GreaterOrEqual,
 }
 
-/// What a filter compares with.
+/// The value that a filter compares with.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Literal {
     /// A number; `true` is 1 and `false` 0.
     Number(f64),
-    /// A text in quotes.
+    /// A string in quotes.
     Text(String),
 }
 
 impl MessagePath {
-    /// Whether a slice picks several values of each message.
+    /// Whether a slice selects several values of each message.
     pub fn is_list(&self) -> bool {
         self.steps.iter().any(|step| matches!(step, PathStep::Slice(first, last) if first.unwrap_or(0) != last.unwrap_or(-1)))
     }
@@ -83,7 +84,7 @@ impl MessagePath {
     }
 }
 
-/// A text in quotes, as paths have them.
+/// A string in quotes, as written in paths.
 pub(crate) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
@@ -110,7 +111,7 @@ impl Test {
         }
     }
 
-    /// Whether a text passes; texts are only ever equal or not.
+    /// Whether a string passes; strings are only compared for equality.
     pub fn text(&self, value: &[u8]) -> bool {
         let Literal::Text(with) = &self.with else {
             return false;
@@ -153,7 +154,7 @@ impl fmt::Display for Test {
 }
 
 impl Compare {
-    /// Every comparison, such that no sign stands before a longer one that begins like it.
+    /// Every comparison; longer signs come before their prefixes.
     const ALL: [Self; 6] = [Self::Equal, Self::NotEqual, Self::LessOrEqual, Self::GreaterOrEqual, Self::Less, Self::Greater];
 
     fn sign(self) -> &'static str {
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_made_of_steps_reads_as_it_was_made() {
+    fn a_path_made_of_steps_is_read_back_unchanged() {
         for text in [r#"/a/b.c."d e"[2].e[-1].f[1:].g{id>=7.5}.h"#, r#""/a.b".velocity{n.name=="q \" \\ ü"}"#, "/a[:3]"] {
             let path = parse(text);
             let made = MessagePath::new(path.topic.clone(), path.steps.clone());

@@ -1,4 +1,4 @@
-//! Reading one log: structure, choice of signals, one pass over the messages, and the account of what was lost.
+//! Reads one log: structure, choice of signals, one pass over the messages, and the report of the lost data.
 
 use crate::log::extract::column::Column;
 use crate::log::extract::message_pass;
@@ -19,20 +19,21 @@ use crate::map::LogRef;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Passes over a log at most: one, and another if it met channels that were not known before.
+/// Largest number of passes over a log: one, and another if it found channels that were not known before.
 const MAX_PASSES: usize = 3;
 
-/// Reads one log. `progress` is told, from several threads, how many bytes have been read since the last call; in all about the size of
+/// Reads one log. `progress` receives, from several threads, the number of bytes read since the last call; the sum is about the size of
 /// the file.
 ///
 /// # Errors
-/// A file that is no log or holds no message, a required signal that is missing or without values, a vehicle that is not known.
-/// Damage is no error as long as something is left: see [`Recording::loss`].
+/// The file is not a log or holds no message, a required signal is missing or has no values, or the vehicle is not known.
+/// Damage is not an error as long as usable data remain: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     Ok(part(path, true, source, overrides, progress)?.finish())
 }
 
-/// As [`read`], but the signals of the lateral calibration ([`SignalName::LATERAL`]): they are in [`Signals::lateral`], the others are empty.
+/// Like [`read`], but for the signals of the lateral calibration ([`SignalName::LATERAL`]): they are in [`Signals::lateral`], the others
+/// are empty.
 ///
 /// # Errors
 /// As [`read`].
@@ -41,7 +42,7 @@ pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, 
     Ok(read_input(LogInput::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)?.finish())
 }
 
-/// As [`read_lateral`], from memory, under the name `name`.
+/// Like [`read_lateral`], from memory, under the name `name`.
 ///
 /// # Errors
 /// As [`read`].
@@ -50,7 +51,7 @@ pub fn read_lateral_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides
     Ok(read_input(LogInput::Memory(bytes), named, &SignalName::LATERAL, source, overrides, &|_| {})?.finish())
 }
 
-/// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
+/// Like [`read`], but without the hash of the file. On a large log the hash takes longer than all other work.
 ///
 /// # Errors
 /// As [`read`].
@@ -58,7 +59,7 @@ pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, 
     Ok(part(path, false, source, overrides, progress)?.finish())
 }
 
-/// Reads a log from memory, under the name `name`; otherwise as [`read`].
+/// Reads a log from memory, under the name `name`; otherwise like [`read`].
 ///
 /// # Errors
 /// As [`read`].
@@ -67,12 +68,12 @@ pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &Vehic
         .finish())
 }
 
-/// One file of a recording; what only the values tell, of all files together, is not yet corrected.
+/// One file of a recording, before the corrections that need the values of all files.
 pub(crate) struct RecordingPart {
     pub recording: Recording,
     /// Whether any signal was found by name.
     pub guessed: bool,
-    /// Signals whose unit no name told.
+    /// Signals whose unit is in no name.
     pub unnamed: Vec<SignalName>,
     /// Number of files.
     pub files: usize,
@@ -100,14 +101,14 @@ fn read_input(
 ) -> Result<RecordingPart> {
     let mut container = open(input)?;
     let input = container.input.clone();
-    // the hash needs every byte once more: it runs beside the decoding, and each is half of the progress
+    // the hash reads every byte again: it runs in parallel with the decoding, and each is half of the progress
     let half = |bytes: u64| progress(if hashed { bytes.div_ceil(2) } else { bytes });
     let (sha256, read) = rayon::join(
         || if hashed { input.sha256(&half) } else { Ok(String::new()) },
         || pass(&mut container, wanted, source, overrides, &half),
     );
-    let ReadPass { choices, gathered, said } = read?;
-    let vehicle = said.vehicle()?;
+    let ReadPass { choices, gathered, vehicle } = read?;
+    let vehicle = vehicle.vehicle()?;
     let mut loss = loss(&container, &gathered);
     let mut notes = choices.notes;
     let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
@@ -158,11 +159,11 @@ fn read_input(
     Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1 })
 }
 
-/// What a pass over the messages gave.
+/// Result of a pass over the messages.
 pub(crate) struct ReadPass {
     pub choices: Choices,
     pub gathered: Gathered,
-    pub said: VehicleOverrides,
+    pub vehicle: VehicleOverrides,
 }
 
 fn pass(
@@ -173,20 +174,20 @@ fn pass(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<ReadPass> {
     let mut samples = message_pass::explore(container);
-    let told = match source {
+    let from_map = match source {
         Source::Map(map) => map.vehicle,
         Source::Preset(_) | Source::Detect => VehicleOverrides::default(),
     };
-    let from_log = if told.is_empty() { VehicleOverrides::from_metadata(&container.metadata)? } else { VehicleOverrides::default() };
-    let said = overrides.or(told).or(from_log);
+    let from_log = if from_map.is_empty() { VehicleOverrides::from_metadata(&container.metadata)? } else { VehicleOverrides::default() };
+    let vehicle = overrides.or(from_map).or(from_log);
     for number in 1.. {
         let candidates = Candidates::new(container, &samples);
         let chosen = resolve::choose(source, wanted, container, &candidates).and_then(|mut choices| {
             required(&choices, container, &candidates)?;
-            let plans = resolve::plans(&mut choices, container, &samples, said.vehicle()?.wheel_radius_m)?;
+            let plans = resolve::plans(&mut choices, container, &samples, vehicle.vehicle()?.wheel_radius_m)?;
             Ok((choices, plans))
         });
-        // channels may be hidden in chunks that nothing has listed: only when all have been seen is a missing one an error
+        // unlisted chunks may hold more channels: a missing channel is an error only when all chunks have been read
         let (choices, plans, error) = match chosen {
             Ok((choices, plans)) => (choices, plans, None),
             Err(error) if container.is_listed() => return Err(error),
@@ -199,7 +200,7 @@ fn pass(
         }
         let new = container.learn(std::mem::take(&mut gathered.learned));
         if !new || number == MAX_PASSES {
-            return error.map_or(Ok(ReadPass { choices, gathered, said }), Err);
+            return error.map_or(Ok(ReadPass { choices, gathered, vehicle }), Err);
         }
         for (id, payload) in std::mem::take(&mut gathered.samples) {
             samples.entry(id).or_insert(payload);
@@ -208,7 +209,7 @@ fn pass(
     unreachable!("the loop returns in its last pass")
 }
 
-/// Whether every required signal has a place.
+/// Whether every required signal has a path.
 fn required(choices: &Choices, container: &Container, candidates: &Candidates<'_>) -> Result<()> {
     match choices.missing.iter().find(|signal| signal.is_required()) {
         Some(signal) => {
@@ -219,7 +220,7 @@ fn required(choices: &Choices, container: &Container, candidates: &Candidates<'_
     }
 }
 
-/// The account of what was read and lost.
+/// The report of the read and the lost data.
 pub(crate) fn loss(container: &Container, gathered: &Gathered) -> Loss {
     let topic = |id: &u16| container.inventory.channels.get(id).map_or_else(|| format!("channel {id}"), |channel| channel.topic.clone());
     let mut places: Vec<Damage> = container.damage.iter().chain(&gathered.damage).cloned().collect();
@@ -245,7 +246,7 @@ pub(crate) fn loss(container: &Container, gathered: &Gathered) -> Loss {
         topics.dedup();
         damage.topics = topics;
     }
-    // the log's own count is the best witness; the indexes of lost chunks are the next
+    // the log's own count is the best source; the indexes of lost chunks are the next
     let counted = container.statistics.as_ref().map(|statistics| statistics.message_count.saturating_sub(read));
     let indexed = places.iter().map(|damage| damage.messages).sum::<Option<u64>>();
     let messages_lost = if places.is_empty() { Some(counted.unwrap_or(0)) } else { counted.or(indexed) };
@@ -259,7 +260,7 @@ pub(crate) fn loss(container: &Container, gathered: &Gathered) -> Loss {
     }
 }
 
-/// Records outside of chunks have no checksum but that of the whole data section, if the writer computed one.
+/// Records outside chunks have only the checksum of the whole data section, if the writer computed one.
 fn data_damage(container: &Container) -> Option<Damage> {
     let (end, saved) = container.data_end.filter(|(_, saved)| *saved != 0)?;
     if container.blocks.iter().all(|block| block.kind == BlockKind::Chunk) {
@@ -269,7 +270,7 @@ fn data_damage(container: &Container) -> Option<Damage> {
     (calculated != saved).then(|| Damage::new(0, 0, Why::DataCrc { saved, calculated }))
 }
 
-/// A remark when the stamps of a signal are of another clock than the log.
+/// A note if the stamps of a signal come from another clock than the log time.
 fn clock_note(signal: SignalName, column: &Column) -> Option<String> {
     let seconds = column.clock_offset_s()?;
     Some(format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))

@@ -1,4 +1,4 @@
-//! One log read whole: signals in SI, where they come from, and what was lost.
+//! One complete log: signals in SI, their origin, and the lost data.
 
 use crate::log::loss::Loss;
 use crate::log::reference_path::ReferencePath;
@@ -8,22 +8,22 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// One log, its signals found, in SI.
+/// One log, with its signals in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// File name, hash and size.
     pub source: LogRef,
-    /// Where the file lies.
+    /// Path of the file.
     pub path: PathBuf,
-    /// The vehicle that drove.
+    /// The vehicle.
     pub vehicle: Vehicle,
     /// The signals.
     pub signals: Signals,
-    /// Where each signal comes from.
+    /// Origin of each signal.
     pub origins: Vec<Origin>,
-    /// What was read and what was lost.
+    /// The read and the lost data.
     pub loss: Loss,
-    /// Remarks that the user should see.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
@@ -32,9 +32,9 @@ pub struct Recording {
 pub struct Signals {
     /// Speed of the front wheel's rim [m/s].
     pub speed: Signal,
-    /// Torque as commanded [N·m].
+    /// Commanded torque [N·m].
     pub torque: Signal,
-    /// Torque as the drive reports it [N·m].
+    /// Torque reported by the drive [N·m].
     pub torque_feedback: Option<Signal>,
     /// Angle of the front wheel [rad], left positive.
     pub angle: Signal,
@@ -44,9 +44,9 @@ pub struct Signals {
     pub gear: Option<Signal>,
     /// Emergency stop: 1 active, 0 not.
     pub estop: Option<Signal>,
-    /// Signals of the lateral calibration, by name, when those were read.
+    /// Signals of the lateral calibration, by name, if they were read.
     pub lateral: BTreeMap<SignalName, Signal>,
-    /// The reference as whole polylines, sorted by time, when it was named so; `lateral` then holds no reference point.
+    /// The reference as complete polylines, sorted by time, if it was named as such; `lateral` then holds no reference point.
     pub reference_paths: Vec<ReferencePath>,
 }
 
@@ -57,22 +57,22 @@ pub struct Signal {
     pub time_ns: Vec<i64>,
     /// The values, in the signal's SI unit.
     pub value: Vec<f64>,
-    /// Positive means in the gear's direction; the value is as logged.
+    /// Positive means in the gear's direction; the value is unchanged.
     pub relative_to_gear: bool,
-    /// A magnitude, as logged; its sign must come from other signals.
+    /// A magnitude, unchanged; its sign must come from other signals.
     pub unsigned: bool,
 }
 
-/// Where a signal comes from.
+/// Origin of a signal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Origin {
-    /// Which signal.
+    /// The signal.
     pub signal: SignalName,
     /// The message path.
     pub path: String,
-    /// The unit that the log has it in.
+    /// Its unit in the log.
     pub unit: String,
-    /// Why this path.
+    /// The reason for this path.
     pub reason: String,
     /// Number of values.
     pub values: usize,
@@ -100,7 +100,7 @@ impl Signal {
 }
 
 impl Signals {
-    /// The signal of that name, if the log has it.
+    /// The signal with that name, if the log has it.
     pub fn get(&self, name: SignalName) -> Option<&Signal> {
         match name {
             SignalName::Speed => Some(&self.speed),

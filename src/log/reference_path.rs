@@ -1,13 +1,13 @@
-//! Whole polylines per message, such as `nav_msgs/Path`: the reference path of the lateral calibration.
+//! The reference path of the lateral calibration, from messages with a complete polyline, such as `nav_msgs/Path`.
 //!
-//! `reference_x = { path = "/path.poses[:].pose.position.x" }` and `reference_y` alike give one polyline per message. A path that is published
-//! again and again unchanged is kept once.
+//! `reference_x = { path = "/path.poses[:].pose.position.x" }` and the corresponding `reference_y` give one polyline per message. A path
+//! that is published repeatedly without a change is kept once.
 
 use crate::log::signal_map::{SignalMap, SignalName};
 use crate::log::{Error, Result};
 use std::collections::BTreeSet;
 
-/// A polyline of one message; in force from its time on until the next.
+/// A polyline of one message; it is valid from its time until the next.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReferencePath {
     /// Time of the message [ns since the epoch of the stamps].
@@ -25,7 +25,7 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// Adds a message's list. One that is the last one again takes no room.
+    /// Adds a message's list. A list equal to the last one needs no memory.
     pub(crate) fn push(&mut self, time_ns: i64, list: impl ExactSizeIterator<Item = f64> + Clone) {
         let count = list.len();
         if let Some(&(_, from, last)) = self.messages.last() {
@@ -39,20 +39,20 @@ impl Lists {
         self.values.extend(list);
     }
 
-    /// Adds those of the next stretch of the log.
+    /// Adds the lists of the next section of the log.
     pub(crate) fn append(&mut self, next: Self) {
         let before = self.values.len();
         self.messages.extend(next.messages.into_iter().map(|(time_ns, from, count)| (time_ns, from + before, count)));
         self.values.extend(next.values);
     }
 
-    /// Number of values, those of unchanged messages counted once.
+    /// Number of values; unchanged messages are counted once.
     pub(crate) fn len(&self) -> usize {
         self.values.len()
     }
 }
 
-/// The polylines of which `x` and `y` are the coordinates, sorted by time, without repetitions. Points that are not finite are left out.
+/// The polylines with the coordinates `x` and `y`, sorted by time, without repetitions. Points that are not finite are skipped.
 pub(crate) fn polylines(x: &Lists, y: &Lists) -> Vec<ReferencePath> {
     let mut paths: Vec<ReferencePath> = Vec::new();
     let mut last: Option<[usize; 4]> = None;
@@ -70,10 +70,10 @@ pub(crate) fn polylines(x: &Lists, y: &Lists) -> Vec<ReferencePath> {
     paths
 }
 
-/// Whether the reference is named as whole polylines.
+/// Whether the reference is named as complete polylines.
 ///
 /// # Errors
-/// One coordinate as a list and the other as a number, or lists of two topics.
+/// One coordinate is a list and the other a number, or the lists are from two topics.
 pub(crate) fn is_named(map: &SignalMap) -> Result<bool> {
     let [x, y] = [SignalName::ReferenceX, SignalName::ReferenceY].map(|name| map.signals.get(&name).map(|spec| &spec.path));
     let (Some(x), Some(y)) = (x, y) else { return Ok(false) };
@@ -84,11 +84,11 @@ pub(crate) fn is_named(map: &SignalMap) -> Result<bool> {
     }
 }
 
-/// What `pivot-cal lateral record` names its two forms of the reference.
+/// The topics of `pivot-cal lateral record` for its two forms of the reference.
 const POINT_TOPIC: &str = "/reference/matched_point";
 const PATH_TOPIC: &str = "/reference/path";
 
-/// Takes the path of a log that holds it without the matched point, in a map of our own.
+/// In a built-in map, replaces the matched point by the complete path if the log holds only the path.
 pub(crate) fn instead_of_point(map: &mut SignalMap, topics: &BTreeSet<&str>) -> Result<()> {
     if topics.contains(POINT_TOPIC) || !topics.contains(PATH_TOPIC) {
         return Ok(());
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn stretches_are_joined_and_sorted_by_time_and_broken_points_left_out() {
+    fn sections_are_joined_and_sorted_by_time_and_broken_points_are_skipped() {
         let mut x = lists(&[(5, &[1.0, f64::NAN, 3.0])]);
         let mut y = lists(&[(5, &[1.0, 2.0, 3.0])]);
         x.append(lists(&[(2, &[7.0]), (9, &[])]));

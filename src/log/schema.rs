@@ -1,4 +1,4 @@
-//! What the messages of a channel look like: schemas of every encoding, parsed into a [`Layout`].
+//! The layout of a channel's messages: schemas of every encoding, parsed into a [`Layout`].
 
 mod descriptor;
 mod idl;
@@ -15,12 +15,12 @@ use crate::log::file::structure::Schema;
 use crate::log::path::PathStep;
 use std::sync::Arc;
 
-/// How the payload of a channel is laid out.
+/// Layout of a channel's payload.
 #[derive(Debug, Clone)]
 pub(crate) enum Layout {
-    /// Common data representation, as ROS 2 writes it.
+    /// Common data representation, as written by ROS 2.
     Cdr(Arc<Structure>),
-    /// ROS 1: the same without alignment.
+    /// ROS 1: like CDR, without alignment.
     Ros1(Arc<Structure>),
     Protobuf(ProtobufMessage),
     /// JSON describes itself.
@@ -31,7 +31,7 @@ impl Layout {
     /// Parses the schema of a channel.
     ///
     /// # Errors
-    /// An encoding that is not known, or a schema that is missing or broken.
+    /// The encoding is not known, or the schema is missing or broken.
     pub(crate) fn parse(message_encoding: &str, schema: Option<&Schema>) -> Result<Self, SchemaError> {
         let broken = |schema: &Schema, reason: String| SchemaError::Broken { name: schema.name.clone(), reason };
         let text = |schema: &Schema| match std::str::from_utf8(&schema.data) {
@@ -60,7 +60,7 @@ impl Layout {
         }
     }
 
-    /// Every place of a message that holds a single value, for suggestions and detection. JSON has none: its messages tell.
+    /// Every place of a message that holds a single value, for suggestions and detection. JSON has none: its messages are used.
     pub(crate) fn leaves(&self) -> Vec<Leaf> {
         match self {
             Self::Cdr(structure) | Self::Ros1(structure) => leaves::leaves(structure),

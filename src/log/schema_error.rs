@@ -1,9 +1,9 @@
-//! What is wrong with a schema.
+//! Errors of a schema.
 
-/// Why a channel cannot be decoded.
+/// The reason why a channel cannot be decoded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum SchemaError {
     #[error(
         "messages in {message} with a schema in {schema} cannot be decoded; known: cdr with ros2msg or ros2idl, ros1 with ros1msg, protobuf, json"

@@ -1,4 +1,4 @@
-//! The signal map: which message path is which signal, in which unit. Read from `signals.toml`.
+//! The signal map: the message path and the unit of each signal. Read from `signals.toml`.
 
 use crate::log::path::{MessagePath, PathStep};
 use crate::log::{Error, Result};
@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The signals that the calibration knows.
+/// The signals of the calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SignalName {
     /// Speed of the front wheel's rim, from its encoder.
     Speed,
-    /// Torque as commanded.
+    /// Commanded torque.
     Torque,
-    /// Torque as the drive reports it.
+    /// Torque reported by the drive.
     TorqueFeedback,
     /// Angle of the front wheel, left positive.
     Angle,
@@ -26,17 +26,17 @@ pub enum SignalName {
     Gear,
     /// Emergency stop.
     Estop,
-    /// x of the rear axle's middle by the navigation.
+    /// x of the rear axle's middle, from the navigation.
     PoseX,
     /// y of the same.
     PoseY,
-    /// The vehicle's heading by the navigation, counter-clockwise.
+    /// The vehicle's heading from the navigation, counter-clockwise.
     Yaw,
-    /// z of the heading's quaternion, in the place of `yaw`.
+    /// z of the heading's quaternion, instead of `yaw`.
     YawZ,
     /// w of the heading's quaternion.
     YawW,
-    /// x of the reference path's point that the vehicle was matched to.
+    /// x of the matched point on the reference path.
     ReferenceX,
     /// y of the same.
     ReferenceY,
@@ -45,11 +45,11 @@ pub enum SignalName {
 }
 
 impl SignalName {
-    /// The signals of the lateral calibration, in the order in which they are shown. They are named by a map or a preset, never looked for.
+    /// The signals of the lateral calibration, in display order. A map or a preset names them; they are never searched for.
     pub const LATERAL: [Self; 8] =
         [Self::PoseX, Self::PoseY, Self::Yaw, Self::YawZ, Self::YawW, Self::ReferenceX, Self::ReferenceY, Self::Compensation];
 
-    /// Every signal of the torque map's calibration, in the order in which they are shown.
+    /// Every signal of the torque map's calibration, in display order.
     pub const ALL: [Self; 7] = [Self::Speed, Self::Torque, Self::TorqueFeedback, Self::Angle, Self::YawRate, Self::Gear, Self::Estop];
 
     /// The key in a signal map.
@@ -73,13 +73,13 @@ impl SignalName {
         }
     }
 
-    /// Whether a log without it cannot be used.
+    /// Whether a log must have it to be usable.
     pub fn is_required(self) -> bool {
         use SignalName::{Angle, PoseX, PoseY, ReferenceX, ReferenceY, Speed, Torque};
         matches!(self, Speed | Torque | Angle | PoseX | PoseY | ReferenceX | ReferenceY)
     }
 
-    /// Unit that is taken when the map names none: SI.
+    /// Unit if the map names none: SI.
     pub fn default_unit(self) -> &'static str {
         match self {
             Self::Speed => "m/s",
@@ -109,16 +109,16 @@ impl fmt::Display for SignalName {
     }
 }
 
-/// Which signal is found where, and what is known of the vehicle.
+/// The path of each signal, and the known dimensions of the vehicle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SignalMap {
-    /// What the map says of the vehicle.
+    /// The vehicle data of the map.
     pub vehicle: VehicleOverrides,
     /// The signals.
     pub signals: BTreeMap<SignalName, SignalSpec>,
 }
 
-/// What is said of a vehicle beside its log; each field replaces what a lower source says.
+/// Vehicle data from outside the log; each field overrides that of a lower source.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleOverrides {
@@ -132,10 +132,10 @@ pub struct VehicleOverrides {
     pub torque_limit_nm: Option<f64>,
 }
 
-/// Where a signal is found and how its values convert: SI = unit(scale · raw + offset).
+/// Path of a signal and conversion of its values: SI = unit(scale · raw + offset).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignalSpec {
-    /// Where.
+    /// The message path.
     pub path: MessagePath,
     /// Unit of the value; SI by default.
     pub unit: Unit,
@@ -143,13 +143,13 @@ pub struct SignalSpec {
     pub scale: f64,
     /// Added after scaling, in `unit`. Default 0.
     pub offset: f64,
-    /// Way to the source time inside the message; found by itself when `None`.
+    /// Path of the source time inside the message; found automatically if `None`.
     pub stamp: Option<Vec<PathStep>>,
     /// Positive means in the gear's direction: negated in reverse.
     pub relative_to_gear: bool,
     /// A magnitude: its sign comes from other signals.
     pub unsigned: bool,
-    /// What the values of a gear mean; by name and the usual numbers when empty.
+    /// Meaning of a gear's values; by name and the usual numbers if empty.
     pub codes: Vec<(Code, f64)>,
 }
 
@@ -159,12 +159,12 @@ pub struct SignalSpec {
 pub enum Code {
     /// A number.
     Number(f64),
-    /// A text, or the name of a number in the schema.
+    /// A string, or the name of a number in the schema.
     Text(String),
 }
 
 impl SignalSpec {
-    /// A signal at `path` in `unit`, everything else as by default.
+    /// A signal at `path` in `unit`, with defaults for the other fields.
     pub fn new(path: MessagePath, unit: Unit) -> Self {
         Self { path, unit, scale: 1.0, offset: 0.0, stamp: None, relative_to_gear: false, unsigned: false, codes: Vec::new() }
     }
@@ -200,7 +200,7 @@ impl SignalMap {
     /// Reads a signal map from the text of a `signals.toml`.
     ///
     /// # Errors
-    /// TOML that cannot be read, a key that is not known (with the nearest one that is), a path or unit that is wrong.
+    /// The TOML cannot be read, a key is not known (the nearest known key is given), or a path or unit is wrong.
     ///
     /// ```
     /// let map = pivot_cal::log::SignalMap::from_toml("[signals]\nspeed = { path = '/wheel.v', unit = 'km/h' }")?;
@@ -275,7 +275,7 @@ impl SignalEntry {
     }
 }
 
-/// The way to a stamp: `header.stamp`, or a whole path with its topic.
+/// The path of a stamp: `header.stamp`, or a complete path with its topic.
 fn stamp_steps(text: &str) -> Result<Vec<PathStep>> {
     let whole = if text.starts_with('/') { text.to_owned() } else { format!("message.{}", text.trim_start_matches('.')) };
     whole.parse().map(|path: MessagePath| path.steps)

@@ -1,4 +1,4 @@
-//! A recording that its writer split into several files, read as one: a run that a file's border cuts is whole again.
+//! Reads a recording that was split into several files as one, so that a run across a file border is complete.
 
 use crate::log::find::infer_units;
 use crate::log::loss::Loss;
@@ -11,16 +11,16 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Reads the files of one recording, in their order, as one. A file without a signal that every log needs, or without any message, is
-/// left aside with a remark, as long as another one has it. The hash of several files is that of their hashes, one after the other in
-/// hexadecimal. `progress` as in [`crate::log::read`].
+/// Reads the files of one recording, in their order, as one. A file without a required signal, or without any message, is skipped with a
+/// note, as long as another file has it. The hash of several files is the hash of their concatenated hashes in hexadecimal. `progress` is
+/// as in [`crate::log::read`].
 ///
 /// # Errors
-/// As [`crate::log::read`]; the first error, when no file can be used.
+/// As [`crate::log::read`]; the first error, if no file can be used.
 pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let mut overrides = *overrides;
     let mut whole: Option<RecordingPart> = None;
-    let mut aside = Vec::new();
+    let mut skipped = Vec::new();
     let mut first_error = None;
     for path in paths {
         let next = match read::part(path, true, source, &overrides, progress) {
@@ -29,13 +29,13 @@ pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrid
                 if paths.len() > 1 =>
             {
                 let file = path.file_name().unwrap_or_default().to_string_lossy();
-                aside.push(format!("{file} is left aside: {error}"));
+                skipped.push(format!("{file} is skipped: {error}"));
                 first_error.get_or_insert(error);
                 continue;
             }
             Err(error) => return Err(error),
         };
-        // one recording is of one vehicle, which its writer may have described once
+        // one recording has one vehicle; its writer may have described it in one file only
         let vehicle = next.recording.vehicle;
         overrides = VehicleOverrides {
             wheelbase_m: Some(vehicle.wheelbase_m),
@@ -58,7 +58,7 @@ pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrid
             text
         });
     }
-    whole.recording.notes.extend(aside);
+    whole.recording.notes.extend(skipped);
     Ok(whole.finish())
 }
 
@@ -94,7 +94,7 @@ impl RecordingPart {
         }
     }
 
-    /// The recording, with what only the values tell corrected.
+    /// The recording, with units and signs corrected from the values.
     pub(crate) fn finish(self) -> Recording {
         let mut recording = self.recording;
         if self.guessed {
@@ -105,7 +105,7 @@ impl RecordingPart {
 }
 
 impl Signal {
-    /// Adds values that were logged later; sorts them in where their stamps say otherwise.
+    /// Adds values that were logged later, sorted by their stamps.
     fn append(&mut self, next: &Self) {
         self.relative_to_gear |= next.relative_to_gear;
         self.unsigned |= next.unsigned;
@@ -116,7 +116,7 @@ impl Signal {
 }
 
 impl Loss {
-    /// Adds what was read and lost of the next file; places keep their position in their own file.
+    /// Adds the read and lost data of the next file. Places keep their position in their own file.
     fn append(&mut self, next: Self) {
         self.messages_read += next.messages_read;
         self.messages_lost = self.messages_lost.zip(next.messages_lost).map(|(a, b)| a + b);

@@ -1,4 +1,4 @@
-//! What is in a log: topics, time span, and where the signals are. Answers from the summary when that is enough.
+//! The content of a log: topics, time span, and paths of the signals. Uses only the summary if that is enough.
 
 use crate::log::extract::message_pass;
 use crate::log::file::container::Container;
@@ -16,30 +16,30 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// What is in a log.
+/// The content of a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LogSurvey {
     /// File name without its folder.
     pub file: String,
     /// Size [bytes].
     pub bytes: u64,
-    /// Program that wrote the log, as it says itself.
+    /// Program that wrote the log, according to the log.
     pub library: String,
     /// Profile of the log, such as `ros2`.
     pub profile: String,
-    /// Whether the summary was sound and used.
+    /// Whether the summary was valid and used.
     pub indexed: bool,
     /// Number of chunks.
     pub chunks: usize,
-    /// Compressions met.
+    /// Compressions used.
     pub compression: Vec<String>,
-    /// Log time of the first message [ns since 1970]; `None` when nothing tells.
+    /// Log time of the first message [ns since 1970]; `None` if not known.
     pub start_ns: Option<u64>,
     /// Log time of the last message [ns since 1970].
     pub end_ns: Option<u64>,
-    /// Number of messages, counted or as the log says.
+    /// Number of messages, counted or from the log's own count.
     pub messages: Option<u64>,
-    /// Attachments, which are passed over.
+    /// Number of attachments; they are skipped.
     pub attachments: u64,
     /// Names of the metadata records.
     pub metadata: Vec<String>,
@@ -49,11 +49,11 @@ pub struct LogSurvey {
     pub signals: Vec<FoundSignal>,
     /// The signals not found.
     pub missing: Vec<Missing>,
-    /// Whether every message was walked: then `loss`, the counts and the true rates are measured.
+    /// Whether every message was read. If so, `loss`, the counts and the true rates are measured.
     pub checked: bool,
-    /// What was read and lost, when checked.
+    /// The read and the lost data, if checked.
     pub loss: Option<Loss>,
-    /// Remarks.
+    /// Notes.
     pub notes: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ pub struct Topic {
     pub schema_encoding: Option<String>,
     /// Encoding of the messages.
     pub encoding: String,
-    /// Number of messages; `None` when nothing tells.
+    /// Number of messages; `None` if not known.
     pub messages: Option<u64>,
     /// Messages per second over the span of the log.
     pub rate_hz: Option<f64>,
@@ -77,50 +77,50 @@ pub struct Topic {
 /// A signal that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FoundSignal {
-    /// Which signal.
+    /// The signal.
     pub signal: SignalName,
-    /// Where.
+    /// Its path.
     pub path: String,
-    /// In which unit.
+    /// Its unit.
     pub unit: String,
-    /// Why there.
+    /// The reason for the path.
     pub reason: String,
-    /// Number of values, when checked.
+    /// Number of values, if checked.
     pub values: Option<usize>,
-    /// Rates, when checked.
+    /// Rates, if checked.
     pub rate: Option<Rate>,
 }
 
 /// A signal that was not found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Missing {
-    /// Which signal.
+    /// The signal.
     pub signal: SignalName,
-    /// Whether a log without it cannot be used.
+    /// Whether a log must have it to be usable.
     pub required: bool,
-    /// Paths that come nearest.
+    /// The nearest paths.
     pub candidates: Vec<String>,
 }
 
-/// How much of the log is read.
+/// The extent of reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Depth {
-    /// As little as answers what is in it.
+    /// As little as needed to list the content.
     Summary,
     /// Every message: counts, losses and true rates are measured.
     Everything,
 }
 
-/// Says what is in the log at `path`. `progress` is told the bytes read, from several threads.
+/// Reports the content of the log at `path`. `progress` receives the number of bytes read, from several threads.
 ///
 /// # Errors
-/// A file that is no log or, when everything is read, holds no message.
+/// The file is not a log or, if all messages are read, holds no message.
 pub fn survey(path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     survey_input(LogInput::open(path)?, file, source, depth, progress)
 }
 
-/// Says what is in a log in memory; otherwise as [`survey`].
+/// Reports the content of a log in memory; otherwise like [`survey`].
 ///
 /// # Errors
 /// As [`survey`].
@@ -133,7 +133,7 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
     let mut samples = message_pass::explore(&mut container);
     let mut gathered = None;
     if depth == Depth::Everything && !container.is_listed() {
-        // channels that only an unlisted chunk describes: walk once to learn them
+        // channels that are described only in an unlisted chunk: one walk finds them
         let mut walked = message_pass::all(&container, &BTreeMap::new(), 0, &|_| {});
         container.learn(std::mem::take(&mut walked.learned));
         for (id, payload) in std::mem::take(&mut walked.samples) {

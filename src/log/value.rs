@@ -1,9 +1,9 @@
-//! One value as a message holds it.
+//! One value of a message.
 
 use crate::log::path::Test;
 use std::borrow::Cow;
 
-/// A value as the message holds it.
+/// A value of a message.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) enum Raw<'a> {
     /// The message does not hold it.

@@ -1,4 +1,4 @@
-//! The vehicle of a log: from the command line, the signal map, or the log's own metadata, in this order.
+//! The vehicle of a log, from the command line, the signal map, or the log's own metadata, in this order.
 
 use crate::log::signal_map::VehicleOverrides;
 use crate::log::{Error, Result};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
 
 impl VehicleOverrides {
-    /// This, and where it says nothing, `other`.
+    /// These values; `other` where they are missing.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -20,15 +20,15 @@ impl VehicleOverrides {
         }
     }
 
-    /// Whether nothing is said.
+    /// Whether no value is given.
     pub fn is_empty(self) -> bool {
         self == Self::default()
     }
 
-    /// The vehicle; an angle that nobody gives is 90°.
+    /// The vehicle. The default angle is 90°.
     ///
     /// # Errors
-    /// A dimension that is missing, with the ways to give it, or one that is impossible.
+    /// A dimension is missing, with the ways to give it, or impossible.
     pub fn vehicle(self) -> Result<Vehicle> {
         let given = |value: Option<f64>, missing, flag| value.ok_or(Error::MissingVehicle { missing, flag });
         let vehicle = Vehicle {
@@ -40,7 +40,7 @@ impl VehicleOverrides {
         Ok(vehicle.checked()?)
     }
 
-    /// What the metadata of a log says.
+    /// The vehicle in the metadata of a log.
     pub(crate) fn from_metadata(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Result<Self> {
         let Some(fields) = metadata.get(VEHICLE_METADATA) else {
             return Ok(Self::default());

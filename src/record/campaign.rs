@@ -1,4 +1,4 @@
-//! The campaign plan: a TOML list of groups of runs, unrolled into single runs.
+//! The campaign plan: a TOML list of groups of runs, expanded into single runs.
 
 use crate::map::Gear;
 use crate::record::error::{Error, Result};
@@ -7,17 +7,17 @@ use crate::sim;
 use crate::sim::{Random, Stream, Timing};
 use serde::{Deserialize, Serialize};
 
-/// A campaign: what to drive, and how its messages are timed.
+/// A campaign: its runs, and the timing of its messages.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Campaign {
-    /// Name, for people.
+    /// Name, for the user.
     #[serde(default)]
     pub name: String,
-    /// Time of the log's first instant, RFC 3339. Fixed in the file, so that the same plan and seed give the same bytes.
+    /// Start time of the log, RFC 3339. It is fixed in the file, so that the same plan and seed give the same bytes.
     #[serde(default = "default_start_time", skip_serializing_if = "is_default_start_time")]
     pub start_time: String,
-    /// Seed of everything random. Default 1.
+    /// Seed of all random numbers. Default 1.
     #[serde(default = "default_seed", skip_serializing_if = "is_default_seed")]
     pub seed: u64,
     /// Timing of the messages that are not sensors.
@@ -47,7 +47,7 @@ fn default_seed() -> u64 {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TopicSettings {
-    /// `/drive/torque_command`: the command in force at the time of the message, so that a stamp is late by its phase. Default 50 Hz.
+    /// `/drive/torque_command`: the valid command at the time of the message, so that a stamp is late by its phase. Default 50 Hz.
     pub torque_command: Timing,
     /// `/drive/gear`. Default 10 Hz.
     pub gear: Timing,
@@ -64,7 +64,7 @@ impl Default for TopicSettings {
     }
 }
 
-/// Torque levels: a list, or from start to stop every step.
+/// Torque levels: a list, or a range with start, step and stop.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers, or { start, step, stop }")]
 pub enum Torques {
@@ -72,11 +72,11 @@ pub enum Torques {
     One(f64),
     /// The levels [N·m].
     List(Vec<f64>),
-    /// From `start` to `stop`, both included, every `step` [N·m].
+    /// From `start` to `stop` in steps of `step`, both ends included [N·m].
     Steps(Steps),
 }
 
-/// From `start` to `stop`, both included, every `step` [N·m].
+/// From `start` to `stop` in steps of `step`, both ends included [N·m].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steps {
@@ -85,17 +85,17 @@ pub struct Steps {
     stop: f64,
 }
 
-/// Wheel angles: one, or several.
+/// One or several wheel angles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected a number or a list of numbers")]
 pub enum WheelAngles {
     /// One angle [°].
     One(f64),
-    /// The angles [°], in the order of driving.
+    /// The angles [°], in driving order.
     List(Vec<f64>),
 }
 
-/// Runs that differ in torque, and in wheel angle where several are given.
+/// Runs that differ in torque, and in wheel angle if several are given.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunGroup {
@@ -104,19 +104,19 @@ pub struct RunGroup {
     pub gear: Gear,
     /// Torque levels [N·m], gear frame: positive drives in the gear's direction.
     pub torque_nm: Torques,
-    /// How often each level is driven. Default 1.
+    /// Number of runs per level. Default 1.
     #[serde(default = "default_repeats")]
     pub repeats: u32,
-    /// Whether the runs are driven in an order drawn from the seed, so that warm-up does not look like torque. Default false.
+    /// Whether the order of the runs is drawn from the seed, so that warm-up does not look like an effect of torque. Default false.
     #[serde(default, skip_serializing_if = "is_default")]
     pub shuffle: bool,
-    /// Speed [m/s] to spin up to before the level is applied; 0, the default, starts from rest.
+    /// Spin-up speed before the level is applied [m/s]. Default 0: start from rest.
     #[serde(default, skip_serializing_if = "is_default")]
     pub start_speed_mps: f64,
-    /// Torque [N·m] of the spin-up. Default 30.
+    /// Spin-up torque [N·m]. Default 30.
     #[serde(default = "default_spin_up_nm", skip_serializing_if = "is_default_spin_up")]
     pub spin_up_nm: f64,
-    /// A level after a spin-up ends below this speed [m/s], so that braking does not drive backwards. Default 0.03.
+    /// A level after a spin-up ends below this speed [m/s], so that braking does not reverse the wheel. Default 0.03.
     #[serde(default = "default_end_speed_mps", skip_serializing_if = "is_default_end_speed")]
     pub end_speed_mps: f64,
     /// Longest time at the level [s]. Default 3.
@@ -125,20 +125,19 @@ pub struct RunGroup {
     /// The level ends at this speed [m/s]. Default 1.2.
     #[serde(default = "default_speed_limit_mps")]
     pub speed_limit_mps: f64,
-    /// The level ends when the wheel has not moved for so long [s]. Default 1.5.
+    /// The level ends if the wheel has not moved for this time [s]. Default 1.5.
     #[serde(default = "default_stall_s")]
     pub stall_s: f64,
     /// Pause at rest after the run [s]. Default 0.8.
     #[serde(default = "default_pause_s")]
     pub pause_s: f64,
-    /// Wheel angle [°], or a list of angles, at each of which the group is driven, one angle after the other. Default: the vehicle's test
-    /// angle.
+    /// Wheel angle [°], or a list of angles. The group is driven at each angle in turn. Default: the vehicle's test angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_angle_deg: Option<WheelAngles>,
-    /// Standard deviation [N·m] of a torque dithered by hand about the level. Default 0.
+    /// Standard deviation of the hand dither of the torque about the level [N·m]. Default 0.
     #[serde(default, skip_serializing_if = "is_default")]
     pub dither_nm: f64,
-    /// Something that happens during the level.
+    /// An event during the level.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub event: Option<RunEvent>,
 }
@@ -174,7 +173,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 fn is_default_start_time(value: &str) -> bool {
     value == default_start_time()
 }
-#[allow(clippy::trivially_copy_pass_by_ref)] // serde hands over a reference
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde passes a reference
 fn is_default_seed(value: &u64) -> bool {
     *value == default_seed()
 }
@@ -195,11 +194,11 @@ fn is_default_end_speed(value: &f64) -> bool {
 pub struct RunPlan {
     /// The group, from 0.
     pub group: usize,
-    /// Wheel angle [°]; absent for the vehicle's test angle.
+    /// Wheel angle [°]; `None` means the vehicle's test angle.
     pub wheel_angle_deg: Option<f64>,
     /// Torque level [N·m], gear frame.
     pub torque_nm: f64,
-    /// Everything else.
+    /// The other settings.
     pub settings: RunGroup,
 }
 
@@ -207,7 +206,7 @@ impl Campaign {
     /// Reads the TOML text and checks every number.
     ///
     /// # Errors
-    /// Text that is not TOML, an unknown key (with the nearest known one), a value out of its range, no runs.
+    /// The text is not TOML, a key is unknown (the nearest known key is given), a value is out of its range, or there are no runs.
     pub fn from_toml(text: &str) -> Result<Self> {
         let campaign: Self = sim::from_toml(text)?;
         campaign.start_ns()?;
@@ -218,8 +217,8 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// The TOML text, which [`Campaign::from_toml`] reads. Each group stands on its own, under the text that `comments` has for it; what is
-    /// rarely set is left out where it has its default.
+    /// The TOML text for [`Campaign::from_toml`]. Each group is a separate entry below its text from `comments`. Rarely used keys with
+    /// default values are left out.
     ///
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
@@ -240,17 +239,17 @@ impl Campaign {
     /// Start of the log [ns since 1970].
     ///
     /// # Errors
-    /// A start time that is not RFC 3339 or before 1970.
+    /// The start time is not RFC 3339 or is before 1970.
     pub fn start_ns(&self) -> Result<u64> {
         let wrong = |message: String| Error::StartTime { found: self.start_time.clone(), message };
         let time: jiff::Timestamp = self.start_time.parse().map_err(|e: jiff::Error| wrong(e.to_string()))?;
         u64::try_from(time.as_nanosecond()).map_err(|e| wrong(e.to_string()))
     }
 
-    /// The single runs in the order of driving.
+    /// The single runs in driving order.
     ///
     /// # Errors
-    /// A number out of its range, levels that are none, or no runs at all.
+    /// A number is out of its range, a range gives no level, or there are no runs.
     pub fn plan(&self, seed: u64) -> Result<Vec<RunPlan>> {
         let mut random = Random::new(seed, Stream::Campaign);
         let mut plan = Vec::new();
@@ -315,7 +314,7 @@ impl RunGroup {
         }
     }
 
-    /// The angles of the group, one of them none where the test angle is meant.
+    /// The angles of the group; `None` means the test angle.
     fn angles_deg(&self) -> Vec<Option<f64>> {
         match &self.wheel_angle_deg {
             None => vec![None],
@@ -361,7 +360,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_are_unrolled_and_repeated() {
+    fn levels_are_expanded_and_repeated() {
         let text = "[[runs]]\ntorque_nm = { start = -8, step = 4, stop = 4 }\nrepeats = 2\n[[runs]]\ntorque_nm = 20\ngear = \"reverse\"\n";
         let plan = Campaign::from_toml(text).unwrap().plan(1).unwrap();
         let torques: Vec<f64> = plan.iter().map(|run| run.torque_nm).collect();
@@ -370,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn a_group_with_several_angles_is_driven_at_one_after_the_other() {
+    fn a_group_with_several_angles_is_driven_at_each_in_turn() {
         let text = "[[runs]]\ntorque_nm = [4, 8]\nrepeats = 2\nwheel_angle_deg = [0, -30.5]\n[[runs]]\ntorque_nm = 20\n[[runs]]\n\
                     torque_nm = 12\nwheel_angle_deg = 60\n";
         let plan = Campaign::from_toml(text).unwrap().plan(1).unwrap();
@@ -392,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_survives_its_text() {
+    fn a_campaign_is_read_back_unchanged_from_its_text() {
         let text = "name = \"all\"\nseed = 7\ntopics = { gear = { rate_hz = 5 } }\n[[runs]]\ntorque_nm = { start = 4, step = 4, stop = 12 }\n\
                     shuffle = true\nwheel_angle_deg = [0, -30.5]\nevent = { kind = \"wet_patch\", at_s = 0.5, duration_s = 1, grip_nm = 5 }\n\
                     [[runs]]\ngear = \"reverse\"\ntorque_nm = [4, 8]\nstart_speed_mps = 0.5\nspin_up_nm = 40\nend_speed_mps = 0.2\ndither_nm = 1\n";
@@ -407,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_reported() {
+    fn errors_are_reported() {
         let message = |text: &str| Campaign::from_toml(text).unwrap_err().to_string();
         assert_eq!(message(""), Error::NoRuns.to_string());
         assert_eq!(message("[[runs]]\ntorque_nm = 4\nhold_s = 0\n"), "runs entry 1: hold_s is 0; allowed: 0.02 to 600");

@@ -1,4 +1,4 @@
-//! CDR, the encoding of ROS 2 messages: little-endian, every value aligned to its size from the end of the four-byte header.
+//! CDR, the encoding of ROS 2 messages: little-endian, each value aligned to its size relative to the end of the four-byte header.
 //!
 //! Source: OMG, *DDS Interoperability Wire Protocol* (RTPS) 2.5, §10; XCDR version 1.
 
@@ -44,7 +44,7 @@ impl Cdr {
         self.0.extend(value.to_le_bytes());
     }
 
-    /// Length with the final zero, bytes, zero.
+    /// Length including the final zero, bytes, zero.
     pub(crate) fn string(&mut self, text: &str) {
         self.u32(text.len() as u32 + 1);
         self.0.extend(text.as_bytes());
@@ -58,7 +58,7 @@ impl Cdr {
         }
     }
 
-    /// An array with its length before it.
+    /// An array preceded by its length.
     pub(crate) fn f64_sequence(&mut self, values: &[f64]) {
         self.u32(values.len() as u32);
         self.f64_array(values);
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_sequence_is_its_length_alone() {
+    fn an_empty_sequence_has_only_its_length() {
         let mut cdr = Cdr::new();
         cdr.f64_sequence(&[]);
         assert_eq!(cdr.into_bytes(), [0, 1, 0, 0, 0, 0, 0, 0]);

@@ -1,12 +1,12 @@
-//! What can go wrong when a campaign is recorded.
+//! Errors of recording a campaign.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can go wrong when a campaign is recorded.
+/// Error of recording a campaign.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error(transparent)]
     Sim(#[from] crate::sim::Error),
@@ -22,7 +22,7 @@ pub enum Error {
     NoTorques { group: usize, start_nm: f64, step_nm: f64, stop_nm: f64 },
     #[error("runs entry {group}: wheel_angle_deg holds no angle")]
     NoAngles { group: usize },
-    #[error("runs entry {group}: wheel_angle_deg is {wheel_angle_deg}; the vehicle steers to {limit_deg}° either way")]
+    #[error("runs entry {group}: wheel_angle_deg is {wheel_angle_deg}; the vehicle steers up to {limit_deg}° in both directions")]
     BeyondSteering { group: usize, wheel_angle_deg: f64, limit_deg: f64 },
     #[error("the campaign is longer than {limit_s} s; split it into several campaigns")]
     TooLong { limit_s: f64 },

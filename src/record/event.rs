@@ -1,17 +1,17 @@
-//! Messy things that happen during a run.
+//! Disturbing events during a run.
 
 use serde::{Deserialize, Serialize};
 
-/// Something that happens during a run's hold.
+/// An event during a run's hold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunEvent {
-    /// What happens.
+    /// Kind of event.
     pub kind: EventKind,
-    /// When, after the torque was applied [s]. Default 0.5.
+    /// Start after the torque is applied [s]. Default 0.5.
     #[serde(default = "default_at_s")]
     pub at_s: f64,
-    /// For how long [s]. Default 0.5.
+    /// Duration [s]. Default 0.5.
     #[serde(default = "default_duration_s")]
     pub duration_s: f64,
     /// Grip of a wet patch [N·m]. Default 10.
@@ -20,7 +20,7 @@ pub struct RunEvent {
     /// Force of a hand push along the wheel [N], + in the gear's direction. Default 150.
     #[serde(default = "default_force_n")]
     pub force_n: f64,
-    /// Angle to which the wheel is turned away [°]. Default 60.
+    /// Angle to which the wheel is steered away [°]. Default 60.
     #[serde(default = "default_angle_deg")]
     pub angle_deg: f64,
 }
@@ -47,16 +47,16 @@ fn default_angle_deg() -> f64 {
 pub enum EventKind {
     /// The emergency stop is pressed; the run ends.
     EmergencyStop,
-    /// The floor takes little torque: the wheel slips.
+    /// The floor transmits little torque: the wheel slips.
     WetPatch,
-    /// Somebody pushes.
+    /// A hand push.
     HandPush,
     /// The wheel is steered away under torque.
     SteerAway,
 }
 
 impl RunEvent {
-    /// Whether it is under way at `t_s` after the torque was applied.
+    /// Whether it is active at `t_s` after the torque was applied.
     pub(crate) fn is_on(&self, t_s: f64) -> bool {
         t_s >= self.at_s && t_s < self.at_s + self.duration_s
     }

@@ -1,6 +1,6 @@
-//! A log of ROS 2 messages as MCAP: chunked, zstd, with summary and indexes, schemas embedded.
+//! Writes a log of ROS 2 messages as MCAP: chunked, zstd, with summary, indexes and embedded schemas.
 //!
-//! Messages are kept until the end and written in the order of their log times, so that the bytes depend on nothing but what was written.
+//! Messages are kept until the end and written in the order of their log times, so that the bytes depend only on the messages.
 
 use crate::record::error::{Error, Result};
 use crate::record::message::RosMessage;
@@ -8,9 +8,9 @@ use crate::record::schema;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-/// Uncompressed size of a chunk [bytes]: some seconds of a log, so that a tool that seeks reads little.
+/// Uncompressed size of a chunk [bytes]: some seconds of a log, so that a seek reads little data.
 const CHUNK_BYTES: u64 = 512 * 1024;
-/// zstd level: beyond it size falls by less than a per cent and time doubles.
+/// zstd level: above it the size falls by less than a per cent and the time doubles.
 const ZSTD_LEVEL: u32 = 9;
 
 struct OpenTopic {
@@ -48,11 +48,11 @@ impl LogWriter {
         self.metadata.push(mcap::records::Metadata { name: name.to_owned(), metadata });
     }
 
-    /// Adds a message; a topic is opened by its first message and keeps its type. Times in any order, those of equal log time stay in the
+    /// Adds a message. The first message of a topic determines its type. Times may be in any order; messages of equal log time keep the
     /// order of the calls.
     ///
     /// # Errors
-    /// Another type than the topic's first message had.
+    /// The type differs from that of the topic's first message.
     pub fn write(&mut self, topic: &str, log_time_ns: u64, publish_time_ns: u64, message: &RosMessage<'_>) -> Result<()> {
         let index = if let Some(&index) = self.by_name.get(topic) {
             index
@@ -76,7 +76,7 @@ impl LogWriter {
         self.entries.len()
     }
 
-    /// Whether no message was written yet.
+    /// Whether it has no messages.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
@@ -84,14 +84,14 @@ impl LogWriter {
     /// The file's bytes.
     ///
     /// # Errors
-    /// What the MCAP writer refuses.
+    /// Any error of the MCAP writer.
     pub fn finish(mut self) -> Result<Vec<u8>> {
         let mut writer = mcap::WriteOptions::new()
             .profile("ros2")
             .library(concat!("pivot-cal ", env!("CARGO_PKG_VERSION")))
             .compression(Some(mcap::Compression::Zstd))
             .compression_level(ZSTD_LEVEL)
-            // in this thread: the bytes must not depend on the machine's number of cores
+            // single-threaded: the bytes must not depend on the machine's number of cores
             .compression_threads(0)
             .chunk_size(Some(CHUNK_BYTES))
             .create(Cursor::new(Vec::new()))?;

@@ -1,4 +1,4 @@
-//! ROS 2 messages and their bytes.
+//! ROS 2 messages and their encoding.
 
 use crate::record::cdr::Cdr;
 use crate::record::schema::TypeName;
@@ -10,7 +10,7 @@ pub struct MessageStamp {
     pub ns: u64,
 }
 
-/// `sensor_msgs/msg/JointState`: arrays as long as `names`, or empty.
+/// `sensor_msgs/msg/JointState`: each array has the length of `names` or is empty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState<'a> {
     /// `header.stamp`.
@@ -40,7 +40,7 @@ pub struct TwistStamped<'a> {
     pub angular: [f64; 3],
 }
 
-/// `nav_msgs/msg/Odometry` of a vehicle on a plane, covariances zero.
+/// `nav_msgs/msg/Odometry` of a vehicle on a plane, with zero covariances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Odometry<'a> {
     /// `header.stamp`.
@@ -77,11 +77,11 @@ pub struct PointStamped<'a> {
 /// `nav_msgs/msg/Path` on the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathMessage<'a> {
-    /// `header.stamp`, and that of every pose.
+    /// `header.stamp`, also used for every pose.
     pub stamp: MessageStamp,
-    /// `header.frame_id`, and that of every pose.
+    /// `header.frame_id`, also used for every pose.
     pub frame_id: &'a str,
-    /// x [m], y [m], heading [rad] of every pose.
+    /// x [m], y [m] and heading [rad] of every pose.
     pub poses: &'a [[f64; 3]],
 }
 
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn another_library_reads_the_joint_state_back() {
+    fn another_library_reads_the_joint_state_correctly() {
         let message = RosMessage::JointState(JointState {
             stamp: MessageStamp { ns: 1_700_000_000_123_456_789 },
             frame_id: "base_link",
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn an_odometry_message_has_the_size_that_its_fields_ask_for() {
+    fn an_odometry_message_has_the_size_of_its_fields() {
         let message = RosMessage::Odometry(Odometry {
             stamp: MessageStamp { ns: 0 },
             frame_id: "odom",

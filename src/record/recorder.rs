@@ -1,4 +1,4 @@
-//! A campaign driven on a simulated vehicle, and its log.
+//! Drives a campaign on a simulated vehicle and records its log.
 
 use crate::record::campaign::Campaign;
 use crate::record::error::{Error, Result};
@@ -10,16 +10,16 @@ use serde::{Deserialize, Serialize};
 /// Longest campaign [s].
 const LIMIT_S: f64 = 4.0 * 3600.0;
 
-/// A log and what happened.
+/// A log and its report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenLog {
     /// The MCAP file.
     pub bytes: Vec<u8>,
-    /// What happened.
+    /// The report.
     pub report: RecordReport,
 }
 
-/// What happened in a campaign.
+/// Report of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordReport {
     /// The campaign's name.
@@ -30,14 +30,14 @@ pub struct RecordReport {
     pub duration_s: f64,
     /// Number of messages.
     pub messages: usize,
-    /// The runs in the order of driving.
+    /// The runs in driving order.
     pub runs: Vec<RunOutcome>,
 }
 
-/// Drives `campaign` on `vehicle` and writes down what its sensors say. `seed` replaces the campaign's.
+/// Drives `campaign` on `vehicle` and records its sensor readings. `seed` overrides the campaign's seed.
 ///
 /// # Errors
-/// A setting out of its range, a wheel angle that the vehicle does not steer to, or a campaign without end.
+/// A setting is out of its range, a wheel angle is beyond the steering limit, or the campaign is too long.
 pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> Result<DrivenLog> {
     let seed = seed.unwrap_or(campaign.seed);
     let plan = campaign.plan(seed)?;
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn every_run_ends_for_the_reason_that_its_torque_gives() {
+    fn every_run_ends_for_the_reason_given_by_its_torque() {
         let runs = recorded(
             "[[runs]]\ntorque_nm = [4, 12, 36]\nhold_s = 1.6\n[[runs]]\ntorque_nm = -20\nstart_speed_mps = 0.6\n\
              [[runs]]\ntorque_nm = 30\ngear = \"reverse\"\nevent = { kind = \"emergency_stop\", at_s = 0.3 }\n",
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_gives_the_same_bytes_and_another_one_other_bytes() {
+    fn the_same_seed_gives_the_same_bytes_and_another_seed_gives_other_bytes() {
         let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = 20\nhold_s = 0.5\n").unwrap();
         let vehicle = VehicleFile::from_toml(VEHICLE).unwrap();
         let bytes = |seed| record(&vehicle, &campaign, seed).unwrap().bytes;
@@ -129,14 +129,14 @@ mod tests {
     }
 
     #[test]
-    fn an_angle_that_the_vehicle_does_not_steer_to_is_refused_with_its_limit() {
+    fn an_angle_beyond_the_steering_limit_is_refused_with_the_limit() {
         let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = 8\n[[runs]]\ntorque_nm = 8\nwheel_angle_deg = [30, -120]\n").unwrap();
         let error = record(&VehicleFile::from_toml(VEHICLE).unwrap(), &campaign, None).unwrap_err().to_string();
-        assert_eq!(error, "runs entry 2: wheel_angle_deg is -120; the vehicle steers to 100° either way");
+        assert_eq!(error, "runs entry 2: wheel_angle_deg is -120; the vehicle steers up to 100° in both directions");
     }
 
     #[test]
-    fn slip_shows_as_an_encoder_that_leaves_the_gyro_behind() {
+    fn slip_appears_as_a_difference_of_encoder_and_gyro() {
         let campaign = "[[runs]]\ntorque_nm = 30\nhold_s = 1.5\nspeed_limit_mps = 5.0\n\
                         event = { kind = \"wet_patch\", at_s = 0.4, duration_s = 0.4, grip_nm = 10 }\n";
         let bytes = recorded(campaign).bytes;
@@ -144,7 +144,7 @@ mod tests {
         let (mut encoder, mut apart) = (0.0, 0.0_f64);
         for message in mcap::MessageStream::new(&bytes).unwrap().map(|m| m.unwrap()) {
             match message.channel.topic.as_str() {
-                // velocity[0] stands before velocity[1] and the empty efforts' length
+                // velocity[0] precedes velocity[1] and the length of the empty efforts
                 "/joint_states" => encoder = last_f64(&message.data, 20) * 0.12,
                 "/imu/twist" => apart = apart.max(encoder - 0.9 * last_f64(&message.data, 8)),
                 _ => {}

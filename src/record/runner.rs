@@ -1,4 +1,4 @@
-//! Who drives the campaign: steers to the angle, spins up, holds the level, lets coast, pauses; by what the sensors say.
+//! The driver of the campaign. From the sensor readings, it steers to the angle, spins up, holds the level, coasts and pauses.
 
 use crate::map::{Gear, Vehicle};
 use crate::record::campaign::RunPlan;
@@ -7,15 +7,15 @@ use crate::sim::{Fault, Measurement, Random, Stream, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 
-/// Why a level ended.
+/// Reason for the end of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// It was held as long as planned.
+    /// It was held for the planned time.
     TimeUp,
     /// The speed limit was reached.
     SpeedLimit,
-    /// A braking level had slowed the wheel to its end speed.
+    /// A braking level reached its end speed.
     Slowed,
     /// The wheel did not move.
     Stalled,
@@ -25,7 +25,7 @@ pub enum End {
     NoSpinUp,
 }
 
-/// One run as it was driven.
+/// One driven run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RunOutcome {
     /// The group, from 0.
@@ -34,31 +34,31 @@ pub struct RunOutcome {
     pub gear: Gear,
     /// Torque level [N·m], gear frame.
     pub torque_nm: f64,
-    /// When the level was applied, from the log's start [s].
+    /// Time when the level was applied, from the log's start [s].
     pub start_s: f64,
-    /// How long it was held [s].
+    /// Hold time [s].
     pub duration_s: f64,
-    /// Speed when it was applied, by the encoder [m/s], gear frame.
+    /// Encoder speed when it was applied [m/s], gear frame.
     pub start_speed_mps: f64,
-    /// Speed when it ended [m/s].
+    /// Speed at its end [m/s].
     pub end_speed_mps: f64,
-    /// Why it ended.
+    /// Reason for its end.
     pub end: End,
 }
 
-/// Time between two decisions [s]: a usual control cycle.
+/// Time between two decisions [s]: a typical control cycle.
 pub(crate) const CYCLE_S: f64 = 0.02;
 /// The wheel counts as at its angle within this [°] ...
 const AT_ANGLE_DEG: f64 = 1.5;
-/// ... and as at rest below this speed [m/s], three quanta of a usual encoder with its noise ...
+/// ... and as at rest below this speed [m/s], three quanta of a typical encoder with its noise ...
 const AT_REST_MPS: f64 = 0.035;
-/// ... for so long [s].
+/// ... for this time [s].
 const SETTLED_S: f64 = 0.3;
-/// A spin-up that takes longer is given up [s].
+/// A longer spin-up is aborted [s].
 const SPIN_UP_LIMIT_S: f64 = 10.0;
-/// Steering that takes longer is given up [s], and the run driven where the wheel is.
+/// Longer steering is aborted [s], and the run is driven at the current wheel angle.
 const STEER_LIMIT_S: f64 = 20.0;
-/// A dithered torque changes this often [s].
+/// Time between changes of a dithered torque [s].
 const DITHER_S: f64 = 0.3;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -223,7 +223,7 @@ impl Runner {
         command.torque_nm = settings.gear.sign() * (run.torque_nm + dither_nm);
     }
 
-    /// Lets the run's event happen.
+    /// Applies the run's event.
     fn happen(&mut self, held_s: f64, run: &RunPlan, world: &mut World, command: &mut WorldCommand) -> Option<End> {
         let event = run.settings.event?;
         let on = event.is_on(held_s);

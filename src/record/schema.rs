@@ -1,12 +1,12 @@
-//! Definitions of the ROS 2 message types in use, as every reader of `ros2msg` schemas wants them: the type's own fields, then each type
-//! that it contains after a line of 80 `=` and its name.
+//! Definitions of the ROS 2 message types in use, in the form of `ros2msg` schemas: the type's own fields, then each contained type after
+//! a line of 80 `=` and its name.
 //!
 //! Source: the ROS 2 packages `std_msgs`, `sensor_msgs`, `geometry_msgs`, `nav_msgs`, `builtin_interfaces`.
 
-/// A type's full name, as a schema record gives it.
+/// A type's full name in a schema record.
 pub(crate) type TypeName = &'static str;
 
-/// Name without `msg/`, fields, and the types that the fields contain.
+/// Name without `msg/`, fields, and contained types.
 struct TypeDefinition {
     short: &'static str,
     fields: &'static str,
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_text_is_what_readers_of_ros2msg_expect() {
+    fn the_text_has_the_form_expected_by_ros2msg_readers() {
         insta::assert_snapshot!(text("geometry_msgs/msg/TwistStamped"), @r"
         # A twist with its frame and time
         std_msgs/Header header

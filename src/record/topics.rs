@@ -1,6 +1,6 @@
-//! Which topics a recorded log has, and what their messages hold.
+//! The topics of a recorded log and the content of their messages.
 //!
-//! Values pass through single precision, as they do on the buses of real drives.
+//! Values are rounded to single precision, as on the buses of real drives.
 
 use crate::map::Vehicle;
 use crate::record::campaign::TopicSettings;
@@ -9,7 +9,7 @@ use crate::record::log_writer::LogWriter;
 use crate::record::message::{JointState, MessageStamp, Odometry, RosMessage, TwistStamped};
 use crate::sim::{Channel, Gear, SensorReading, Stream, World, WorldCommand};
 
-/// Name of the metadata record that holds the vehicle.
+/// Name of the metadata record of the vehicle.
 pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
 
 const JOINTS: [&str; 2] = ["front_drive_joint", "front_steer_joint"];
@@ -47,7 +47,7 @@ impl Topics {
         })
     }
 
-    /// Messages about the command in force, before the world steps on.
+    /// Messages of the current command, before the next step of the world.
     pub(crate) fn write_command(&mut self, world: &World, command: &WorldCommand) -> Result<()> {
         let now_s = world.state().t_s;
         self.torque_command.poll(now_s, |_, _| world.accepted_torque_nm(command));
@@ -69,7 +69,7 @@ impl Topics {
         Ok(())
     }
 
-    /// Messages of the sensors that read in the last step.
+    /// Messages of the sensors with a reading in the last step.
     pub(crate) fn write_sensors(&mut self, world: &World) -> Result<()> {
         let sensors = world.sensors();
         if let Some(reading) = sensors.encoder().taken() {
@@ -131,13 +131,13 @@ impl Topics {
         self.log
     }
 
-    /// A message without a header: its publish time is its stamp.
+    /// A message without a header: its stamp is the publish time.
     fn plain<T>(&mut self, topic: &str, reading: &SensorReading<T>, message: &RosMessage<'_>) -> Result<()> {
         let (log_ns, publish_ns) = (self.ns(reading.arrival_s), self.ns(reading.stamp_s));
         self.log.write(topic, log_ns, publish_ns, message)
     }
 
-    /// A message with its stamp inside.
+    /// A message with its own stamp.
     fn headed<T>(&mut self, topic: &str, reading: &SensorReading<T>, message: &RosMessage<'_>) -> Result<()> {
         let log_ns = self.ns(reading.arrival_s);
         self.log.write(topic, log_ns, log_ns, message)

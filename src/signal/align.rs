@@ -1,34 +1,34 @@
-//! How two witnesses of one speed compare: scale and delay of one against the other.
+//! Scale and delay between two sources of one speed.
 
 use crate::signal::{Series, median};
 
-/// How a signal compares with a reference: signal(t) ≈ scale · reference(t − `delay_s`).
+/// signal(t) ≈ scale · reference(t − `delay_s`): scale and delay of a signal relative to a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alignment {
     /// Signal over reference.
     pub scale: f64,
-    /// How much later the signal tells the same [s].
+    /// Delay of the signal after the reference [s].
     pub delay_s: f64,
 }
 
-/// Delays searched [s].
+/// Range of the delay search [s].
 const DELAY_RANGE_S: f64 = 0.3;
 
 impl Alignment {
     /// No difference.
     pub const SAME: Self = Self { scale: 1.0, delay_s: 0.0 };
 
-    /// Compares `signal` with `reference` over the samples for which `usable(t)` holds: of the delays within ±0.3 s the one with the least
-    /// median absolute difference after scaling (a cross-correlation that outliers, slip among them, do not move), to 1 ms.
+    /// Compares `signal` with `reference` over the samples for which `usable(t)` holds. The result is the delay within ±0.3 s, to 1 ms,
+    /// with the smallest median absolute difference after scaling (a cross-correlation that is robust to outliers such as slip).
     ///
-    /// `None` with fewer than 50 usable moving samples, or when nothing moves fast enough (0.1 m/s) to compare.
+    /// `None` with fewer than 50 usable moving samples, or if the speed is too low to compare (0.1 m/s).
     pub fn of(signal: &Series, reference: &Series, usable: impl Fn(f64) -> bool) -> Option<Self> {
         let mut points: Vec<(f64, f64)> =
             signal.t_s.iter().zip(&signal.value).filter(|(t, v)| v.abs() > 0.1 && usable(**t)).map(|(t, v)| (*t, *v)).collect();
         if points.len() < 50 || reference.len() < 50 {
             return None;
         }
-        // 4000 points fix a delay to well below a millisecond
+        // 4000 points determine a delay to well below a millisecond
         let stride = points.len().div_ceil(4000);
         points = points.into_iter().step_by(stride).collect();
         let smooth = Series { t_s: reference.t_s.clone(), value: reference.smoothed(0.02) };

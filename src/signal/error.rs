@@ -1,19 +1,19 @@
-//! What can be wrong with the signals of a log.
+//! Errors of the signals of a log.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can be wrong with the signals of a log.
+/// Error of the signals of a log.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("signal {signal} has {found} usable values; at least {needed} are needed: check its path with `pivot-cal inspect`")]
     TooFew { signal: &'static str, found: usize, needed: usize },
     #[error("signal {signal} is marked `relative_to = \"gear\"`, but the log has no gear signal: name one, or remove the mark")]
     NoGear { signal: &'static str },
     #[error(
-        "signal {signal} is a magnitude (`unsigned = true`), and neither gear nor yaw rate is there to tell its sign: name one of them"
+        "signal {signal} is a magnitude (`unsigned = true`), but the log has neither gear nor yaw rate to determine its sign: name one of them"
     )]
     NoSign { signal: &'static str },
     #[error(

@@ -1,9 +1,9 @@
-//! Values that are repeated at a fast rate, left out.
+//! Removes values that are repeated at a fast rate.
 
 use crate::signal::Series;
 
-/// The samples of `series` that are new, given that each value is logged `repeats` times: the first of each run of equal values, and
-/// within longer runs every `repeats`-th.
+/// The new samples of `series`, if each value is logged `repeats` times: the first of each run of equal values, and every `repeats`-th in
+/// longer runs.
 pub fn new_values_only(series: &Series, repeats: usize) -> Series {
     if repeats < 2 {
         return series.clone();
@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_each_value_only_the_first_message_is_kept() {
+    fn only_the_first_message_of_each_value_is_kept() {
         let n: usize = 600;
         let held =
             Series { t_s: (0..n).map(|k| k as f64 * 0.01).collect(), value: (0..n).map(|k| ((k / 10) as f64 * 0.7).sin()).collect() };

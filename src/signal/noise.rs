@@ -1,6 +1,6 @@
 //! Robust measures of noise: median, noise of a slowly varying signal, quantum.
 
-/// Median of finite values; the mean of the middle two for an even number, NaN for none.
+/// Median of finite values: the mean of the middle two for an even number, NaN without values.
 pub fn median(values: &[f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -8,7 +8,7 @@ pub fn median(values: &[f64]) -> f64 {
     median_of(&mut values.to_vec())
 }
 
-/// The same of at least one value; their order is lost.
+/// Like [`median`], for at least one value; their order is lost.
 pub(crate) fn median_of(values: &mut [f64]) -> f64 {
     let odd = values.len() % 2 == 1;
     let (below, upper, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
@@ -16,8 +16,8 @@ pub(crate) fn median_of(values: &mut [f64]) -> f64 {
     lower.filter(|_| !odd).map_or(*upper, |lower| 0.5 * (lower + *upper))
 }
 
-/// Which values stand out by Hampel's rule: farther from the median of the seven around than `mads` scaled median absolute deviations, or
-/// than `mads` times `floor`, whichever is larger (Hampel 1974, *The influence curve and its role in robust estimation*).
+/// Outliers by Hampel's rule: the distance from the median of the seven values around exceeds `mads` scaled median absolute deviations and
+/// `mads` times `floor` (Hampel 1974, *The influence curve and its role in robust estimation*).
 pub fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
     let n = values.len();
     let mut around = [0.0f64; 7];
@@ -28,7 +28,7 @@ pub fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
             around.copy_from_slice(window);
             let centre = median_of_few(around);
             let away = (values[i] - centre).abs();
-            // hardly a value is beyond the floor: only then the deviations are worth sorting
+            // few values are beyond the floor: only then are the deviations sorted
             away > mads * floor && {
                 around.iter_mut().zip(window).for_each(|(d, v)| *d = (v - centre).abs());
                 away > mads * (1.4826 * median_of_few(around))
@@ -39,7 +39,7 @@ pub fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
 
 /// Median of a few values, at least one; their order is lost.
 pub(crate) fn median_of_few(values: &mut [f64]) -> f64 {
-    // seven by comparisons that are known beforehand (Devillard 1998, *Fast median search*), since nearly all windows have seven
+    // seven values by a fixed sequence of comparisons (Devillard 1998, *Fast median search*), because nearly all windows have seven
     const SWAPS: [(usize, usize); 13] =
         [(0, 5), (0, 3), (1, 6), (2, 4), (0, 1), (3, 5), (2, 6), (2, 3), (3, 6), (4, 5), (1, 4), (1, 3), (3, 4)];
     if let Ok(seven) = <&mut [f64; 7]>::try_from(&mut *values) {
@@ -62,8 +62,8 @@ pub fn noise_std(values: &[f64]) -> f64 {
     if second.is_empty() { 0.0 } else { median_of(&mut second) / (0.674_489_750_196_082 * 6f64.sqrt()) }
 }
 
-/// Quantum of a digitised signal: the smallest step that explains nearly all differences between neighbouring values, 0 where the signal
-/// takes ever new values.
+/// Quantum of a digitised signal: the smallest step that explains nearly all differences between neighbouring values; 0 if the values are
+/// continuous.
 pub fn quantum(values: &[f64]) -> f64 {
     let scale = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > scale * 1e-9).collect();
@@ -75,7 +75,7 @@ pub fn quantum(values: &[f64]) -> f64 {
     if candidate <= 0.0 {
         return 0.0;
     }
-    // a signal without a quantum shows it after a few steps
+    // a few steps are enough to recognise a signal without a quantum
     let most_broken = 0.05 * steps.len() as f64;
     let broken = steps.iter().filter(|d| (*d / candidate - (*d / candidate).round()).abs() >= 0.05);
     if broken.take(most_broken.ceil() as usize).count() as f64 >= most_broken { 0.0 } else { candidate }

@@ -1,8 +1,8 @@
-//! Signs: a torque told relative to the gear, a speed told as a magnitude.
+//! Resolves signs: a torque relative to the gear, a speed logged as a magnitude.
 
 use crate::signal::{Error, Result, Series};
 
-/// Negates the values that are told in the gear's direction while reverse is engaged. `gear` holds −1, 0 or 1.
+/// Negates values that are relative to the gear while reverse is engaged. `gear` holds −1, 0 or 1.
 pub(crate) fn relative_to_gear(signal: &'static str, series: &mut Series, gear: Option<&Series>) -> Result<()> {
     let gear = gear.filter(|g| !g.is_empty()).ok_or(Error::NoGear { signal })?;
     for (t, v) in series.t_s.iter().zip(&mut series.value) {
@@ -13,8 +13,8 @@ pub(crate) fn relative_to_gear(signal: &'static str, series: &mut Series, gear: 
     Ok(())
 }
 
-/// Gives a magnitude its sign. The yaw rate tells best where it is clearly not zero (at a test angle on the left, a forward wheel turns the
-/// vehicle left); the gear tells otherwise.
+/// Gives a magnitude its sign. Where the yaw rate is clearly not zero, it determines the sign (at a test angle on the left, a forward wheel
+/// turns the vehicle left); otherwise the gear does.
 pub(crate) fn signed(signal: &'static str, series: &mut Series, gear: Option<&Series>, yaw_speed_mps: Option<&Series>) -> Result<()> {
     if gear.is_none() && yaw_speed_mps.is_none() {
         return Err(Error::NoSign { signal });
@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn a_magnitude_takes_its_sign_from_the_yaw_rate_and_else_from_the_gear() {
+    fn a_magnitude_takes_its_sign_from_the_yaw_rate_and_otherwise_from_the_gear() {
         let mut speed = series(&[0.5, 0.5]);
         signed("speed", &mut speed, Some(&series(&[1.0, -1.0])), None).unwrap();
         assert_eq!(speed.value, [0.5, -0.5]);

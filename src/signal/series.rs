@@ -15,7 +15,7 @@ impl Series {
         self.t_s.len()
     }
 
-    /// Whether there is no sample.
+    /// Whether it has no samples.
     pub fn is_empty(&self) -> bool {
         self.t_s.is_empty()
     }
@@ -25,7 +25,7 @@ impl Series {
         self.t_s.partition_point(|&t| t <= t_s)
     }
 
-    /// The last value at or before `t_s`, as a held signal (a command, a gear) is read; before the first sample the first value.
+    /// The last value at or before `t_s`, for a held signal (a command, a gear); before the first sample, the first value.
     /// `None` for an empty series.
     pub fn held(&self, t_s: f64) -> Option<f64> {
         self.held_after(self.count_until(t_s))
@@ -36,12 +36,12 @@ impl Series {
         self.interpolated_after(self.count_until(t_s), t_s)
     }
 
-    /// The value held after so many samples.
+    /// The value held after `upper` samples.
     fn held_after(&self, count: usize) -> Option<f64> {
         self.value.get(count.saturating_sub(1)).copied()
     }
 
-    /// Linear interpolation at a time that `upper` samples do not exceed.
+    /// Linear interpolation at a time with `upper` samples at or before it.
     fn interpolated_after(&self, upper: usize, t_s: f64) -> Option<f64> {
         if upper == 0 || upper == self.len() {
             return self.held_after(upper);
@@ -51,7 +51,7 @@ impl Series {
         Some(self.value[upper - 1] + fraction * (self.value[upper] - self.value[upper - 1]))
     }
 
-    /// A cursor at the beginning.
+    /// A cursor at the start.
     pub fn cursor(&self) -> SeriesCursor<'_> {
         SeriesCursor { series: self, passed: 0 }
     }
@@ -62,7 +62,7 @@ impl Series {
         start..self.count_until(to_s).max(start)
     }
 
-    /// Median time between samples [s]; infinite with fewer than two.
+    /// Median time between samples [s]; infinite for fewer than two samples.
     pub fn median_period_s(&self) -> f64 {
         let steps: Vec<f64> = self.t_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
         if steps.is_empty() { f64::INFINITY } else { crate::signal::median(&steps) }
@@ -92,7 +92,7 @@ impl Series {
         self.around(half_width_s).map(|near| (sums[near.end] - sums[near.start]) / near.len() as f64).collect()
     }
 
-    /// Slope of the least-squares line through the samples within ±`half_width_s` of each sample [1/s]; 0 where fewer than three lie there.
+    /// Slope of the least-squares line through the samples within ±`half_width_s` of each sample [1/s]; 0 for fewer than three samples.
     pub fn slopes(&self, half_width_s: f64) -> Vec<f64> {
         self.around(half_width_s)
             .map(|range| {
@@ -114,22 +114,22 @@ impl Series {
     }
 }
 
-/// A place in a series that moves along with time: a question near the last one is answered without a search.
+/// A position in a series that moves with time: a query near the last one needs no search.
 #[derive(Debug, Clone)]
 pub struct SeriesCursor<'a> {
     series: &'a Series,
-    /// Number of samples at or before the last question's time.
+    /// Number of samples at or before the time of the last query.
     passed: usize,
 }
 
 impl SeriesCursor<'_> {
-    /// As [`Series::held`].
+    /// Like [`Series::held`].
     pub fn held(&mut self, t_s: f64) -> Option<f64> {
         self.move_to(t_s);
         self.series.held_after(self.passed)
     }
 
-    /// As [`Series::interpolated`].
+    /// Like [`Series::interpolated`].
     pub fn interpolated(&mut self, t_s: f64) -> Option<f64> {
         self.move_to(t_s);
         self.series.interpolated_after(self.passed, t_s)
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cursor_answers_as_the_series_whichever_way_it_moves() {
+    fn a_cursor_gives_the_same_values_as_the_series_in_both_directions() {
         let ramp = ramp();
         let mut cursor = ramp.cursor();
         for t_s in [-1.0, 0.05, 0.1, 0.29, 9.0, 0.15, -0.1, 0.3] {

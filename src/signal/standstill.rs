@@ -1,15 +1,15 @@
-//! When the wheel stands still: a smoothed rule over all speed witnesses, since three samples below half a quantum find only a part of
-//! the rest of a real encoder.
+//! Detects rest of the wheel by a smoothed rule over all speed sources. Three samples below half a quantum would find only a part of the
+//! rest of a real encoder.
 
 use crate::signal::{Series, noise_std, quantum};
 
-/// Fewest readings at rest whose mean is worth more than the median near zero.
+/// Smallest number of readings at rest whose mean is more accurate than the median near zero.
 const FEWEST_AT_REST: usize = 20;
 
-/// Tells rest from motion by the mean of each witness over a short window.
+/// Distinguishes rest from motion by the mean of each speed source over a short window.
 #[derive(Debug, Clone)]
 pub struct RestDetector {
-    witnesses: Vec<RestingSource>,
+    sources: Vec<RestingSource>,
     half_width_s: f64,
 }
 
@@ -22,18 +22,18 @@ struct RestingSource {
 }
 
 impl RestDetector {
-    /// Half of the averaging window [s]: three to eleven samples at usual rates, short against a stop.
+    /// Half of the averaging window [s]: three to eleven samples at usual rates, short compared with a stop.
     pub const HALF_WIDTH_S: f64 = 0.06;
-    /// Beginning and end of a rest that do not tell the bias [s].
+    /// Time at both ends of a rest that is not used for the bias [s].
     pub const MARGIN_S: f64 = 0.25;
 
-    /// From the speed witnesses [m/s]. A witness is at rest where its mean over ±[`Self::HALF_WIDTH_S`] is within 3 standard errors of its
-    /// bias, or half a quantum, or 4 mm/s, whichever is largest. The bias (of a gyro, say) is first the median of the smoothed signal near
-    /// zero, then the mean over what that tells to be rest, without [`Self::MARGIN_S`] at either end: a start is noticed some 50 ms late, and
-    /// a few of its millimetres per second in every rest would pass for bias.
-    pub fn new<'a>(witnesses: impl IntoIterator<Item = &'a Series>) -> Self {
+    /// From the speed sources [m/s]. A source is at rest where its mean over ±[`Self::HALF_WIDTH_S`] is within 3 standard errors of its
+    /// bias, or half a quantum, or 4 mm/s, whichever is largest. The bias (of a gyro, for example) is first the median of the smoothed
+    /// signal near zero, then the mean over the rest detected with it, without [`Self::MARGIN_S`] at either end: a start is detected some
+    /// 50 ms late, and its first few millimetres per second would otherwise count as bias in every rest.
+    pub fn new<'a>(sources: impl IntoIterator<Item = &'a Series>) -> Self {
         let half_width_s = Self::HALF_WIDTH_S;
-        let witnesses: Vec<RestingSource> = witnesses
+        let sources: Vec<RestingSource> = sources
             .into_iter()
             .filter(|s| s.len() > 2)
             .map(|series| {
@@ -46,20 +46,20 @@ impl RestDetector {
                 RestingSource { series: series.clone(), smooth, threshold_mps, bias_mps }
             })
             .collect();
-        let mut detector = Self { witnesses, half_width_s };
-        let biases: Vec<Option<f64>> = detector.witnesses.iter().map(|w| detector.mean_at_rest(w)).collect();
-        for (witness, bias_mps) in detector.witnesses.iter_mut().zip(biases) {
-            witness.bias_mps = bias_mps.unwrap_or(witness.bias_mps);
+        let mut detector = Self { sources, half_width_s };
+        let biases: Vec<Option<f64>> = detector.sources.iter().map(|w| detector.mean_at_rest(w)).collect();
+        for (source, bias_mps) in detector.sources.iter_mut().zip(biases) {
+            source.bias_mps = bias_mps.unwrap_or(source.bias_mps);
         }
         detector
     }
 
-    /// Mean of a witness well inside the rests; `None` when these hold too little.
-    fn mean_at_rest(&self, witness: &RestingSource) -> Option<f64> {
-        let series = &witness.series;
+    /// Mean of a source well inside the rests; `None` if there are too few samples.
+    fn mean_at_rest(&self, source: &RestingSource) -> Option<f64> {
+        let series = &source.series;
         let (mut sum, mut count) = (0.0, 0usize);
         let mut rest_s: Option<(f64, f64)> = None;
-        // as often as a rest's end matters
+        // often enough to find the end of a rest
         let stride = (0.25 * self.half_width_s / series.median_period_s()).max(1.0) as usize;
         let times_s = || series.t_s.iter().copied().step_by(stride).chain([f64::INFINITY]);
         for (t_s, at_rest) in times_s().zip(self.are_at_rest(times_s())) {
@@ -74,22 +74,23 @@ impl RestDetector {
         (count >= FEWEST_AT_REST).then(|| sum / count as f64)
     }
 
-    /// Whether every witness with a sample near `t_s` says rest; `false` where none has one.
+    /// Whether every source with a sample near `t_s` is at rest; `false` if there is no such sample.
     pub fn is_at_rest(&self, t_s: f64) -> bool {
-        let mut before: Vec<usize> = self.witnesses.iter().map(|w| w.series.t_s.partition_point(|t| *t < t_s)).collect();
+        let mut before: Vec<usize> = self.sources.iter().map(|w| w.series.t_s.partition_point(|t| *t < t_s)).collect();
         self.rests(t_s, &mut before)
     }
 
-    /// The same at several times, which rise.
+    /// The same at several ascending times.
     pub fn are_at_rest(&self, times_s: impl IntoIterator<Item = f64>) -> impl Iterator<Item = bool> {
-        let mut before = vec![0; self.witnesses.len()];
+        let mut before = vec![0; self.sources.len()];
         times_s.into_iter().map(move |t_s| self.rests(t_s, &mut before))
     }
 
-    /// Whether all rest at `t_s`; `before` holds how many samples of each witness lay before the last question's time, which is not later.
+    /// Whether all are at rest at `t_s`; `before` holds the number of samples of each source before the time of the last query, not later
+    /// than `t_s`.
     fn rests(&self, t_s: f64, before: &mut [usize]) -> bool {
-        let mut heard = false;
-        for (w, before) in self.witnesses.iter().zip(before) {
+        let mut any = false;
+        for (w, before) in self.sources.iter().zip(before) {
             let times = &w.series.t_s;
             while times.get(*before).is_some_and(|t| *t < t_s) {
                 *before += 1;
@@ -98,21 +99,21 @@ impl RestDetector {
             let near = [before.checked_sub(1), Some(*before)].into_iter().flatten();
             let near = near.filter(|k| times.get(*k).is_some_and(|t| *t >= t_s - self.half_width_s && *t <= t_s + self.half_width_s));
             let Some(nearest) = near.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
-            heard = true;
+            any = true;
             if (w.smooth[nearest] - w.bias_mps).abs() > w.threshold_mps {
                 return false;
             }
         }
-        heard
+        any
     }
 
-    /// Resting bias of each witness [m/s], in the order given.
+    /// Bias of each source at rest [m/s], in the given order.
     pub fn biases_mps(&self) -> Vec<f64> {
-        self.witnesses.iter().map(|w| w.bias_mps).collect()
+        self.sources.iter().map(|w| w.bias_mps).collect()
     }
 }
 
-/// Median of the smoothed values within ±`width` of zero: the bias while at rest, since a vehicle passes zero quickly and rests long.
+/// Median of the smoothed values within ±`width` of zero: the bias at rest, because a vehicle passes zero quickly and rests are long.
 fn resting_bias(smooth: &[f64], width: f64) -> f64 {
     let near: Vec<f64> = smooth.iter().copied().filter(|v| v.abs() < width).collect();
     if near.len() < 10 { 0.0 } else { crate::signal::median(&near) }
@@ -123,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rest_and_motion_are_told_apart_on_a_quantised_biased_signal() {
+    fn rest_and_motion_are_distinguished_on_a_quantised_biased_signal() {
         let t_s: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.02).collect();
         let value = t_s
             .iter()

@@ -5,7 +5,7 @@ use crate::map::{LogRef, Vehicle};
 use crate::signal::{Error, Result, Series, new_values_only, resolve};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
 
-/// Fewest values of a signal that is needed at all.
+/// Smallest number of values of a required signal.
 const FEWEST: usize = 50;
 
 /// The signals of one log: seconds since its first sample, SI, signs resolved (forward positive, left positive).
@@ -15,13 +15,13 @@ pub struct Track {
     pub source: LogRef,
     /// The vehicle.
     pub vehicle: Vehicle,
-    /// The wheel angle of the runs that are looked for [°], left positive.
+    /// The wheel angle of the wanted runs [°], left positive.
     pub wheel_angle_deg: f64,
     /// Time 0 of every series here [ns].
     pub start_ns: i64,
-    /// Front-wheel speed by its encoder [m/s].
+    /// Front-wheel speed from its encoder [m/s].
     pub encoder_mps: Series,
-    /// Front-wheel speed by the yaw rate, L·θ̇ / sin δ [m/s], δ the wheel angle of the runs; valid there only.
+    /// Front-wheel speed from the yaw rate, L·θ̇ / sin δ [m/s], with the wheel angle δ of the runs; valid only there.
     pub yaw_speed_mps: Option<Series>,
     /// Torque command [N·m], held between its samples.
     pub command_nm: Series,
@@ -33,15 +33,15 @@ pub struct Track {
     pub gear: Option<Series>,
     /// Emergency stop: 0, 1.
     pub estop: Option<Series>,
-    /// What a reader should know: values repeated at a fast rate, signals left aside.
+    /// Notes for the reader: values repeated at a fast rate, ignored signals.
     pub notes: Vec<String>,
 }
 
 impl Track {
-    /// From the signals of one log, for runs at the vehicle's test angle.
+    /// The track of one log, for runs at the vehicle's test angle.
     ///
     /// # Errors
-    /// A needed signal with fewer than 50 values, signs that nothing determines, signals that do not overlap in time.
+    /// A required signal has fewer than 50 values, a sign cannot be determined, or signals do not overlap in time.
     pub fn new(recording: &Recording) -> Result<Self> {
         Self::at_angle(recording, recording.vehicle.test_angle_deg)
     }
@@ -68,7 +68,7 @@ impl Track {
             match rate(signal) {
                 Some(rate) if dedupe && rate.repeats > 1 => {
                     notes.push(format!(
-                        "{name}: logged at {:.0} Hz, but new values come at {:.1} Hz only; repeated values are left out",
+                        "{name}: logged at {:.0} Hz, but new values come only at {:.1} Hz; repeated values are left out",
                         rate.logged_hz, rate.true_hz
                     ));
                     new_values_only(&series, rate.repeats)
@@ -145,7 +145,7 @@ impl Track {
         Ok(())
     }
 
-    /// The speed witnesses: the encoder, and the yaw rate's where it is logged.
+    /// The speed sources: the encoder, and the yaw rate if it is logged.
     pub fn witnesses(&self) -> impl Iterator<Item = &Series> {
         std::iter::once(&self.encoder_mps).chain(self.yaw_speed_mps.as_ref())
     }

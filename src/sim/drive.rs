@@ -1,7 +1,7 @@
 //! The drive: commanded torque → quantisation, saturation, slew limit, dead time, first-order lag → effective torque.
 //!
-//! With dead time `T_d` and time constant `T_c`, `u̇ = (τ(t − T_d) − u)/T_c`. The command is constant over a step, so the solution is exact:
-//! `u⁺ = τ + (u − τ)·exp(−t/T_c)`, piecewise before and after the instant inside the step at which the delayed command changes.
+//! `u̇ = (τ(t − T_d) − u)/T_c`, with dead time `T_d` and time constant `T_c`. The command is constant over a step, so the solution is
+//! exact: `u⁺ = τ + (u − τ)·exp(−t/T_c)`, applied before and after the instant inside the step at which the delayed command changes.
 
 use crate::sim::error::{Result, within};
 use serde::{Deserialize, Serialize};
@@ -10,18 +10,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DriveSettings {
-    /// Dead time between command and first effect [s], 0 to 2. Default 0.05: two cycles of a 50 Hz bus and the converter's own.
+    /// Dead time between command and first effect [s], 0 to 2. Default 0.05: two cycles of a 50 Hz bus and the dead time of the converter.
     pub dead_time_s: f64,
     /// Time constant of the first-order lag [s], 0 to 2. Default 0.05.
     pub lag_s: f64,
     /// Largest torque [N·m] in either direction. Default 44.
     pub torque_limit_nm: f64,
-    /// Step of the command's encoding [N·m]; 0 for none, the default.
+    /// Step of the command's encoding [N·m]; 0, the default, for no quantisation.
     pub torque_quantum_nm: f64,
-    /// Largest change of the setpoint [N·m/s]; without it, the default, unlimited.
+    /// Largest rate of the setpoint [N·m/s]. Default: unlimited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slew_limit_nm_s: Option<f64>,
-    /// Friction of the brake that an emergency stop applies, referred to the wheel [N·m]. Default 15.
+    /// Brake friction during an emergency stop, referred to the wheel [N·m]. Default 15.
     pub estop_brake_nm: f64,
 }
 
@@ -35,7 +35,7 @@ impl DriveSettings {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field out of its range.
+    /// The first field that is out of its range.
     pub fn check(&self) -> Result<()> {
         within("drive.dead_time_s", self.dead_time_s, 0.0..=2.0, "0 to 2")?;
         within("drive.lag_s", self.lag_s, 0.0..=2.0, "0 to 2")?;
@@ -62,11 +62,11 @@ pub struct TorqueStep {
 pub struct Drive {
     settings: DriveSettings,
     slew_per_step_nm: f64,
-    /// The last command and what is left of it after rounding and limits: most steps repeat it.
+    /// The last command and its value after rounding and limits: most steps repeat it.
     last_command_nm: f64,
     wanted_nm: f64,
     setpoint_nm: f64,
-    /// Commands on their way, oldest at `oldest`; as many as the dead time has whole steps.
+    /// Delayed commands, the oldest at `oldest`; one per whole step of the dead time.
     underway_nm: Vec<f64>,
     oldest: usize,
     /// Delayed command before the change inside the step.
@@ -77,7 +77,7 @@ pub struct Drive {
     untouched: bool,
 }
 
-/// What remains of a difference after parts of a step; the delayed command changes at the fraction f of the step.
+/// Remaining share of a difference after parts of a step; the delayed command changes at the fraction f of the step.
 #[derive(Debug, Clone, Copy)]
 struct Decays {
     change_before_mid: bool,
@@ -93,7 +93,7 @@ impl Drive {
     /// A drive at rest, stepped every `step_s`.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &DriveSettings, step_s: f64) -> Result<Self> {
         settings.check()?;
         let steps = settings.dead_time_s / step_s;
@@ -128,7 +128,7 @@ impl Drive {
         })
     }
 
-    /// Lowers or raises the saturation [N·m], as a low battery does.
+    /// Changes the saturation [N·m], as for a low battery.
     pub fn set_torque_limit_nm(&mut self, limit_nm: f64) {
         self.settings.torque_limit_nm = limit_nm.max(0.0);
         self.wanted_nm = self.limited(self.last_command_nm);
@@ -146,7 +146,7 @@ impl Drive {
         self.untouched
     }
 
-    /// Makes `command_nm` the command of all time so far: nothing is under way, and the effective torque is the command.
+    /// Sets `command_nm` as the command of all past time: no command is delayed, and the effective torque equals the command.
     pub fn settle(&mut self, command_nm: f64) {
         self.untouched = false;
         let settled_nm = self.limited(command_nm);

@@ -1,12 +1,12 @@
-//! What can be wrong with the simulator's settings.
+//! Errors of the simulator's settings.
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can be wrong with the simulator's settings.
+/// Error of the simulator's settings.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("{field} is {value}; allowed: {allowed}")]
     OutOfRange { field: &'static str, value: f64, allowed: &'static str },
@@ -14,17 +14,17 @@ pub enum Error {
     LatencyTooLong { field: &'static str, needed: usize, most: usize },
     #[error(transparent)]
     Map(#[from] crate::map::Error),
-    #[error("the file has no Table 1 for forward gear at {wheel_angle_deg}°, from which a plant could be made")]
+    #[error("the file has no Table 1 for forward gear at {wheel_angle_deg}° to make a plant from")]
     NoForwardMap { wheel_angle_deg: f64 },
     #[error("the surface never accelerates at standstill: no torque up to {largest_nm} N·m sets the wheel in motion")]
     NeverMoves { largest_nm: f64 },
     #[error("line {line}: {message}{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
     Toml { line: usize, message: String, nearest: Option<String> },
-    #[error("the recorded run has {t_s} times, {torque_nm} torques and {speed_mps} speeds; they must be equally many, at least 2")]
+    #[error("the recorded run has {t_s} times, {torque_nm} torques and {speed_mps} speeds; the numbers must be equal and at least 2")]
     UnequalRun { t_s: usize, torque_nm: usize, speed_mps: usize },
 }
 
-/// Checks that `value` lies within `range`, both ends included; NaN does not.
+/// Checks that `value` is within `range`, both ends included; NaN is not.
 pub(crate) fn within(field: &'static str, value: f64, range: std::ops::RangeInclusive<f64>, allowed: &'static str) -> Result<()> {
     if range.contains(&value) { Ok(()) } else { Err(Error::OutOfRange { field, value, allowed }) }
 }

@@ -1,10 +1,11 @@
-//! The identified plant: the fitted surface of a Table 1 with the disturbance and the run-to-run offset of its fit, so that a map can be
-//! verified on a vehicle whose physics nobody knows.
+//! The identified plant: the fitted surface of a Table 1 with the disturbance and the run-to-run offset of its fit. With it a map can be
+//! verified on a vehicle whose physics is not known.
 //!
-//! Moving forward, `v̇ = A(v, τ) + b + d(t)`; in reverse the same in the reverse table's frame, or in the forward table's mirrored where
-//! reverse was not tested. A wheel at rest stays at rest until the engaged gear's torque exceeds the breakaway torque: braking never pushes a
-//! wheel backwards. The surface knows one wheel angle only and answers for every angle. Beyond its torques it goes on linearly; beyond its
-//! speeds it keeps the last column. A step solves the cell's linear equation exactly; a cell's edge inside a step costs O(h²).
+//! `v̇ = A(v, τ) + b + d(t)` in forward motion. In reverse the same equation holds in the reverse table's frame, or in the mirrored frame
+//! of the forward table if reverse was not tested. A wheel at rest stays at rest until the engaged gear's torque exceeds the breakaway
+//! torque: braking never pushes a wheel backwards. The surface was measured at one wheel angle and is used for every angle. Beyond its
+//! torques it is extrapolated linearly; beyond its speeds the last column is used. A step solves the cell's linear equation exactly;
+//! crossing a cell's edge inside a step has an error of O(h²).
 
 use crate::map::{AccelTable, Gear, Table1File, Vehicle};
 use crate::sim::error::{Error, Result, within};
@@ -18,7 +19,7 @@ use crate::sim::surface::{Cell, Surface};
 pub struct GearSurface {
     /// a(v, τ).
     pub table: AccelTable,
-    /// Torque that sets a resting wheel in motion [N·m].
+    /// Breakaway torque: it sets a resting wheel in motion [N·m].
     pub breakaway_nm: f64,
 }
 
@@ -27,25 +28,25 @@ pub struct GearSurface {
 pub struct IdentifiedSettings {
     /// The forward surface.
     pub forward: GearSurface,
-    /// The reverse surface, when reverse was tested.
+    /// The reverse surface, if reverse was tested.
     pub reverse: Option<GearSurface>,
-    /// Standard deviation of the disturbance [m/s²], an Ornstein-Uhlenbeck process while moving.
+    /// Standard deviation of the disturbance, an Ornstein-Uhlenbeck process while moving [m/s²].
     pub disturbance_mps2: f64,
     /// Its time constant [s].
     pub disturbance_time_s: f64,
-    /// Standard deviation of one constant acceleration per run [m/s²].
+    /// Standard deviation of the constant acceleration offset per run [m/s²].
     pub run_offset_mps2: f64,
-    /// Part of the effective mass on which a slope acts along the wheel, 0 to 1. Default 0.5.
+    /// Share of the effective mass on which a slope acts along the wheel, 0 to 1. Default 0.5.
     pub slope_share: f64,
     /// Inertia of wheel and motor as mass at the rim [kg], for slip only. Default 8.
     pub wheel_mass_kg: f64,
 }
 
 impl IdentifiedSettings {
-    /// The plant that a fit found.
+    /// The plant of a fit.
     ///
     /// # Errors
-    /// No forward map at the vehicle's test angle, or a table that is not sound.
+    /// There is no forward map at the vehicle's test angle, or a table is not valid.
     pub fn from_table1(file: &Table1File) -> Result<Self> {
         let direction = |gear| -> Result<Option<GearSurface>> {
             let Some(map) = file.map_at_test_angle(gear) else { return Ok(None) };
@@ -81,8 +82,8 @@ impl IdentifiedSettings {
 }
 
 impl GearSurface {
-    /// The same plant with its inertia and its friction multiplied: `a' = A(v, τ − (φ − 1)·τ_f(v))/f`, `τ_f(v)` being the torque that holds the
-    /// speed. Made on the surface's own grid.
+    /// `a' = A(v, τ − (φ − 1)·τ_f(v))/f`: the same plant with its inertia multiplied by f and its friction by φ. `τ_f(v)` is the torque
+    /// that holds the speed. Computed on the surface's own grid.
     #[must_use]
     pub fn perturbed(&self, inertia_factor: f64, friction_factor: f64) -> Self {
         let (speed, torque) = (self.table.speed_mps(), self.table.torque_nm());
@@ -95,12 +96,12 @@ impl GearSurface {
                 values.push(surface.accel(&mut cell, v, u - shift_nm) / inertia_factor);
             }
         }
-        // the same axes, and finite values divided by finite factors: the table cannot be refused unless a factor is zero or not finite
+        // same axes, and finite values divided by finite factors: the table is refused only if a factor is zero or not finite
         let table = AccelTable::new(speed.clone(), torque.clone(), values).unwrap_or_else(|_| self.table.clone());
         Self { table, breakaway_nm: self.breakaway_nm * friction_factor }
     }
 
-    /// Torque [N·m] at which the surface crosses zero at speed break `j`; the nearest end where it does not.
+    /// Torque [N·m] at which the surface crosses zero at speed break `j`; the nearest end if there is no crossing.
     fn holding_nm(&self, j: usize) -> f64 {
         let breaks = self.table.torque_nm().breaks();
         let a = |i: usize| self.table.at(j, i);
@@ -146,7 +147,7 @@ impl IdentifiedMotion {
     /// At rest.
     ///
     /// # Errors
-    /// A number out of its range, or a surface on which nothing ever moves.
+    /// A number is out of its range, or the vehicle never moves on the surface.
     pub fn new(settings: &IdentifiedSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         settings.check()?;
         let vehicle = vehicle.checked()?;
@@ -179,12 +180,12 @@ impl IdentifiedMotion {
         Ok(motion)
     }
 
-    /// Draws the offset of the run that begins.
+    /// Draws the offset of the next run.
     pub fn begin_run(&mut self) {
         self.run_offset_mps2 = if self.run_offset_std_dev > 0.0 { self.run_offset_std_dev * self.run.normal() } else { 0.0 };
     }
 
-    /// Speed now [m/s].
+    /// Current speed [m/s].
     #[inline]
     pub fn speed_mps(&self) -> f64 {
         self.speed_mps
@@ -196,7 +197,7 @@ impl IdentifiedMotion {
         self.accel_mps2
     }
 
-    /// Sets the speed at once [m/s].
+    /// Sets the speed directly [m/s].
     pub fn set_speed(&mut self, speed_mps: f64) {
         self.speed_mps = speed_mps;
         self.accel_mps2 = 0.0;
@@ -217,7 +218,7 @@ impl IdentifiedMotion {
         if sign < 0.0 { self.reverse.as_ref().unwrap_or(&self.forward) } else { &self.forward }
     }
 
-    /// Direction in which a resting wheel sets off; `None` while it stays.
+    /// Direction in which a resting wheel starts to move; `None` while it stays at rest.
     fn departure(&self, load: &Load) -> Option<f64> {
         let drive_nm = match load.gear {
             Some(gear) if load.torque.start_nm * gear.sign() > 0.0 => load.torque.start_nm,
@@ -244,7 +245,7 @@ impl IdentifiedMotion {
         let random_mps2 = self.disturbance.step() + self.run_offset_mps2 - load.brake_nm * self.brake_accel_per_nm;
         let (h, s0) = (self.step_s, sign * start_mps);
         let u = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm].map(|t| sign * (t + load.external_nm));
-        // within a cell v̇ = a + A_v·(v − v₀) + A_τ·(τ − τ̄): exact under the step's mean torque τ̄, and half way under that of its first half
+        // within a cell v̇ = a + A_v·(v − v₀) + A_τ·(τ − τ̄): exact for the step's mean torque τ̄, at the middle for that of its first half
         let mean = (u[0] + 4.0 * u[1] + u[2]) * (1.0 / 6.0);
         let mean_of_first_half = (5.0 * u[0] + 8.0 * u[1] - u[2]) * (1.0 / 12.0);
         let mut cell = self.cell;
@@ -337,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn perturbed_friction_and_inertia_change_the_surface_as_the_equation_says() {
+    fn perturbed_friction_and_inertia_change_the_surface_by_the_equation() {
         let perturbed = linear().perturbed(1.2, 1.1);
         assert!((perturbed.breakaway_nm - 8.8).abs() < 1e-12);
         let expected = (20.0 - 1.1 * (8.0 + 5.0 * 0.5)) / 13.0 / 1.2;
@@ -346,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_torque_axis_the_surface_goes_on_linearly() {
+    fn beyond_the_torque_axis_the_surface_is_extrapolated_linearly() {
         let surface = Surface::new(&linear().table);
         assert!((surface.accel(&mut Cell::default(), 0.2, 60.0) - (60.0 - 8.0 - 1.0) / 13.0).abs() < 1e-12);
         let edge = surface.accel(&mut Cell::default(), 2.0, 20.0);

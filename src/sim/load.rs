@@ -1,13 +1,13 @@
-//! What acts on the front wheel, and how its motion is integrated.
+//! Loads on the front wheel, and the integration of its motion.
 
 use crate::sim::Gear;
 use crate::sim::drive::TorqueStep;
 use crate::sim::pose::SpeedStep;
 
-/// What acts on the wheel over one step, vehicle frame, referred to the wheel.
+/// Loads on the wheel over one step, vehicle frame, referred to the wheel.
 #[derive(Debug, Clone, Copy)]
 pub struct Load {
-    /// Torque that the drive passes to the floor.
+    /// Torque from the drive to the floor.
     pub torque: TorqueStep,
     /// Slope and pushes as torque at the wheel [N·m], + forward.
     pub external_nm: f64,
@@ -17,8 +17,8 @@ pub struct Load {
     pub gear: Option<Gear>,
 }
 
-/// One step of the classical Runge-Kutta method for v̇ = a(stage, v), stages 0, 1, 2 being start, middle and end of the step; the speed
-/// half way by its continuous extension of third order. Returns the speeds and the acceleration at the end.
+/// v̇ = a(stage, v): one step of the classical Runge-Kutta method. Stages 0, 1, 2 are the start, middle and end of the step; the speed at
+/// the middle comes from the continuous extension of third order. Returns the speeds and the acceleration at the end.
 ///
 /// Source: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.1 and II.6.
 #[inline]

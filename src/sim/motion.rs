@@ -1,4 +1,4 @@
-//! Motion: effective torque → front-wheel speed, either by the physics of a vehicle or by a fitted Table 1.
+//! Motion: effective torque → front-wheel speed, from the physics of a vehicle or from a fitted Table 1.
 
 use crate::map::Vehicle;
 use crate::sim::WheelAngleTerms;
@@ -9,7 +9,7 @@ use crate::sim::physical::PhysicalMotion;
 use crate::sim::plant::PhysicalSettings;
 use crate::sim::pose::SpeedStep;
 
-/// Which plant, and its settings.
+/// The kind of plant, and its settings.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MotionSettings {
     /// Inertia, friction, scrub.
@@ -18,9 +18,9 @@ pub enum MotionSettings {
     Identified(Box<IdentifiedSettings>),
 }
 
-/// The plant's state: front-wheel speed and what is random about it.
+/// The plant's state: front-wheel speed and its random parts.
 #[derive(Debug, Clone)]
-#[allow(clippy::large_enum_variant)] // one per world: boxing would only add an indirection to every step
+#[allow(clippy::large_enum_variant)] // one per world: a box would only add an indirection to every step
 pub enum Motion {
     /// Inertia, friction, scrub.
     Physical(PhysicalMotion),
@@ -32,7 +32,7 @@ impl Motion {
     /// A plant at rest.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &MotionSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         Ok(match settings {
             MotionSettings::Physical(settings) => Self::Physical(PhysicalMotion::new(settings, vehicle, step_s, seed)?),
@@ -40,7 +40,7 @@ impl Motion {
         })
     }
 
-    /// Speed now [m/s], vehicle frame.
+    /// Current speed [m/s], vehicle frame.
     #[inline]
     pub fn speed_mps(&self) -> f64 {
         match self {
@@ -58,7 +58,7 @@ impl Motion {
         }
     }
 
-    /// Sets the speed at once [m/s].
+    /// Sets the speed directly [m/s].
     pub fn set_speed(&mut self, speed_mps: f64) {
         match self {
             Self::Physical(motion) => motion.set_speed(speed_mps),
@@ -66,7 +66,7 @@ impl Motion {
         }
     }
 
-    /// Draws what differs from run to run.
+    /// Draws the values that differ between runs.
     pub fn begin_run(&mut self) {
         match self {
             Self::Physical(motion) => motion.begin_run(),
@@ -74,13 +74,13 @@ impl Motion {
         }
     }
 
-    /// Whether the wheel angle makes no difference to it.
+    /// Whether it ignores the wheel angle.
     #[inline]
     pub(crate) fn knows_one_angle(&self) -> bool {
         matches!(self, Self::Identified(_))
     }
 
-    /// Tells the plant the wheel angle of the steps to come (the identified plant belongs to one angle and does not ask).
+    /// Sets the wheel angle of the next steps (the identified plant belongs to one angle and ignores it).
     pub fn set_angle(&mut self, angle: &WheelAngleTerms) {
         if let Self::Physical(motion) = self {
             motion.set_angle(angle);
@@ -95,7 +95,7 @@ impl Motion {
         }
     }
 
-    /// Inertia of wheel and motor alone as mass at the rim [kg]: what spins up when the wheel slips.
+    /// Inertia of wheel and motor alone as mass at the rim [kg]: it spins up when the wheel slips.
     pub fn wheel_mass_kg(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.wheel_mass_kg(),

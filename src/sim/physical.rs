@@ -1,7 +1,7 @@
-//! The physical plant in motion: the equation of its constants (`plant.rs`) integrated, with true stiction.
+//! The physical plant in motion: integrates the equation of `plant.rs`, with true stiction.
 //!
-//! At rest the wheel stays exactly at rest while the torque does not beat static friction; a wheel that comes to rest inside a step ends the
-//! step at rest. Moving, a step is of fourth order.
+//! At rest the wheel stays exactly at rest while the torque does not exceed static friction. A wheel that comes to rest inside a step ends
+//! the step at rest. In motion, a step is of fourth order.
 
 use crate::map::Vehicle;
 use crate::sim::error::Result;
@@ -17,7 +17,7 @@ pub struct PhysicalMotion {
     step_s: f64,
     at: [AtAngle; 3],
     steady: bool,
-    /// Friction forward and in reverse at the steady angle, this run's.
+    /// Friction forward and in reverse at the steady angle, for this run.
     curves: [Curve; 2],
     speed_mps: f64,
     accel_mps2: f64,
@@ -30,7 +30,7 @@ impl PhysicalMotion {
     /// At rest, wheel straight ahead.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &PhysicalSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         let plant = Plant::new(settings, vehicle)?;
         let mut motion = Self {
@@ -49,7 +49,7 @@ impl PhysicalMotion {
         Ok(motion)
     }
 
-    /// Draws the friction of the run that begins (never below a fifth of the nominal).
+    /// Draws the friction of the next run (never below a fifth of the nominal).
     pub fn begin_run(&mut self) {
         let spread = self.plant.settings.friction_spread;
         self.run_factor = if spread > 0.0 { (1.0 + spread * self.run.normal()).max(0.2) } else { 1.0 };
@@ -60,7 +60,7 @@ impl PhysicalMotion {
         self.curves = [1.0, -1.0].map(|sign| self.plant.curve(self.at[0], self.plant.way(sign, self.run_factor)));
     }
 
-    /// Speed now [m/s].
+    /// Current speed [m/s].
     #[inline]
     pub fn speed_mps(&self) -> f64 {
         self.speed_mps
@@ -72,13 +72,13 @@ impl PhysicalMotion {
         self.accel_mps2
     }
 
-    /// Sets the speed at once [m/s].
+    /// Sets the speed directly [m/s].
     pub fn set_speed(&mut self, speed_mps: f64) {
         self.speed_mps = speed_mps;
         self.accel_mps2 = 0.0;
     }
 
-    /// Takes over the wheel angle at start, middle and end of the steps to come.
+    /// Sets the wheel angle at start, middle and end of the next steps.
     pub fn set_angle(&mut self, angle: &WheelAngleTerms) {
         self.steady = angle.sin[0] == angle.sin[1] && angle.sin[1] == angle.sin[2];
         for (at, (sin, cos)) in self.at.iter_mut().zip(angle.sin.into_iter().zip(angle.cos)) {
@@ -99,9 +99,9 @@ impl PhysicalMotion {
         self.plant.wheel_mass_kg
     }
 
-    /// One step of fourth order with two looks at the friction curve, for a steady wheel angle and no power limit, where
-    /// `ṡ = d(t) − φ(s)` splits into drive and friction: with `z = s − ∫d dt` and `z̈ = −φ'(s)·ṡ`, `z₁ = z₀ + h ż₀ + h²(z̈₀ + 2 z̈_½)/6`; half way
-    /// by integrating the line through `z̈₀` and `z̈_½`. Half the work of the classical Runge-Kutta method.
+    /// One step of fourth order with two evaluations of the friction curve, for a steady wheel angle and no power limit.
+    /// `ṡ = d(t) − φ(s)` splits into drive and friction: with `z = s − ∫d dt` and `z̈ = −φ'(s)·ṡ`, `z₁ = z₀ + h ż₀ + h²(z̈₀ + 2 z̈_½)/6`.
+    /// The middle comes from the integral of the line through `z̈₀` and `z̈_½`. Half the work of the classical Runge-Kutta method.
     ///
     /// Source: Chan & Tsai (2010), *On explicit two-derivative Runge-Kutta methods*, the fourth-order method of two stages.
     #[inline]
@@ -110,7 +110,7 @@ impl PhysicalMotion {
         let (k, per_stribeck2) = (self.at[0].accel_per_nm, plant.per_stribeck2);
         let curve = &self.curves[usize::from(sign < 0.0)];
         let s0 = sign * self.speed_mps;
-        // below the power limit what arrives does not depend on speed
+        // below the power limit the torque at the wheel does not depend on speed
         let (driving, braking) = (sign * k * plant.settings.drive_efficiency, sign * k * plant.settings.brake_efficiency);
         let d = torque_nm.map(|t| t * if t * sign >= 0.0 { driving } else { braking });
         let constant = k * (sign * external_nm - brake_nm);
@@ -136,7 +136,7 @@ impl PhysicalMotion {
         let start_mps = self.speed_mps;
         let mut external_nm = load.external_nm;
         let sign = if start_mps == 0.0 {
-            // at rest: the wheel moves only when the torque beats static friction
+            // at rest: the wheel moves only if the torque exceeds static friction
             let torque = load.torque.start_nm;
             let toward = self.plant.way((torque + external_nm).signum(), self.run_factor);
             let net = self.plant.arriving_nm(toward, 0.0, torque) + external_nm;
@@ -163,7 +163,7 @@ impl PhysicalMotion {
         };
         self.accel_mps2 = accel_mps2;
         if speed.end_mps * sign <= 0.0 {
-            // it came to rest inside the step; whether it starts the other way is the next step's question
+            // it came to rest inside the step; the next step decides whether it starts in the other direction
             speed.end_mps = 0.0;
             speed.mid_mps = if speed.mid_mps * sign <= 0.0 { 0.0 } else { speed.mid_mps };
             self.accel_mps2 = 0.0;
@@ -238,7 +238,7 @@ mod tests {
             friction_j += simpson(&loss);
         }
         let kinetic_j = 0.5 * mass_kg * motion.speed_mps().powi(2);
-        // three independent sums: the trapezoid of each step's energies agrees to the integrator's error
+        // three independent sums: the trapezoids of the energies agree to the integrator's error
         assert!(work_j > 50.0 && (work_j - friction_j - kinetic_j).abs() < 1e-8 * work_j, "{work_j} {friction_j} {kinetic_j}");
     }
 
@@ -305,14 +305,14 @@ mod tests {
         for _ in 0..60_000 {
             motion.step(&load(40.0));
         }
-        // in balance the arriving power is the friction's
+        // at equilibrium the power at the wheel equals the friction power
         let v = motion.speed_mps();
         let friction_nm = motion.plant.friction_nm(motion.at[0], motion.plant.way(1.0, 1.0), v);
         assert!((friction_nm * v / 0.12 - 0.95 * 60.0).abs() < 1e-6, "{v} m/s");
     }
 
     #[test]
-    fn an_impossible_setting_is_named_with_what_is_allowed() {
+    fn an_impossible_setting_is_reported_with_the_allowed_range() {
         let settings = PhysicalSettings { static_nm: 1.0, ..PhysicalSettings::default() };
         let error = PhysicalMotion::new(&settings, &vehicle(), STEP_S, 1).unwrap_err();
         assert_eq!(error.to_string(), "motion.static_nm is 1; allowed: coulomb_nm to 1e5");

@@ -1,6 +1,6 @@
 //! The physical plant: effective inertia, friction, scrub, slope, true stiction.
 //!
-//! At wheel angle δ, with rolling radius r and wheelbase L, the front wheel's rim carries the effective mass M(δ), and
+//! At wheel angle δ, with rolling radius r and wheelbase L, the effective mass M(δ) acts at the front wheel's rim:
 //!
 //! ```text
 //! M v̇ = [η·τ + τ_ext − sign(v)·(T_f(|v|, δ) + T_brake)]/r
@@ -8,9 +8,9 @@
 //! T_f(s, δ) = T_c + T_scrub sin²δ + (T_s − T_c)/(1 + (s/v_s)²) + b s + c s²
 //! ```
 //!
-//! η differs between driving and braking. At rest the wheel stays exactly at rest while `|η·τ + τ_ext| ≤ T_f(0, δ) + T_brake`. The friction
-//! curve is Stribeck's in the rational form of Hess & Soom (1990), *Friction at a Lubricated Line Contact Operating at Oscillating Sliding
-//! Velocities*. The change of M while the wheel is being steered is neglected: campaigns and pivots steer at rest.
+//! η differs between driving and braking. A wheel at rest stays exactly at rest while `|η·τ + τ_ext| ≤ T_f(0, δ) + T_brake`. The friction
+//! curve is the Stribeck curve in the rational form of Hess & Soom (1990), *Friction at a Lubricated Line Contact Operating at Oscillating
+//! Sliding Velocities*. The change of M during steering is neglected: campaigns and pivots steer at rest.
 
 use crate::map::Vehicle;
 use crate::sim::error::{Result, within};
@@ -28,7 +28,7 @@ pub struct PhysicalSettings {
     pub wheel_inertia_kgm2: f64,
     /// Coulomb friction `T_c` [N·m].
     pub coulomb_nm: f64,
-    /// Friction at standstill `T_s` [N·m], at least `T_c`; with the scrub torque this is what breakaway takes.
+    /// Friction at standstill `T_s` [N·m], at least `T_c`; breakaway torque = `T_s` + scrub torque.
     pub static_nm: f64,
     /// Speed `v_s` over which static friction fades [m/s].
     pub stribeck_speed_mps: f64,
@@ -36,21 +36,21 @@ pub struct PhysicalSettings {
     pub viscous_nm_s_m: f64,
     /// Quadratic friction c [N·m per (m/s)²].
     pub quadratic_nm_s2_m2: f64,
-    /// Torque by which the tyres scrub at 90° [N·m].
+    /// Scrub torque of the tyres at 90° [N·m].
     pub scrub_nm: f64,
-    /// Share η of the torque that arrives when driving.
+    /// Share η of the torque that reaches the wheel when driving.
     pub drive_efficiency: f64,
-    /// The same when braking; above 1 where the transmission's losses help to brake.
+    /// The same when braking; above 1 if the transmission's losses help to brake.
     pub brake_efficiency: f64,
     /// Friction in reverse over friction forward.
     pub reverse_friction_factor: f64,
-    /// Largest mechanical power of the drive [W]; without it unlimited.
+    /// Largest mechanical power of the drive [W]; unlimited if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power_limit_w: Option<f64>,
-    /// Part of the effective mass on which a slope acts along the wheel, 0 to 1: for a pivot the centre of mass's distance from the rear axle
-    /// over the wheelbase.
+    /// Share of the effective mass on which a slope acts along the wheel, 0 to 1. For a pivot: distance of the centre of mass from the rear
+    /// axle, divided by the wheelbase.
     pub slope_share: f64,
-    /// Standard deviation of friction from run to run, as a share (warm-up, floor, battery).
+    /// Standard deviation of friction between runs, as a share (warm-up, floor, battery).
     pub friction_spread: f64,
     /// Standard deviation of the slow disturbance while moving [N·m].
     pub disturbance_nm: f64,
@@ -59,7 +59,7 @@ pub struct PhysicalSettings {
 }
 
 impl Default for PhysicalSettings {
-    /// A scrubber of 110 kg effective at 90°, breakaway near 8 N·m, without anything random.
+    /// A scrubber with an effective mass of 110 kg at 90°, breakaway near 8 N·m, and no random parts.
     fn default() -> Self {
         Self {
             mass_kg: 190.0,
@@ -87,7 +87,7 @@ impl PhysicalSettings {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field out of its range.
+    /// The first field that is out of its range.
     pub fn check(&self) -> Result<()> {
         let torque = 0.0..=1e5;
         within("motion.mass_kg", self.mass_kg, 1.0..=1e5, "1 to 1e5")?;
@@ -110,7 +110,7 @@ impl PhysicalSettings {
     }
 }
 
-/// The plant's constants: everything but its state.
+/// The plant's constants, without its state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plant {
     pub(crate) settings: PhysicalSettings,
@@ -121,7 +121,7 @@ pub(crate) struct Plant {
     pub(crate) power_nm_mps: f64,
 }
 
-/// What depends on the wheel angle.
+/// Terms that depend on the wheel angle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct AtAngle {
     /// 1/(M r) [m/s² per N·m].
@@ -172,7 +172,7 @@ impl Plant {
         FrictionDirection { sign, friction: friction * run_factor }
     }
 
-    /// Torque that arrives at the wheel [N·m] at speed `s` ≥ 0 along `way`.
+    /// Torque that reaches the wheel [N·m] at speed `s` ≥ 0 along `way`.
     #[inline]
     pub(crate) fn arriving_nm(&self, way: FrictionDirection, s: f64, torque_nm: f64) -> f64 {
         if torque_nm * way.sign >= 0.0 {
@@ -191,7 +191,7 @@ impl Plant {
         way.friction * (at.coulomb_nm + fading + (p.viscous_nm_s_m + p.quadratic_nm_s2_m2 * s) * s)
     }
 
-    /// The friction curve of one way at one angle.
+    /// The friction curve of one direction at one angle.
     pub(crate) fn curve(&self, at: AtAngle, way: FrictionDirection) -> Curve {
         let p = &self.settings;
         let scale = at.accel_per_nm * way.friction;
@@ -214,7 +214,7 @@ impl Plant {
         external_nm: f64,
         brake_nm: f64,
     ) -> f64 {
-        // a stage of the integrator may look a little past a stop
+        // a stage of the integrator may be slightly past a stop
         let s = (speed_mps * way.sign).max(0.0);
         let friction = self.friction_nm(at, way, s) + brake_nm;
         at.accel_per_nm * (self.arriving_nm(way, s, torque_nm) + external_nm - way.sign * friction)

@@ -1,9 +1,9 @@
-//! The body: the pose of the rear axle's middle from front-wheel speed and angle.
+//! The body: pose of the rear axle's middle from front-wheel speed and angle.
 //!
-//! ẋ = v cos δ cos θ, ẏ = v cos δ sin θ, θ̇ = v sin δ / L. Integrated by Simpson's rule per step, θ half way by the matching
-//! third-order weights (5, 8, −1)/24: globally of fourth order. The heading's sine and cosine are carried on by a rotation through the small
-//! angle of the step (Taylor to the fifth power, error below 1e-16 for 3 mrad) and set afresh from time to time. During a pivot, where cos δ
-//! is zero to rounding, the reference point stands still and only the heading changes.
+//! ẋ = v cos δ cos θ, ẏ = v cos δ sin θ, θ̇ = v sin δ / L. Each step uses Simpson's rule, and the matching third-order weights
+//! (5, 8, −1)/24 for θ at the middle: globally of fourth order. The heading's sine and cosine are updated by a rotation through the small
+//! angle of the step (Taylor to the fifth power, error below 1e-16 for 3 mrad) and recomputed from time to time. During a pivot, cos δ is
+//! zero to rounding: the reference point does not move and only the heading changes.
 
 /// Front-wheel speed [m/s] over one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,38 +17,38 @@ pub struct SpeedStep {
 }
 
 impl SpeedStep {
-    /// Whether the wheel stands all through the step.
+    /// Whether the wheel is at rest during the whole step.
     #[inline]
     pub fn is_rest(&self) -> bool {
         self.start_mps == 0.0 && self.mid_mps == 0.0 && self.end_mps == 0.0
     }
 
-    /// Distance rolled in the step [m], by Simpson's rule.
+    /// Rolled distance in the step [m], by Simpson's rule.
     #[inline]
     pub fn distance_m(&self, step_s: f64) -> f64 {
         step_s * (self.start_mps + 4.0 * self.mid_mps + self.end_mps) * (1.0 / 6.0)
     }
 }
 
-/// Sine and cosine of the wheel angle over one step: at its start, half way, at its end.
+/// Sine and cosine of the wheel angle over one step: at its start, middle and end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelAngleTerms {
     /// sin δ.
     pub sin: [f64; 3],
     /// cos δ.
     pub cos: [f64; 3],
-    /// Whether the wheel stands across to rounding: cos 90° is 6e-17, which moves the reference point by less than an atom in a kilometre.
+    /// Whether the wheel is at 90° to rounding: cos 90° is 6e-17, which moves the reference point by less than an atom in a kilometre.
     across: bool,
 }
 
 impl WheelAngleTerms {
-    /// Of an angle [rad] that does not change.
+    /// For a constant angle [rad].
     pub fn fixed(angle_rad: f64) -> Self {
         let (sin, cos) = angle_rad.sin_cos();
         Self { sin: [sin; 3], cos: [cos; 3], across: cos.abs() < 1e-15 }
     }
 
-    /// Of three angles [rad].
+    /// For three angles [rad].
     pub fn moving(angles_rad: [f64; 3]) -> Self {
         Self { sin: angles_rad.map(f64::sin), cos: angles_rad.map(f64::cos), across: false }
     }
@@ -69,11 +69,11 @@ pub struct Body {
     cos_heading: f64,
     per_wheelbase: f64,
     yaw_rate_rad_s: f64,
-    /// Steps until sine and cosine are computed afresh; 0 when they are out of date.
+    /// Number of steps until sine and cosine are recomputed; 0 if they are out of date.
     until_fresh: u32,
 }
 
-/// Steps after which sine and cosine are computed afresh, against the build-up of rounding.
+/// Number of steps after which sine and cosine are recomputed, against accumulated rounding errors.
 const FRESH_EVERY: u32 = 256;
 /// Largest step angle [rad] for which the short Taylor rotation is exact to rounding.
 const SMALL_RAD: f64 = 3e-3;
@@ -117,7 +117,7 @@ impl Body {
         self.yaw_rate_rad_s
     }
 
-    /// Cosine of the angle from `direction_rad` to the wheel's plane, sin δ and cos δ given: what a slope needs.
+    /// Cosine of the angle from `direction_rad` to the wheel's plane, from sin δ and cos δ: used for slopes.
     pub(crate) fn cos_of_wheel_from(&self, direction_rad: f64, sin_delta: f64, cos_delta: f64) -> f64 {
         let (sin, cos) = (self.heading_rad - direction_rad).sin_cos();
         cos * cos_delta - sin * sin_delta
@@ -138,14 +138,14 @@ impl Body {
         }
     }
 
-    /// One step at rest: as [`Body::step`] with speeds of zero, to the last bit, but without the work.
+    /// One step at rest: bit-identical to [`Body::step`] with speeds of zero, without the work.
     #[inline]
     pub(crate) fn rest(&mut self) {
         self.yaw_rate_rad_s = 0.0;
         self.count_down();
     }
 
-    /// Computes sine and cosine afresh from time to time.
+    /// Recomputes sine and cosine from time to time.
     #[inline]
     fn count_down(&mut self) {
         if self.until_fresh == 0 {
@@ -200,7 +200,7 @@ mod tests {
         }
         assert!((body.heading_rad() - 3.0 / 0.9).abs() < 1e-11);
         assert_eq!((body.x_m(), body.y_m()), (0.0, 0.0));
-        // a wheel just off 90° goes the general way: sideways by cos δ
+        // a wheel near 90° takes the general branch: sideways by cos δ
         let almost = WheelAngleTerms::fixed(FRAC_PI_2 - 1e-6);
         for _ in 0..1000 {
             body.step(1e-3, SpeedStep { start_mps: 0.3, mid_mps: 0.3, end_mps: 0.3 }, &almost);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_at_rest_is_a_step_of_no_speed() {
+    fn a_step_at_rest_equals_a_step_of_zero_speed() {
         let (mut stepped, mut rested) = (Body::new(0.9), Body::new(0.9));
         let terms = WheelAngleTerms::fixed(0.6);
         for k in 0..1000 {

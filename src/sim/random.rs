@@ -1,18 +1,18 @@
 //! Random numbers: one independent stream per source, all from one seed.
 //!
-//! Each source of chance draws from its own PCG64 sub-stream, so that adding a sensor or losing a message changes no other source.
+//! Each random source draws from its own PCG64 sub-stream, so that a new sensor or a lost message changes no other source.
 //! Source: O'Neill (2014), *PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for Random Number Generation*.
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 
-/// The sources of chance; the number is the PCG stream.
+/// The random sources; the number is the PCG stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Stream {
     /// The slow disturbance of the plant.
     Disturbance = 1,
-    /// What is drawn once per run: offset, friction.
+    /// The values drawn once per run: offset, friction.
     Run = 2,
     /// The drive wheel's encoder.
     Encoder = 3,
@@ -34,11 +34,11 @@ pub enum Stream {
     OdometryMessages = 11,
     /// The order of a campaign's runs.
     Campaign = 12,
-    /// Torque dithered by hand.
+    /// Hand dither of the torque.
     Dither = 13,
 }
 
-/// A generator of one stream.
+/// The generator of one stream.
 #[derive(Debug, Clone)]
 pub struct Random(Pcg64);
 
@@ -48,19 +48,19 @@ impl Random {
         Self(Pcg64::new(u128::from(seed).wrapping_mul(0x9E37_79B9_7F4A_7C15_F39C_C060_5CED_C835), stream as u128))
     }
 
-    /// A draw of the normal distribution of mean 0 and standard deviation 1.
+    /// A draw from the normal distribution with mean 0 and standard deviation 1.
     pub fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// A draw of the uniform distribution over [0, 1).
+    /// A draw from the uniform distribution over [0, 1).
     pub fn uniform(&mut self) -> f64 {
         StandardUniform.sample(&mut self.0)
     }
 }
 
-/// An Ornstein-Uhlenbeck process, held over intervals of [`RandomDisturbance::INTERVAL_S`]: x⁺ = ρ·x + σ·√(1 − ρ²)·n with ρ = exp(−T/τ), the
-/// exact discretisation, so that its standard deviation is σ at every instant.
+/// x⁺ = ρ·x + σ·√(1 − ρ²)·n with ρ = exp(−T/τ): an Ornstein-Uhlenbeck process, held over intervals of [`RandomDisturbance::INTERVAL_S`].
+/// This is the exact discretisation, so that its standard deviation is σ at every instant.
 #[derive(Debug, Clone)]
 pub struct RandomDisturbance {
     random: Random,
@@ -73,10 +73,10 @@ pub struct RandomDisturbance {
 }
 
 impl RandomDisturbance {
-    /// How long a value is held [s]: short beside any time constant in use, long beside the step.
+    /// Hold time of a value [s]: short compared with any time constant in use, long compared with the step.
     pub const INTERVAL_S: f64 = 0.01;
 
-    /// A process of standard deviation `std_dev` and time constant `time_s`, stepped every `step_s`.
+    /// A process with standard deviation `std_dev` and time constant `time_s`, stepped every `step_s`.
     pub fn new(seed: u64, std_dev: f64, time_s: f64, step_s: f64) -> Self {
         let every = (Self::INTERVAL_S / step_s).round().max(1.0);
         let decay = if time_s > 0.0 { (-every * step_s / time_s).exp() } else { 0.0 };
@@ -85,7 +85,7 @@ impl RandomDisturbance {
         Self { random, std_dev, decay, kick: std_dev * (1.0 - decay * decay).sqrt(), value, every: every as u32, left: every as u32 }
     }
 
-    /// The value of this step; time goes on by one step.
+    /// The value of this step; advances the time by one step.
     #[inline]
     pub fn step(&mut self) -> f64 {
         if self.std_dev > 0.0 {
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn the_disturbance_has_the_told_deviation_and_correlation() {
+    fn the_disturbance_has_the_given_deviation_and_correlation() {
         let mut process = RandomDisturbance::new(1, 0.2, 0.5, 0.01);
         let x: Vec<f64> = (0..200_000).map(|_| process.step()).collect();
         let mean_of = |f: &dyn Fn(usize) -> f64| (0..x.len() - 50).map(f).sum::<f64>() / (x.len() - 50) as f64;

@@ -1,6 +1,6 @@
-//! Open-loop replay: the torque of a recorded run through a plant, without anything random, against the recorded speed.
+//! Open-loop replay: a plant without random parts is driven with the torque of a recorded run and compared with the recorded speed.
 //!
-//! Nothing corrects the simulated speed on the way, so that an error of the map shows as a drift: the hardest test of a fit.
+//! The simulated speed is never corrected, so that an error of the map appears as a drift: the hardest test of a fit.
 
 use crate::sim::drive::Drive;
 use crate::sim::error::{Error, Result};
@@ -10,40 +10,40 @@ use crate::sim::settings::{Perturbation, WorldSettings};
 use crate::sim::{Gear, WheelAngleTerms};
 use crate::units::RAD_PER_DEG;
 
-/// A recorded run, gear frame; the slices are equally long and their times increase.
+/// A recorded run, gear frame. The slices have equal lengths and ascending times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordedRun<'a> {
     /// Gear.
     pub gear: Gear,
-    /// Times [s]. They should begin a dead time and some lags before `score_from_s`, for the torque under way at that instant.
+    /// Times [s]. They should begin a dead time and some lags before `score_from_s`, for the effective torque at that instant.
     pub t_s: &'a [f64],
-    /// Commanded torque [N·m], in force from its time to the next; the first one is taken as in force since ever.
+    /// Commanded torque [N·m], valid from its time to the next; the first one is assumed to be valid for all time before.
     pub torque_nm: &'a [f64],
     /// Recorded speed [m/s].
     pub speed_mps: &'a [f64],
-    /// From when on speeds are simulated and compared [s]: the simulation starts there with the recorded speed.
+    /// Start of the simulation and the comparison [s]: the simulation starts there with the recorded speed.
     pub score_from_s: f64,
 }
 
-/// A replay and how well it fits.
+/// A replay and its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
     /// Index of the first compared sample.
     pub first: usize,
-    /// Simulated speed [m/s] at the samples from `first` on.
+    /// Simulated speed at the samples from `first` on [m/s].
     pub speed_mps: Vec<f64>,
     /// Root mean square of simulated minus recorded [m/s].
     pub rmse_mps: f64,
     /// Largest difference [m/s].
     pub max_mps: f64,
-    /// Share of the recorded speed's variance that the simulation explains, 1 − SSE/SST; `None` where the speed does not vary.
+    /// 1 − SSE/SST: share of the recorded speed's variance explained by the simulation; `None` if the speed does not vary.
     pub r_squared: Option<f64>,
 }
 
 /// Replays `run` through the plant of `settings`, at its test angle.
 ///
 /// # Errors
-/// Slices of different lengths or fewer than two compared samples; a setting out of its range.
+/// The slices have different lengths, fewer than two samples are compared, or a setting is out of its range.
 pub fn replay(settings: &WorldSettings, run: &RecordedRun<'_>) -> Result<Replay> {
     let n = run.t_s.len();
     let first = run.t_s.partition_point(|&t| t < run.score_from_s);
@@ -61,7 +61,7 @@ pub fn replay(settings: &WorldSettings, run: &RecordedRun<'_>) -> Result<Replay>
     let mut before = (t_s, 0.0);
     for k in first..n {
         if k == first {
-            // the drive alone runs up to the first compared sample
+            // up to the first compared sample, only the drive runs
             while t_s + step_s <= run.t_s[first] {
                 command = in_force(run.t_s, command, t_s);
                 drive.step(sign * run.torque_nm[command]);
@@ -86,10 +86,10 @@ pub fn replay(settings: &WorldSettings, run: &RecordedRun<'_>) -> Result<Replay>
     Ok(compared(first, speed_mps, &run.speed_mps[first..]))
 }
 
-/// Index of the command in force at `t_s`, at or after `from`.
+/// Index of the valid command at `t_s`, at or after `from`.
 fn in_force(times_s: &[f64], from: usize, t_s: f64) -> usize {
     let mut k = from;
-    // a nanosecond's grace: steps are sums, times are as logged
+    // tolerance of a nanosecond: step times are sums, sample times are logged
     while k + 1 < times_s.len() && times_s[k + 1] <= t_s + 1e-9 {
         k += 1;
     }
@@ -116,7 +116,7 @@ mod tests {
         Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }
     }
 
-    /// The physical plant's true map as if a fit had found it, its torques multiplied by `scale`.
+    /// The physical plant's true map in the form of a fit, with torques multiplied by `scale`.
     fn identified(scale: f64) -> WorldSettings {
         let physical = PhysicalSettings::default();
         let truth = Truth::new(&physical, &vehicle()).unwrap();
@@ -167,7 +167,7 @@ mod tests {
             let [t_s, torque_nm, speed_mps] = recorded(gear);
             let run = RecordedRun { gear, t_s: &t_s, torque_nm: &torque_nm, speed_mps: &speed_mps, score_from_s: 0.3 };
             let right = replay(&identified(1.0), &run).unwrap();
-            // the grid of 0.01 m/s and 1 N·m interpolates the friction curve to some mm/s²
+            // the grid of 0.01 m/s and 1 N·m interpolates the friction curve with an error of some mm/s²
             assert!(right.rmse_mps < 2e-3 && right.r_squared.unwrap() > 0.9999, "{gear}: {} m/s", right.rmse_mps);
             assert_eq!((right.first, right.speed_mps.len()), (15, 235));
             let wrong = replay(&identified(1.1), &run).unwrap();
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn slices_that_do_not_fit_together_are_refused() {
+    fn slices_of_different_lengths_are_refused() {
         let run = RecordedRun { gear: Gear::Forward, t_s: &[0.0, 1.0], torque_nm: &[0.0], speed_mps: &[0.0, 0.0], score_from_s: 0.0 };
         assert!(matches!(replay(&identified(1.0), &run), Err(Error::UnequalRun { torque_nm: 1, .. })));
     }

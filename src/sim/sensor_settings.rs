@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EncoderSettings {
-    /// Counts per revolution; 0 for one that reads the speed itself. Default 4096.
+    /// Counts per revolution; 0 for an encoder that measures the speed directly. Default 4096.
     pub counts_per_rev: u32,
     /// Standard deviation of a reading [m/s]. Default 0.006.
     pub noise_mps: f64,
-    /// Reading over true speed: a rolling radius that is not the nominal one. Default 1.
+    /// Reading over true speed: an error of the nominal rolling radius. Default 1.
     pub scale: f64,
-    /// When it reads.
+    /// Timing of the readings.
     pub timing: Timing,
 }
 
@@ -27,7 +27,7 @@ pub struct GyroSettings {
     pub noise_rad_s: f64,
     /// Bias [rad/s]. Default 0.0015.
     pub bias_rad_s: f64,
-    /// When it reads. Default 100 Hz.
+    /// Timing of the readings. Default 100 Hz.
     pub timing: Timing,
 }
 
@@ -41,7 +41,7 @@ pub struct SteeringAngleSettings {
     pub bias_deg: f64,
     /// Step of the reading [°]; 0 for none. Default 0.01.
     pub quantum_deg: f64,
-    /// When it reads.
+    /// Timing of the readings.
     pub timing: Timing,
 }
 
@@ -51,7 +51,7 @@ pub struct SteeringAngleSettings {
 pub struct TorqueFeedbackSettings {
     /// Standard deviation of a reading [N·m]. Default 0.3.
     pub noise_nm: f64,
-    /// When it reads.
+    /// Timing of the readings.
     pub timing: Timing,
 }
 
@@ -63,7 +63,7 @@ pub struct PoseSettings {
     pub noise_m: f64,
     /// Standard deviation of the heading [°]. Default 0.05.
     pub noise_deg: f64,
-    /// When it reads. Default 50 Hz.
+    /// Timing of the readings. Default 50 Hz.
     pub timing: Timing,
 }
 
@@ -126,7 +126,7 @@ impl SensorSettings {
         }
     }
 
-    /// What a fit knows of the sensors: the speed noise; the rest is usual, without biases, which a calibrated vehicle has taken out.
+    /// The sensors of a fit: its speed noise, usual values for the rest, and no biases, which are removed on a calibrated vehicle.
     pub fn identified(noise: &PlantNoise) -> Self {
         let usual = Self::default();
         Self {

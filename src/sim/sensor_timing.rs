@@ -1,27 +1,27 @@
-//! One sensor's timing: rate, phase, latency, jitter, lost readings, dropouts.
+//! Timing of one sensor: rate, phase, latency, jitter, lost readings, dropouts.
 
 use crate::sim::error::{Error, Result, within};
 use crate::sim::random::{Random, Stream};
 use serde::{Deserialize, Serialize};
 
-/// When a sensor reads, and what becomes of its readings.
+/// Timing and loss of a sensor's readings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Timing {
     /// Readings per second. Default 50.
     pub rate_hz: f64,
-    /// Time of the first reading [s]; without it, the default, drawn from the seed within one period.
+    /// Time of the first reading [s]. Default: drawn from the seed within one period.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_s: Option<f64>,
-    /// From reading to arrival [s]. Default 0.004.
+    /// Time from reading to arrival [s]. Default 0.004.
     pub latency_s: f64,
-    /// Standard deviation of the stamp about the true time of the reading [s], cut at three. Default 0.0008.
+    /// Standard deviation of the stamp from the true time of the reading [s], limited to ±3 of them. Default 0.0008.
     pub jitter_s: f64,
-    /// How far the sensor's clock is ahead [s]: added to every stamp. Default 0.
+    /// Offset of the sensor's clock [s], added to every stamp; positive if the clock is ahead. Default 0.
     pub clock_offset_s: f64,
     /// Share of readings that never arrive. Default 0.003.
     pub lost_fraction: f64,
-    /// Dropouts begin at this mean rate [1/s]. Default 0.
+    /// Mean rate of dropouts [1/s]. Default 0.
     pub dropouts_per_s: f64,
     /// Length of a dropout [s]. Default 0.3.
     pub dropout_s: f64,
@@ -43,7 +43,7 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// `rate_hz` exactly, at once and without loss.
+    /// Exactly `rate_hz`, without latency and without loss.
     pub fn ideal(rate_hz: f64) -> Self {
         Self { rate_hz, phase_s: Some(0.0), latency_s: 0.0, jitter_s: 0.0, lost_fraction: 0.0, ..Self::default() }
     }
@@ -51,7 +51,7 @@ impl Timing {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field out of its range, or a latency of more than [`KEPT`] periods.
+    /// The first field that is out of its range, or a latency of more than [`KEPT`] periods.
     pub fn check(&self) -> Result<()> {
         within("timing.rate_hz", self.rate_hz, 0.1..=1000.0, "0.1 to 1000")?;
         within("timing.phase_s", self.phase_s.unwrap_or(0.0), 0.0..=10.0, "0 to 10")?;
@@ -66,19 +66,19 @@ impl Timing {
     }
 }
 
-/// Readings that may be on their way at once.
+/// Largest number of readings in transit.
 pub const KEPT: usize = 16;
 
 /// One reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorReading<T> {
-    /// When it was taken [s], true time.
+    /// True time of the reading [s].
     pub t_s: f64,
-    /// What its stamp says [s].
+    /// Its stamp [s].
     pub stamp_s: f64,
-    /// When it arrives [s], true time.
+    /// True time of arrival [s].
     pub arrival_s: f64,
-    /// What was read.
+    /// The measured value.
     pub value: T,
 }
 
@@ -100,15 +100,15 @@ pub struct Channel<T> {
 }
 
 impl<T: Copy> Channel<T> {
-    /// A channel that says `initial` until the first reading arrives.
+    /// A channel with the value `initial` until the first reading arrives.
     ///
     /// # Errors
-    /// A timing out of its range.
+    /// The timing is out of its range.
     pub fn new(timing: &Timing, seed: u64, stream: Stream, initial: T) -> Result<Self> {
         timing.check()?;
         let mut random = Random::new(seed, stream);
         let period_s = 1.0 / timing.rate_hz;
-        // drawn even when it is given, so that a fixed phase changes nothing else
+        // drawn even if it is given, so that a fixed phase does not change other draws
         let drawn_s = random.uniform() * period_s;
         let first_s = timing.phase_s.unwrap_or(drawn_s);
         Ok(Self {
@@ -127,7 +127,7 @@ impl<T: Copy> Channel<T> {
         })
     }
 
-    /// The latest value that has arrived at `now_s`, which is not before the last [`Channel::poll`].
+    /// The latest value that has arrived by `now_s`, not earlier than the last [`Channel::poll`].
     pub fn latest(&self, now_s: f64) -> T {
         let mut latest = self.arrived;
         for k in 0..KEPT {
@@ -139,7 +139,7 @@ impl<T: Copy> Channel<T> {
         latest
     }
 
-    /// The reading taken by the last [`Channel::poll`], if any and not lost.
+    /// The reading of the last [`Channel::poll`], if there is one and it was not lost.
     pub fn taken(&self) -> Option<&SensorReading<T>> {
         self.taken.as_ref()
     }
@@ -159,13 +159,13 @@ impl<T: Copy> Channel<T> {
         self.period_s
     }
 
-    /// The next time at which [`Channel::poll`] has anything to do [s].
+    /// The next time at which [`Channel::poll`] has work to do [s].
     #[inline]
     pub fn next_event_s(&self) -> f64 {
         self.next_s
     }
 
-    /// Brings the channel to `now_s`: takes the readings that are due, `sample` being asked for the value at the exact time.
+    /// Advances the channel to `now_s` and takes the due readings; `sample` returns the value at the exact time.
     #[inline]
     pub fn poll(&mut self, now_s: f64, sample: impl FnMut(f64, &mut Random) -> T) {
         self.taken = None;
@@ -236,14 +236,14 @@ mod tests {
     }
 
     #[test]
-    fn lost_readings_and_dropouts_have_the_told_share() {
+    fn lost_readings_and_dropouts_have_the_given_share() {
         let mut channel = channel(&Timing { lost_fraction: 0.1, dropouts_per_s: 0.1, dropout_s: 0.5, ..Timing::ideal(100.0) });
         let mut kept = 0;
         for k in 0..100_000 {
             channel.poll(f64::from(k) * 0.01, |_, _| 0.0);
             kept += i32::from(channel.taken().is_some());
         }
-        // 90 % of what 1/(1 + 0.1·0.5) to exp(−0.05) leaves; the counting error is below 0.5 %
+        // 90 % of the share 1/(1 + 0.1·0.5) to exp(−0.05) that remains; the counting error is below 0.5 %
         let share = f64::from(kept) / 1e5;
         assert!((share - 0.9 * 0.953).abs() < 0.01, "{share}");
     }

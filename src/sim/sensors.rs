@@ -1,6 +1,7 @@
-//! The sensors: encoder, gyro, steering angle, torque feedback, localisation; each with its rate, quantisation, noise and delay.
+//! The sensors: encoder, gyro, steering angle, torque feedback, localisation, each with its rate, quantisation, noise and delay.
 //!
-//! The encoder counts: it differences the counts of one period, so it is quantised by 2π r/(counts·period) and reads half a period late.
+//! Encoder quantum = 2π r/(counts·period): the encoder takes the difference of the counts over one period, so it also reads half a period
+//! late.
 
 use crate::map::Vehicle;
 use crate::sim::error::Result;
@@ -10,7 +11,7 @@ use crate::sim::sensor_timing::Channel;
 use crate::units::RAD_PER_DEG;
 use std::f64::consts::TAU;
 
-/// What the sensors look at: the state at the end of a step, and how it is changing.
+/// Input of the sensors: the state at the end of a step, and its rates of change.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Scene {
     pub(crate) t_s: f64,
@@ -42,10 +43,10 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Sensors that have not read anything yet; until then they say zero.
+    /// Sensors without readings; until the first reading their values are zero.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &SensorSettings, vehicle: &Vehicle, seed: u64) -> Result<Self> {
         settings.check()?;
         Ok(Self {
@@ -62,7 +63,7 @@ impl Sensors {
         })
     }
 
-    /// Front-wheel speed by the encoder and the nominal radius [m/s].
+    /// Front-wheel speed from the encoder and the nominal radius [m/s].
     pub fn encoder(&self) -> &Channel<f64> {
         &self.encoder
     }
@@ -87,7 +88,6 @@ impl Sensors {
         &self.pose
     }
 
-    /// The next time at which [`Sensors::poll`] has anything to do [s].
     /// Leaves out the torque feedback.
     pub(crate) fn silence_torque_feedback(&mut self) {
         self.torque_feedback.silence();
@@ -98,12 +98,13 @@ impl Sensors {
         self.gyro.silence();
     }
 
+    /// The next time at which [`Sensors::poll`] has work to do [s].
     #[inline]
     pub(crate) fn next_event_s(&self) -> f64 {
         self.next_event_s
     }
 
-    /// Nothing was read in the last step.
+    /// Marks that the last step has no readings.
     #[inline]
     pub(crate) fn forget_taken(&mut self) {
         if self.took {
@@ -120,11 +121,11 @@ impl Sensors {
         self.pose.forget_taken();
     }
 
-    /// Brings all sensors to the time of `scene`.
+    /// Advances all sensors to the time of `scene`.
     pub(crate) fn poll(&mut self, scene: &Scene) {
         let now_s = scene.t_s;
         let s = &self.settings;
-        // a reading falls between two steps: the state is carried back to its time
+        // a reading is between two steps: the state is extrapolated back to its time
         let ago = |t_s: f64| now_s - t_s;
         let noisy = |value: f64, deviation: f64, random: &mut Random| {
             if deviation > 0.0 { value + deviation * random.normal() } else { value }
@@ -203,13 +204,13 @@ mod tests {
         for speed in &speeds[1..] {
             assert!(((speed / quantum).round() - speed / quantum).abs() < 1e-9, "{speed} is a whole number of quanta");
         }
-        // the counts never lose distance: over 1000 readings the mean is true to one count
+        // the counts never lose distance: over 1000 readings the mean is exact to one count
         let mean = speeds[1..].iter().sum::<f64>() / (speeds.len() - 1) as f64;
         assert!((mean - 0.1).abs() < quantum / 900.0, "{mean}");
     }
 
     #[test]
-    fn noise_and_scale_are_as_told() {
+    fn noise_and_scale_have_the_given_values() {
         let mut settings = SensorSettings::ideal();
         settings.encoder = EncoderSettings { counts_per_rev: 0, noise_mps: 0.006, scale: 1.01, timing: Timing::ideal(100.0) };
         let speeds = readings(&settings, 0.5);

@@ -1,4 +1,4 @@
-//! Settings of a world, and how they are varied.
+//! Settings of a world, and their variations.
 
 use crate::map::{Table1File, Vehicle};
 use crate::sim::drive::DriveSettings;
@@ -9,12 +9,12 @@ use crate::sim::plant::PhysicalSettings;
 use crate::sim::sensor_settings::SensorSettings;
 use crate::sim::steering::SteeringSettings;
 
-/// Everything that makes a world, apart from the seed.
+/// All settings of a world, except the seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldSettings {
     /// Time step [s], 0.0001 to 0.02. Default 0.001.
     pub step_s: f64,
-    /// Geometry. Its torque limit is what the controller may ask; the drive has its own.
+    /// Geometry. Its torque limit applies to the controller; the drive has its own.
     pub vehicle: Vehicle,
     /// The drive.
     pub drive: DriveSettings,
@@ -26,11 +26,11 @@ pub struct WorldSettings {
     pub sensors: SensorSettings,
 }
 
-/// Step of the simulation unless told otherwise [s].
+/// Default step of the simulation [s].
 pub const DEFAULT_STEP_S: f64 = 1e-3;
 
 impl WorldSettings {
-    /// A physical vehicle with usual drive, steering and sensors.
+    /// A physical vehicle with typical drive, steering and sensors.
     pub fn physical(vehicle: Vehicle, motion: PhysicalSettings) -> Self {
         Self {
             step_s: DEFAULT_STEP_S,
@@ -42,11 +42,11 @@ impl WorldSettings {
         }
     }
 
-    /// The vehicle behind a fit: its surface, dead time, lag, noise and run-to-run offset, limited to the vehicle's torque limit or, without
-    /// one, to the largest torque of the surface.
+    /// The vehicle of a fit: its surface, dead time, lag, noise and run-to-run offset. Torque is limited to the vehicle's torque limit or,
+    /// without one, to the largest torque of the surface.
     ///
     /// # Errors
-    /// No forward map at the vehicle's test angle, or a table that is not sound.
+    /// There is no forward map at the vehicle's test angle, or a table is not valid.
     pub fn identified(file: &Table1File) -> Result<Self> {
         let motion = IdentifiedSettings::from_table1(file)?;
         let drive = DriveSettings {
@@ -69,7 +69,7 @@ impl WorldSettings {
     /// The same world with its plant, drive and noise varied.
     ///
     /// # Errors
-    /// A factor that is not above 0 (noise: below 0), or not finite.
+    /// A factor is not above 0 (noise: below 0) or not finite.
     pub fn perturbed(&self, by: &Perturbation) -> Result<Self> {
         by.check()?;
         let mut varied = self.clone();
@@ -107,7 +107,7 @@ impl WorldSettings {
     }
 }
 
-/// Factors on a world; 1 leaves it as it is.
+/// Factors on a world; 1 changes nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Perturbation {
     /// On all inertia: a full tank, a load.
@@ -158,7 +158,7 @@ mod tests {
     use crate::sim::{SensorSettings, World, WorldCommand};
     use std::f64::consts::FRAC_PI_2;
 
-    /// A fit that found a = (τ − 8)/13 forward and nothing in reverse.
+    /// A fit with a = (τ − 8)/13 forward and no reverse table.
     fn fit() -> Table1File {
         let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: DelayStatus::Given };
         let (speed_mps, torque_nm) = (vec![0.0, 1.0], vec![-40.0, 40.0]);
@@ -206,16 +206,16 @@ mod tests {
     }
 
     #[test]
-    fn the_identified_plant_drives_as_the_fit_says_behind_its_dead_time_and_lag() {
+    fn the_identified_plant_moves_like_the_fit_after_its_dead_time_and_lag() {
         let settings = WorldSettings::identified(&fit()).unwrap();
         assert_eq!((settings.drive.torque_limit_nm, settings.sensors.encoder.noise_mps), (40.0, 0.004));
-        // u = 21·(1 − exp(−t/T)) passes 8 N·m at t_b; from there on v = ∫ (u − 8)/13 dt, t counted after the dead time
+        // u = 21·(1 − exp(−t/T)) passes 8 N·m at t_b; after that v = ∫ (u − 8)/13 dt, with t from the end of the dead time
         let (lag, end) = (0.05, 0.95_f64);
         let t_b = -lag * (1.0_f64 - 8.0 / 21.0).ln();
         let rest = |t: f64| 21.0 * lag * (-t / lag).exp();
         let expected = (13.0 * (end - t_b) + rest(end) - rest(t_b)) / 13.0;
         let found = speed_after_one_second(&settings, Gear::Forward);
-        // it sets off at the first step after t_b: at most 1 ms of almost no torque
+        // it starts at the first step after t_b: at most 1 ms of almost no torque
         assert!((found - expected).abs() < 1e-4, "{found} for {expected}");
     }
 
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn perturbations_change_what_their_names_say() {
+    fn perturbations_change_the_named_quantities() {
         let settings = WorldSettings::identified(&fit()).unwrap();
         let by = Perturbation { inertia_factor: 2.0, friction_factor: 0.5, torque_limit_factor: 0.8, ..Perturbation::default() };
         let varied = settings.perturbed(&by).unwrap();

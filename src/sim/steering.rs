@@ -1,6 +1,6 @@
 //! The steering (EPS): wheel angle target → rate limit, first-order lag, faults → wheel angle.
 //!
-//! `δ̇ = clamp((δ_target − δ)/T, ±rate)`, solved exactly over a step: a ramp while the limit holds, then an exponential.
+//! `δ̇ = clamp((δ_target − δ)/T, ±rate)`, solved exactly over a step: a ramp while the limit is active, then an exponential.
 
 use crate::sim::error::{Result, within};
 use crate::units::RAD_PER_DEG;
@@ -28,7 +28,7 @@ impl SteeringSettings {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field out of its range.
+    /// The first field that is out of its range.
     pub fn check(&self) -> Result<()> {
         within("steering.rate_deg_s", self.rate_deg_s, 0.1..=3600.0, "0.1 to 3600")?;
         within("steering.lag_s", self.lag_s, 0.0..=5.0, "0 to 5")?;
@@ -60,14 +60,14 @@ pub struct Steering {
     half_step_decay: f64,
 }
 
-/// Nearer than this the wheel is at its target [rad], exactly: without it the exponential would never end.
+/// Within this distance the wheel is set exactly to its target [rad]: otherwise the exponential would never end.
 const ARRIVED_RAD: f64 = 1e-7;
 
 impl Steering {
     /// A wheel straight ahead, stepped every `step_s`.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &SteeringSettings, step_s: f64) -> Result<Self> {
         settings.check()?;
         let half_step_s = 0.5 * step_s;
@@ -83,28 +83,28 @@ impl Steering {
         })
     }
 
-    /// Puts the wheel at an angle at once (limited to the mechanical stop).
+    /// Sets the wheel angle directly (limited to the mechanical stop).
     pub fn place(&mut self, angle_rad: f64) {
         self.angle_rad = angle_rad.clamp(-self.limit_rad, self.limit_rad);
     }
 
-    /// Holds the wheel where it is, or lets it go.
+    /// Locks or releases the wheel.
     pub fn set_stuck(&mut self, stuck: bool) {
         self.stuck = stuck;
     }
 
-    /// Multiplies the rate limit: 0.1 is a slow steering, 1 a sound one.
+    /// Multiplies the rate limit: 0.1 is a slow steering, 1 a normal one.
     pub fn set_rate_factor(&mut self, factor: f64) {
         self.rate_factor = factor.max(0.0);
     }
 
-    /// Wheel angle now [rad].
+    /// Current wheel angle [rad].
     #[inline]
     pub fn angle_rad(&self) -> f64 {
         self.angle_rad
     }
 
-    /// Advances one step toward `target_rad` (a target that is not a number holds the wheel); `None` when the wheel did not move.
+    /// Advances one step toward `target_rad` (a NaN target holds the wheel); `None` if the wheel did not move.
     #[inline]
     pub fn step(&mut self, target_rad: f64) -> Option<AngleStep> {
         if self.angle_rad == target_rad || self.stuck || target_rad.is_nan() {

@@ -1,8 +1,8 @@
-//! A table laid out for the simulator's look-ups: thousands in a row, each near the one before, with derivatives.
+//! A table for the simulator's look-ups with derivatives: thousands in sequence, each near the one before.
 
 use crate::map::AccelTable;
 
-/// A table laid out for fast repeated look-up.
+/// A table for fast repeated look-ups.
 #[derive(Debug, Clone)]
 pub(crate) struct Surface {
     speed_mps: Vec<f64>,
@@ -12,7 +12,7 @@ pub(crate) struct Surface {
     accel_mps2: Vec<f64>,
 }
 
-/// Where the last look-up was: the next one is near.
+/// Position of the last look-up; the next one is near it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Cell {
     pub(crate) speed: usize,
@@ -32,13 +32,13 @@ impl Surface {
         }
     }
 
-    /// Bilinear; clamped in speed, linear beyond the ends in torque.
+    /// Bilinear interpolation; clamped in speed, extrapolated linearly in torque.
     #[inline]
     pub(crate) fn accel(&self, cell: &mut Cell, s: f64, u: f64) -> f64 {
         self.plane(cell, s, u).accel
     }
 
-    /// The same with its derivatives by speed and by torque; beyond the speeds the former is zero.
+    /// The same with its derivatives by speed and by torque; beyond the speeds the derivative by speed is zero.
     #[inline]
     pub(crate) fn plane(&self, cell: &mut Cell, s: f64, u: f64) -> Plane {
         let last = self.speed_mps.len() - 1;
@@ -67,7 +67,7 @@ pub(crate) struct Plane {
     pub(crate) by_torque: f64,
 }
 
-/// Index of the interval that holds `x`, or of the nearest one, walking from `from`.
+/// Index of the interval that holds `x`, or of the nearest one; the search starts at `from`.
 #[inline]
 fn walk(breaks: &[f64], from: usize, x: f64) -> usize {
     let last = breaks.len() - 2;

@@ -1,5 +1,5 @@
-//! Traction: what of the drive's torque reaches the floor. Beyond the grip the wheel spins up against its own inertia and only the grip
-//! arrives: `(J_w/r²)·ṡ = (τ − τ_grip)/r` for the slip speed s of the rim over the floor. On a dry floor the grip is unlimited.
+//! Traction: `(J_w/r²)·ṡ = (τ − τ_grip)/r` for the slip speed s of the rim over the floor. Beyond the grip the wheel spins up against its
+//! own inertia, and only the grip torque reaches the floor. On a dry floor the grip is unlimited.
 
 use crate::sim::drive::TorqueStep;
 
@@ -18,7 +18,7 @@ impl Traction {
         Self { grip_nm: f64::INFINITY, slip_mps: 0.0, slip_per_nm: step_s / (wheel_mass_kg * wheel_radius_m) }
     }
 
-    /// Largest torque that the floor takes [N·m]; infinity for a dry floor.
+    /// Largest torque on the floor [N·m]; infinity for a dry floor.
     pub fn set_grip_nm(&mut self, grip_nm: f64) {
         self.grip_nm = grip_nm.max(0.0);
     }
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_grip_the_wheel_spins_and_the_floor_takes_the_grip() {
+    fn beyond_the_grip_the_wheel_spins_and_the_grip_reaches_the_floor() {
         let mut traction = Traction::new(6.0, 0.12, 1e-3);
         traction.set_grip_nm(20.0);
         assert_eq!(traction.step(held(20.0)), held(20.0));

@@ -1,4 +1,4 @@
-//! The physical plant's exact steady map a(v, τ), with dead time, lag and everything random removed: what a fit is judged against.
+//! a(v, τ): the physical plant's exact steady map, without dead time, lag and random parts. It is the reference for fits.
 
 use crate::map::{Gear, Vehicle};
 use crate::sim::error::Result;
@@ -11,10 +11,10 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Of a plant with these settings.
+    /// The map of a plant with these settings.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &PhysicalSettings, vehicle: &Vehicle) -> Result<Self> {
         Ok(Self { plant: Plant::new(settings, vehicle)? })
     }
@@ -27,7 +27,7 @@ impl Truth {
         self.plant.accel(self.plant.at_angle(sin, cos), way, speed_mps, torque_nm, 0.0, 0.0)
     }
 
-    /// The same in the frame of `gear`: speed ≥ 0 in the direction of travel, torque positive when it drives that way.
+    /// The same in the frame of `gear`: speed ≥ 0 in the direction of travel, torque positive if it drives in that direction.
     pub fn gear_accel_mps2(&self, gear: Gear, speed_mps: f64, torque_nm: f64, wheel_angle_rad: f64) -> f64 {
         let sign = gear.sign();
         sign * self.accel_mps2(speed_mps.abs().copysign(sign), sign * torque_nm, wheel_angle_rad)

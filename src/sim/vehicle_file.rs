@@ -13,7 +13,7 @@ use crate::sim::world::World;
 use crate::spelling::nearest;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-/// A physical vehicle as its file describes it. Sections left out have their defaults, except `[vehicle]`.
+/// A physical vehicle from its file. Missing sections have their defaults, except `[vehicle]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleFile {
@@ -44,14 +44,14 @@ impl VehicleFile {
     /// Reads the TOML text and checks every number.
     ///
     /// # Errors
-    /// Text that is not TOML, an unknown key (with the nearest known one), a value of another type or out of its range.
+    /// The text is not TOML, a key is unknown (the nearest known key is given), or a value has another type or is out of its range.
     pub fn from_toml(text: &str) -> Result<Self> {
         let file: Self = from_toml(text)?;
         World::new(&file.settings(), 0)?;
         Ok(file)
     }
 
-    /// The scrubber that comes with the program.
+    /// The built-in scrubber.
     ///
     /// # Errors
     /// None in practice: the file is part of the program.
@@ -74,16 +74,16 @@ impl VehicleFile {
     /// The exact map of this vehicle.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn truth(&self) -> Result<Truth> {
         Truth::new(&self.motion, &self.vehicle)
     }
 }
 
-/// Reads TOML; an error tells the line, what was found, what is allowed, and for a misspelt name the nearest one.
+/// Reads TOML. An error gives the line, the found and the allowed values, and for a misspelt name the nearest one.
 ///
 /// # Errors
-/// As told.
+/// The text is not valid TOML of this form.
 pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_misspelt_key_is_told_with_its_line_and_the_nearest_one() {
+    fn a_misspelt_key_is_reported_with_its_line_and_the_nearest_key() {
         let error = VehicleFile::from_toml(&format!("{SHORT}[drive]\nlag_s = 0.05\ndeadtime_s = 0.05\n")).unwrap_err().to_string();
         assert!(error.starts_with("line 6: unknown field `deadtime_s`") && error.ends_with("did you mean `dead_time_s`?"), "{error}");
         let error = VehicleFile::from_toml(&format!("{SHORT}[sensors.gyroo]\n")).unwrap_err().to_string();
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_of_another_type_or_out_of_range_is_told() {
+    fn a_value_of_another_type_or_out_of_range_is_reported() {
         let error = VehicleFile::from_toml(&format!("{SHORT}[drive]\nlag_s = \"fast\"\n")).unwrap_err().to_string();
         assert!(error.starts_with("line 5: invalid type: string \"fast\", expected f64"), "{error}");
         let error = VehicleFile::from_toml(&format!("{SHORT}[drive]\nlag_s = -1\n")).unwrap_err().to_string();

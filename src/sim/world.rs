@@ -1,4 +1,4 @@
-//! The world loop: command → drive → traction → motion → body → sensors, one fixed step at a time.
+//! The world loop with a fixed step: command → drive → traction → motion → body → sensors.
 
 use crate::sim::drive::Drive;
 use crate::sim::error::Result;
@@ -14,18 +14,18 @@ use crate::sim::{Fault, Gear};
 /// Standard gravity [m/s²]. Source: ISO 80000-3.
 const GRAVITY_MPS2: f64 = 9.806_65;
 
-/// What a controller asks of the vehicle, vehicle frame.
+/// Command of a controller, vehicle frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WorldCommand {
-    /// Torque [N·m]; positive drives the wheel forward. Without effect in neutral.
+    /// Torque [N·m]; positive drives the wheel forward. It has no effect in neutral.
     pub torque_nm: f64,
-    /// Wheel angle to steer to [rad], left positive.
+    /// Wheel angle target [rad], left positive.
     pub wheel_angle_rad: f64,
     /// Gear; `None` is neutral.
     pub gear: Option<Gear>,
 }
 
-/// What is true, and no sensor says exactly.
+/// The true state, without sensor errors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrueState {
     /// Time since the start [s].
@@ -46,10 +46,10 @@ pub struct TrueState {
     pub torque_nm: f64,
 }
 
-/// What a controller knows: the latest readings that have arrived.
+/// Input of a controller: the latest readings that have arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measurement {
-    /// Front-wheel speed by the encoder [m/s]; `None` when the sensor is lost.
+    /// Front-wheel speed from the encoder [m/s]; `None` if the sensor is lost.
     pub speed_mps: Option<f64>,
     /// Wheel angle [rad].
     pub wheel_angle_rad: f64,
@@ -63,7 +63,7 @@ pub struct Measurement {
     pub heading_rad: f64,
     /// Gear engaged.
     pub gear: Option<Gear>,
-    /// Whether the emergency stop is active: the drive gives no torque and the brake holds.
+    /// Whether the emergency stop is active: no drive torque, brake applied.
     pub estop: bool,
 }
 
@@ -80,7 +80,7 @@ pub struct World {
     motion: Motion,
     steering: Steering,
     angle: WheelAngleTerms,
-    /// Whether `angle` and the motion's terms still hold the last steering movement rather than one fixed angle.
+    /// Whether `angle` and the motion's terms still hold the last steering movement instead of one fixed angle.
     angle_moved: bool,
     body: Body,
     sensors: Sensors,
@@ -99,7 +99,7 @@ pub struct World {
 
 #[derive(Debug, Clone, Copy)]
 struct Slope {
-    /// Torque that holds the vehicle when the wheel points straight uphill [N·m].
+    /// Torque that holds the vehicle with the wheel pointing straight uphill [N·m].
     torque_nm: f64,
     uphill_rad: f64,
 }
@@ -108,7 +108,7 @@ impl World {
     /// A vehicle at rest at the origin, heading along x, wheel straight ahead, in neutral.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting is out of its range.
     pub fn new(settings: &WorldSettings, seed: u64) -> Result<Self> {
         settings.check()?;
         let (step_s, vehicle) = (settings.step_s, &settings.vehicle);
@@ -144,7 +144,7 @@ impl World {
         Ok(world)
     }
 
-    /// Advances one step under `command`. A torque or angle that is not a number counts as no torque and as holding the angle.
+    /// Advances one step under `command`. A NaN torque counts as zero; a NaN angle holds the wheel angle.
     #[inline]
     pub fn step(&mut self, command: &WorldCommand) {
         self.gear = command.gear;
@@ -161,7 +161,7 @@ impl World {
             (self.motion.step(&load), turning)
         };
         if let Some(angles_rad) = turning {
-            // the steering turns under a vehicle that knows one angle only: sines are worked out when it rolls, which it seldom does then
+            // the plant ignores the angle while the steering turns: sines are computed only if the vehicle rolls, which is rare then
             if speed.is_rest() {
                 self.body.rest();
             } else {
@@ -177,7 +177,7 @@ impl World {
         self.look();
     }
 
-    /// The truth now.
+    /// The true state.
     #[inline]
     pub fn state(&self) -> TrueState {
         TrueState {
@@ -208,7 +208,7 @@ impl World {
         }
     }
 
-    /// The sensors with their times, for a log.
+    /// The sensors with the times of their readings, for a log.
     pub fn sensors(&self) -> &Sensors {
         &self.sensors
     }
@@ -228,7 +228,7 @@ impl World {
         self.traction.slip_mps()
     }
 
-    /// The torque command as the drive takes it [N·m]: rounded, limited, zero in neutral and during an emergency stop.
+    /// The torque command after the drive's input [N·m]: rounded, limited, zero in neutral and during an emergency stop.
     pub fn accepted_torque_nm(&self, command: &WorldCommand) -> f64 {
         if self.estop || command.gear.is_none() { 0.0 } else { self.drive.limited(command.torque_nm) }
     }
@@ -238,25 +238,25 @@ impl World {
         self.estop = estop;
     }
 
-    /// Puts the wheel at an angle [rad] at once, as a start.
+    /// Sets the initial wheel angle [rad] directly.
     pub fn place_wheel(&mut self, angle_rad: f64) {
         self.steering.place(angle_rad);
         self.set_fixed_angle();
         self.look();
     }
 
-    /// Sets the front-wheel speed [m/s] at once, as a start.
+    /// Sets the initial front-wheel speed [m/s] directly.
     pub fn place_speed(&mut self, speed_mps: f64) {
         self.motion.set_speed(speed_mps);
     }
 
-    /// Draws what differs from run to run: friction of the physical plant, offset of the identified one. The first draw is made with the
-    /// world.
+    /// Draws the values that differ between runs: friction of the physical plant, offset of the identified one. The first draw is made at
+    /// creation.
     pub fn begin_run(&mut self) {
         self.motion.begin_run();
     }
 
-    /// Makes something go wrong, or right again.
+    /// Injects or clears a fault.
     pub fn inject(&mut self, fault: Fault) {
         match fault {
             Fault::Cleared => {
@@ -283,7 +283,7 @@ impl World {
         }
     }
 
-    /// Turns the wheel. Returns the angles of the step [rad] when it moved and nothing but the body asks for them.
+    /// Turns the wheel. Returns the angles of the step [rad] if it moved and only the body needs them.
     #[inline]
     fn steer(&mut self, target_rad: f64) -> Option<[f64; 3]> {
         match self.steering.step(target_rad) {
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_gives_the_same_bits_and_another_one_other_noise() {
+    fn the_same_seed_gives_the_same_bits_and_another_seed_gives_other_noise() {
         assert_eq!(run(4), run(4));
         assert_ne!(run(4).1.yaw_rate_rad_s, run(5).1.yaw_rate_rad_s);
     }
@@ -406,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn an_emergency_stop_takes_the_torque_and_brakes() {
+    fn an_emergency_stop_removes_the_torque_and_brakes() {
         let mut world = World::new(&settings(), 1).unwrap();
         world.place_wheel(FRAC_PI_2);
         for _ in 0..1500 {
@@ -423,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn on_a_wet_floor_the_encoder_runs_ahead_of_the_vehicle() {
+    fn on_a_wet_floor_the_encoder_reads_more_than_the_vehicle_speed() {
         let mut world = World::new(&settings(), 1).unwrap();
         world.place_wheel(FRAC_PI_2);
         world.inject(Fault::WetFloor { grip_nm: 15.0 });
@@ -438,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_show_in_the_readings() {
+    fn faults_change_the_readings() {
         let mut world = World::new(&settings(), 1).unwrap();
         world.inject(Fault::SteeringStuck);
         world.inject(Fault::SpeedSensorLost);

@@ -1,10 +1,10 @@
-//! The values of one signal as the messages give them.
+//! The values of one signal, as they are in the messages.
 
 use crate::log::Signal;
 use crate::log::reference_path::Lists;
 use crate::units::NS_PER_S;
 
-/// Messages at most from which the distance between stamps and log time is told.
+/// Largest number of messages used to estimate the offset between stamps and log time.
 const CLOCK_SAMPLES: usize = 4096;
 
 /// The values of one signal in the order of the log.
@@ -16,7 +16,7 @@ pub(crate) struct Column {
     apart_ns: Vec<i64>,
     /// Values that were NaN or infinite: dropped.
     pub not_finite: u64,
-    /// What a slice picked: a list per message, in the place of the values.
+    /// The elements selected by a slice: one list per message, instead of the values.
     pub lists: Lists,
 }
 
@@ -29,7 +29,7 @@ impl Column {
         }
     }
 
-    /// Adds the list that a slice picked of a message.
+    /// Adds the list that a slice selected from a message.
     pub(crate) fn push_list(&mut self, time_ns: i64, log_time_ns: i64, list: impl ExactSizeIterator<Item = f64> + Clone) {
         self.lists.push(time_ns, list);
         if self.apart_ns.len() < CLOCK_SAMPLES {
@@ -37,7 +37,7 @@ impl Column {
         }
     }
 
-    /// Adds the values of the next stretch of the log.
+    /// Adds the values of the next section of the log.
     pub(crate) fn append(&mut self, next: Self) {
         self.time_ns.extend(next.time_ns);
         self.value.extend(next.value);
@@ -55,7 +55,7 @@ impl Column {
         self.len() == 0
     }
 
-    /// By how much the stamps are off the log's time [s], the median, when that cannot be delay.
+    /// Median offset of the stamps from the log time [s], if it is too large to be a delay.
     pub(crate) fn clock_offset_s(&self) -> Option<f64> {
         let mut apart = self.apart_ns.clone();
         let middle = apart.len() / 2;
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_of_another_clock_are_told_and_delay_is_not() {
+    fn stamps_of_another_clock_are_reported_and_delay_is_not() {
         let offset = |apart_s: i64| {
             let mut column = Column::default();
             (0..10_000).for_each(|n| column.push(n + apart_s * 1_000_000_000, n, 0.0));

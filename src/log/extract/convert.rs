@@ -1,21 +1,21 @@
-//! Raw values into SI, gears into −1, 0, +1, flags into 0 and 1.
+//! Converts raw values to SI, gears to −1, 0, +1, and flags to 0 and 1.
 
 use crate::log::signal_map::{Code, SignalName, SignalSpec};
 use crate::log::value::Raw;
 
-/// How the values of one signal convert, for one channel.
+/// Conversion of the values of one signal, for one channel.
 #[derive(Debug, Clone)]
 pub(crate) enum Convert {
     /// SI = factor · (scale · raw + offset).
     Linear { factor: f64, scale: f64, offset: f64 },
-    /// Numbers and names that mean a gear; anything else is neutral.
+    /// Numbers and names that mean a gear; all others mean neutral.
     Gear { numbers: Vec<(f64, f64)>, texts: Vec<(String, f64)> },
     /// Zero or not.
     Flag,
 }
 
 impl Convert {
-    /// `names`: numbers that the schema names at this place. `wheel_radius_m` turns wheel rotation into speed.
+    /// `names`: numbers that the schema names at this place. `wheel_radius_m` converts wheel rotation to speed.
     pub(crate) fn new(name: SignalName, spec: &SignalSpec, names: &[(String, i64)], wheel_radius_m: f64) -> Self {
         match name {
             SignalName::Estop => Self::Flag,
@@ -50,7 +50,7 @@ impl Convert {
         Self::Gear { numbers, texts }
     }
 
-    /// The value in SI; `None` when the message holds none that can be understood. May be NaN or infinite.
+    /// The value in SI; `None` if the message holds no usable value. May be NaN or infinite.
     pub(crate) fn apply(&self, raw: &Raw<'_>) -> Option<f64> {
         let number = match raw {
             Raw::Missing => return None,
@@ -127,7 +127,7 @@ mod tests {
         assert_eq!([1, 2, 20, 22, 7].map(|n| by_schema.apply(&Raw::Integer(n)).unwrap()), [0.0, 1.0, -1.0, 0.0, 0.0]);
         assert_eq!(by_schema.apply(&Raw::Text(Cow::Borrowed("R"))), Some(-1.0));
         let codes = vec![(Code::Text("gear_drive".into()), -1.0), (Code::Number(1.0), 1.0)];
-        let told = Convert::new(SignalName::Gear, &SignalSpec { codes, ..spec("1") }, &names, 0.1);
-        assert_eq!([1, 2, 20].map(|n| told.apply(&Raw::Integer(n)).unwrap()), [1.0, -1.0, 0.0]);
+        let convert = Convert::new(SignalName::Gear, &SignalSpec { codes, ..spec("1") }, &names, 0.1);
+        assert_eq!([1, 2, 20].map(|n| convert.apply(&Raw::Integer(n)).unwrap()), [1.0, -1.0, 0.0]);
     }
 }

@@ -1,6 +1,6 @@
-//! Message paths compiled, once per schema, into a plan that skips to the wanted values.
+//! Compiles message paths, once per schema, into a plan that skips to the wanted values.
 //!
-//! In: a channel's schema and the paths wanted of it. Out: a [`Extractor`] that fills one slot per path from a payload, without building
+//! In: a channel's schema and the wanted paths. Out: an [`Extractor`] that fills one slot per path from a payload, without building
 //! the message.
 
 mod cdr;
@@ -23,10 +23,10 @@ use request_tree::Wishes;
 /// A plan for the messages of one channel.
 #[derive(Debug)]
 pub(crate) struct Extractor {
-    /// Number of paths: the first slots are theirs.
+    /// Number of paths. They have the first slots.
     paths: usize,
     slots: usize,
-    /// Slots that hold the index of a sibling's match: kept for a second walk.
+    /// Slots that hold the index of a sibling's match. They are kept for a second walk.
     registers: Vec<usize>,
     decoder: Decoder,
 }
@@ -50,7 +50,7 @@ impl Extractor {
             wishes.add(&path.steps, slot).map_err(|error| (slot, error))?;
         }
         let decoder = Self::decoder(layout, &wishes).map_err(|error| {
-            // which path it is shows when each is compiled alone
+            // compile each path alone to find the wrong one
             let alone = |path: &MessagePath| {
                 let mut alone = Wishes::new(1);
                 alone.add(&path.steps, 0).and_then(|()| Self::decoder(layout, &alone)).err()
@@ -61,7 +61,7 @@ impl Extractor {
         Ok(Self { paths: paths.len(), slots: wishes.slots, registers: wishes.registers, decoder })
     }
 
-    /// Whether `steps` lead to a value in messages of `layout`; JSON, which does not tell, is asked by whether the value in the `sample`
+    /// Whether `steps` lead to a value in messages of `layout`. JSON has no schema: the answer is whether the value in the `sample`
     /// `passes`.
     pub(crate) fn leads(layout: &Layout, steps: &[PathStep], sample: Option<&[u8]>, passes: impl Fn(&Raw<'_>) -> bool) -> bool {
         let path = MessagePath::inside(steps.to_vec());
@@ -70,7 +70,7 @@ impl Extractor {
         !matches!(layout, Layout::Json) || sample.is_some_and(|payload| plan.decode(payload, &mut taken).is_some() && passes(taken.get(0)))
     }
 
-    /// Number of paths that the plan was compiled for.
+    /// Number of paths in the plan.
     pub(crate) fn paths(&self) -> usize {
         self.paths
     }
@@ -84,7 +84,7 @@ impl Extractor {
         })
     }
 
-    /// Fills `taken`, which must have been filled by no other plan, from a payload; `None` when the payload does not fit the schema.
+    /// Fills `taken` from a payload; `None` if the payload does not fit the schema. No other plan may have filled `taken` before.
     pub(crate) fn decode<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {
         taken.lists.iter_mut().for_each(Vec::clear);
         if taken.shortcut.run(payload, &mut taken.slots) {
@@ -100,7 +100,7 @@ impl Extractor {
         Some(())
     }
 
-    /// Why payloads like this one cannot be read at all, when it is not that they are broken.
+    /// The reason why payloads of this form cannot be read at all, although they are not broken.
     pub(crate) fn refusal(&self, payload: &[u8]) -> Option<&'static str> {
         matches!(self.decoder, Decoder::Cdr(_)).then(|| cdr::CdrProgram::refusal(payload)).flatten()
     }

@@ -1,4 +1,4 @@
-//! Single fields of single messages: what a compiled plan gives, for programs that have the payloads already.
+//! Reads single fields of single messages with a compiled plan, for programs that already have the payloads.
 
 use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
@@ -9,7 +9,7 @@ use crate::log::schema::Layout;
 use crate::log::schema_error::SchemaError;
 use crate::log::value::Raw;
 
-/// Reads some fields of the messages of one schema, without building the messages.
+/// Reads selected fields of the messages of one schema, without building the messages.
 ///
 /// ```
 /// use pivot_cal::log::FieldReader;
@@ -33,7 +33,7 @@ pub enum FieldError {
     /// The schema cannot be used.
     #[error(transparent)]
     Schema(#[from] SchemaError),
-    /// A path does not lead to a value.
+    /// A path leads to no value.
     #[error("path {path}: {source}")]
     Path {
         /// The path as written.
@@ -44,7 +44,7 @@ pub enum FieldError {
 }
 
 impl FieldReader {
-    /// Compiles `paths`, whose topics do not matter. `schema`: name, encoding and data, as MCAP stores them.
+    /// Compiles `paths`; their topics are ignored. `schema`: name, encoding and data, as MCAP stores them.
     ///
     /// # Errors
     /// A schema that cannot be read, or the first path that does not lead to a value.
@@ -58,14 +58,14 @@ impl FieldReader {
         Ok(Self { plan })
     }
 
-    /// Puts the numbers into `values`, one per path; `None` where the message holds none or a text. `false`: the payload does not fit
-    /// the schema.
+    /// Puts the numbers into `values`, one per path; `None` where the message holds no value or a string. Returns `false` if the payload
+    /// does not fit the schema.
     pub fn read(&self, payload: &[u8], values: &mut [Option<f64>]) -> bool {
         let mut taken = Taken::default();
         self.read_with(payload, &mut taken, values)
     }
 
-    /// As [`FieldReader::read`] for each of `payloads`; `visit` is given the values, or `None` for a payload that does not fit.
+    /// Like [`FieldReader::read`], for each of `payloads`. `visit` receives the values, or `None` for a payload that does not fit.
     pub fn read_all<'a>(&self, payloads: impl IntoIterator<Item = &'a [u8]>, mut visit: impl FnMut(Option<&[Option<f64>]>)) {
         let mut taken = Taken::default();
         let mut values = vec![None; self.plan.paths()];

@@ -1,7 +1,7 @@
-//! One pass over all messages of a log: wanted values are decoded, everything is counted, nothing else is kept.
+//! One pass over all messages of a log: it decodes the wanted values and counts all messages. It keeps no other data.
 //!
-//! Blocks are handed out in file order to as many workers as there are threads, and what they give is joined in file order, so the
-//! result does not depend on the number of threads. No worker waits for another.
+//! Each thread runs one worker. The workers take blocks in file order, and their results are joined in file order. So the result does not
+//! depend on the number of threads. No worker waits for another.
 
 use crate::log::extract::column::Column;
 use crate::log::extract::convert::Convert;
@@ -21,10 +21,10 @@ use std::sync::{Mutex, PoisonError};
 
 /// Samples of messages above this size are not kept [bytes].
 const MAX_SAMPLE: usize = 1 << 20;
-/// Blocks without a message index that are opened to learn what is in the log.
+/// Number of blocks without a message index that are opened to find the channels of the log.
 const BLIND_BLOCKS: usize = 4;
 
-/// What is wanted of the messages of one channel.
+/// The wanted values of the messages of one channel.
 #[derive(Debug)]
 pub(crate) struct ChannelPlan {
     pub plan: Extractor,
@@ -34,12 +34,12 @@ pub(crate) struct ChannelPlan {
 /// One wanted value of a channel.
 #[derive(Debug)]
 pub(crate) struct WantedValue {
-    /// Which column of the result it fills.
+    /// The column of the result that it fills.
     pub column: usize,
     pub slot: usize,
     pub stamp: Option<StampPath>,
     pub convert: Convert,
-    /// A slice picks several values of each message.
+    /// A slice selects several values of each message.
     pub list: bool,
 }
 
@@ -51,16 +51,16 @@ pub(crate) struct PassTally {
     pub last_ns: u64,
 }
 
-/// What a pass found.
+/// Result of a pass.
 #[derive(Debug, Default)]
 pub(crate) struct Gathered {
     pub columns: Vec<Column>,
     pub tallies: BTreeMap<u16, PassTally>,
-    /// Where the first message of a channel stood that was not known before the pass, and the bytes of all its messages.
+    /// For a channel that was not known before the pass: position of its first message, and the bytes of all its messages.
     pub undescribed: BTreeMap<u16, (u64, u64)>,
     /// Messages of wanted channels that do not fit their schema.
     pub broken: BTreeMap<u16, u64>,
-    /// Why messages of a channel cannot be read at all.
+    /// The reason why messages of a channel cannot be read at all.
     pub refused: BTreeMap<u16, &'static str>,
     pub damage: Vec<Damage>,
     /// Channels and schemas that were not known before the pass.
@@ -69,7 +69,7 @@ pub(crate) struct Gathered {
     pub samples: BTreeMap<u16, Vec<u8>>,
 }
 
-/// Reads every block; `columns` is the number of columns that `plans` fill. `progress` is told the bytes read.
+/// Reads every block; `columns` is the number of columns that `plans` fill. `progress` receives the number of bytes read.
 pub(crate) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, columns: usize, progress: &(dyn Fn(u64) + Sync)) -> Gathered {
     let known = Known::new(container, plans);
     let next = AtomicUsize::new(0);
@@ -80,7 +80,7 @@ pub(crate) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(block) = container.blocks.get(number) else { return };
             let part = one(container, block, &known, columns, &mut scratch);
-            // nothing that the lock guards is left half done by a panic
+            // a panic leaves no data under this lock half written
             joined.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
             progress(block.length);
         }
@@ -89,12 +89,12 @@ pub(crate) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
     joined.into_inner().unwrap_or_else(PoisonError::into_inner).whole
 }
 
-/// What the blocks gave, joined in file order.
+/// The results of the blocks, joined in file order.
 struct Joined {
     whole: Gathered,
     /// Number of blocks in `whole`.
     count: usize,
-    /// Blocks that were ready before one in front of them: as many as others manage while one is read.
+    /// Blocks that were ready before an earlier block.
     early: BTreeMap<usize, Gathered>,
 }
 
@@ -139,7 +139,7 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
         };
         let Some((place, plan)) = known.get(message.channel) else {
             found.count(message.channel, PassTally::default().with(message.log_time_ns));
-            // where the record begins; of a chunk only its own place in the file says anything
+            // where the record begins; for a chunk, only the chunk's own position in the file is meaningful
             let inside = if block.kind == BlockKind::Loose { (size - records.left() - body.len()) as u64 } else { 0 };
             let lost = found.undescribed.entry(message.channel).or_insert((block.offset + inside - PREFIX, 0));
             lost.1 += PREFIX + body.len() as u64;
@@ -165,7 +165,7 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
     found
 }
 
-/// The described channels, found by their number without a search: this is asked once per message.
+/// The described channels, found by their number without a search: the lookup runs once per message.
 struct Known<'p> {
     /// One more than the place of each channel number; 0 where no channel is described.
     numbers: Vec<u16>,
@@ -176,7 +176,7 @@ impl<'p> Known<'p> {
     fn new(container: &Container, plans: &'p BTreeMap<u16, ChannelPlan>) -> Self {
         let channels = &container.inventory.channels;
         let mut numbers = vec![0; channels.last_key_value().map_or(0, |(last, _)| usize::from(*last) + 1)];
-        // the last of 65536 channels would have no number left: it counts as not described
+        // no number is left for the last of 65536 channels: it counts as not described
         let places: Vec<_> = channels.keys().take(usize::from(u16::MAX)).map(|id| (*id, plans.get(id))).collect();
         for (place, (id, _)) in places.iter().enumerate() {
             numbers[usize::from(*id)] = place as u16 + 1;
@@ -272,12 +272,12 @@ impl Gathered {
     }
 }
 
-/// Log times beyond the year 2262 are those of a broken clock.
+/// Log times after the year 2262 come from a broken clock.
 fn nanoseconds(time: u64) -> i64 {
     i64::try_from(time).unwrap_or(i64::MAX)
 }
 
-/// Opens as few blocks as it takes to see one message of every channel, and learns the channels that only chunks describe.
+/// Opens as few blocks as needed to see one message of every channel, and adds the channels that only chunks describe.
 /// Returns a payload of each channel.
 pub(crate) fn explore(container: &mut Container) -> BTreeMap<u16, Vec<u8>> {
     let mut samples: BTreeMap<u16, Vec<u8>> = BTreeMap::new();

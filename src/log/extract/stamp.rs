@@ -9,19 +9,19 @@ use crate::log::value::Raw;
 /// Slots that together hold a stamp.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum StampPath {
-    /// Seconds and nanoseconds apart.
+    /// Seconds and nanoseconds in separate fields.
     Parts { seconds: usize, nanoseconds: usize },
-    /// One number, whose size tells its unit.
+    /// One number; its magnitude determines its unit.
     Single(usize),
 }
 
 const SECONDS: [&str; 3] = ["sec", "seconds", "secs"];
 const NANOSECONDS: [&str; 5] = ["nanosec", "nanos", "nsec", "nsecs", "nanoseconds"];
-/// Where a stamp is looked for when the signal map names none.
+/// Where a stamp is searched for when the signal map names none.
 const PLACES: [&[&str]; 3] = [&["header", "stamp"], &["stamp"], &["header", "timestamp"]];
 
-/// The ways to the parts of a stamp that messages of this layout hold: at `place`, or where stamps usually are.
-/// `sample` is a payload that is tried, for layouts that do not tell.
+/// The paths to the parts of a stamp in messages of this layout: at `place`, or where stamps usually are.
+/// `sample` is a payload, tried for layouts without a schema.
 pub(crate) fn find(layout: &Layout, place: Option<&[PathStep]>, sample: Option<&[u8]>) -> Option<Vec<Vec<PathStep>>> {
     let usual = || {
         PLACES.iter().map(|names| names.iter().map(|name| PathStep::Field((*name).to_owned())).collect()).collect::<Vec<Vec<PathStep>>>()
@@ -42,7 +42,7 @@ fn holds(layout: &Layout, steps: &[PathStep], sample: Option<&[u8]>) -> bool {
 }
 
 impl StampPath {
-    /// The stamp [ns since its epoch]; `None` when the message holds none, or zero, which drivers write that have no clock.
+    /// The stamp [ns since its epoch]; `None` if the message holds no stamp or zero. Drivers without a clock write zero.
     pub(crate) fn time_ns(self, taken: &Taken<'_>) -> Option<i64> {
         let time = match self {
             Self::Parts { seconds, nanoseconds } => {

@@ -1,4 +1,4 @@
-//! The records of one block: read by position, decompressed within the allowed size, checked.
+//! Reads the records of one block by position, decompresses them within the allowed size, and checks them.
 
 use crate::log::file::container::Container;
 use crate::log::file::input::LogInput;
@@ -18,19 +18,19 @@ pub(crate) struct Scratch {
     zstd: Option<zstd::bulk::Decompressor<'static>>,
 }
 
-/// Buffers above this size are given back after use, so that one giant image does not stay in memory [bytes].
+/// Buffers above this size are freed after use, so that one giant image does not stay in memory [bytes].
 const KEEP: usize = 64 << 20;
 
-/// Reads a block and gives its records, whole and checked.
+/// Reads a block and returns its records, complete and checked.
 ///
 /// # Errors
-/// Why the block cannot be used. For a [`BlockKind::CutChunk`] what could be decompressed is given, unchecked.
+/// The reason why the block cannot be used. For a [`BlockKind::CutChunk`], the decompressed part is returned unchecked.
 pub(crate) fn load<'s>(input: &LogInput, block: &Block, scratch: &'s mut Scratch) -> Result<&'s [u8], Why> {
     if scratch.raw.capacity() + scratch.records.capacity() > KEEP {
         scratch.raw = Vec::new();
         scratch.records = Vec::new();
     }
-    // a block never exceeds the file; chunks are capped like what they decompress to
+    // a block never exceeds the file; chunks have the same size limit as their decompressed content
     if block.kind != BlockKind::Loose && block.length > MAX_CHUNK {
         return Err(Why::TooLarge { declared: block.length, allowed: MAX_CHUNK });
     }
@@ -58,7 +58,7 @@ pub(crate) fn load<'s>(input: &LogInput, block: &Block, scratch: &'s mut Scratch
             data
         }
         Compression::Zstd => {
-            // room for the declared size and no more: a chunk that holds more is an error, not an allocation
+            // space for the declared size only: a chunk that holds more is an error, not an allocation
             scratch.records.clear();
             scratch.records.reserve(size);
             let zstd = match &mut scratch.zstd {
@@ -94,7 +94,7 @@ pub(crate) fn load<'s>(input: &LogInput, block: &Block, scratch: &'s mut Scratch
     checked(&header, records)
 }
 
-/// The records, if their checksum is right or the writer computed none.
+/// The records, if their checksum is correct or the writer computed none.
 fn checked<'r>(header: &ChunkHeader, records: &'r [u8]) -> Result<&'r [u8], Why> {
     match header.crc {
         0 => Ok(records),
@@ -105,7 +105,7 @@ fn checked<'r>(header: &ChunkHeader, records: &'r [u8]) -> Result<&'r [u8], Why>
     }
 }
 
-/// Fills `into` as far as the decoder gives bytes.
+/// Fills `into` until the decoder has no more bytes.
 fn fill(decoder: &mut impl Read, into: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < into.len() {
@@ -117,17 +117,17 @@ fn fill(decoder: &mut impl Read, into: &mut [u8]) -> std::io::Result<usize> {
     Ok(filled)
 }
 
-/// Whatever a chunk without an end still gives.
+/// The readable part of a chunk without an end.
 fn salvage<'s>(header: &ChunkHeader, data: &[u8], into: &'s mut Vec<u8>) -> &'s [u8] {
     into.clear();
-    // each read is small, so that an error costs little of what came before it
+    // each read is small, so that an error loses few of the bytes before it
     let mut take = |decoder: &mut dyn Read| {
         let mut part = [0; 1 << 10];
         while let Ok(count @ 1..) = decoder.read(&mut part) {
             let room = header.uncompressed as usize - into.len();
             into.extend_from_slice(&part[..count.min(room)]);
             if count >= room {
-                break; // a chunk gives no more than it declares
+                break; // never more than the chunk declares
             }
         }
     };
@@ -144,7 +144,7 @@ fn salvage<'s>(header: &ChunkHeader, data: &[u8], into: &'s mut Vec<u8>) -> &'s 
     into
 }
 
-/// The loss of a whole block: its messages per channel come from the message indexes, if there are any.
+/// The loss of a whole block. Its messages per channel come from the message indexes, if there are any.
 pub(crate) fn lost(container: &Container, block: &Block, why: Why) -> Damage {
     let (offset, bytes) = match block.kind {
         BlockKind::Loose => (block.offset, block.length),
@@ -158,7 +158,7 @@ pub(crate) fn lost(container: &Container, block: &Block, why: Why) -> Damage {
     damage
 }
 
-/// Messages per channel as the message indexes from `at` on tell.
+/// Messages per channel according to the message indexes from `at` on.
 fn indexed_messages(input: &LogInput, mut at: u64) -> BTreeMap<u16, u64> {
     let mut channels = BTreeMap::new();
     let mut head = [0; PREFIX as usize + 2];

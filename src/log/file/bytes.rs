@@ -1,6 +1,6 @@
-//! A position in a byte slice: every read is checked against what is left.
+//! A position in a byte slice: every read is checked against the remaining length.
 
-/// Reads little-endian values from the front of a slice; `None` when too little is left.
+/// Reads little-endian values from the start of a slice; `None` if too few bytes remain.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bytes<'a> {
     left: &'a [u8],
@@ -11,7 +11,7 @@ impl<'a> Bytes<'a> {
         Self { left: data }
     }
 
-    /// Everything that has not been read.
+    /// The bytes that have not been read.
     pub(crate) fn rest(self) -> &'a [u8] {
         self.left
     }
@@ -44,7 +44,7 @@ impl<'a> Bytes<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// A block with a 32-bit length before it: a string, a map, an array.
+    /// A block preceded by its 32-bit length: a string, a map, an array.
     pub(crate) fn block(&mut self) -> Option<&'a [u8]> {
         let length = self.u32()?;
         self.take(length as usize)

@@ -1,7 +1,7 @@
-//! The outer structure of a log: which channels it has, and where its messages lie.
+//! The outer structure of a log: its channels and the positions of its messages.
 //!
-//! With a sound summary the chunks are known at once and only the gaps between them are scanned; otherwise the whole file is scanned at
-//! its top level. Either way the result is a list of [`Block`]s, read later in parallel.
+//! A valid summary lists the chunks; then only the gaps between them are scanned. Otherwise the whole file is scanned at its top level.
+//! In both cases the result is a list of [`Block`]s, read later in parallel.
 
 use crate::log::file::channel_set::{ChannelSet, ChannelSets};
 use crate::log::file::input::LogInput;
@@ -20,17 +20,17 @@ pub(crate) struct Container {
     pub profile: String,
     pub inventory: Inventory,
     pub blocks: Vec<Block>,
-    /// The sets of channels that the blocks share.
+    /// The sets of channels, shared by the blocks.
     pub sets: ChannelSets,
     pub statistics: Option<Statistics>,
-    /// Metadata records by name; of two with one name the later counts.
+    /// Metadata records by name. If two have the same name, the later one counts.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     pub attachments: u64,
-    /// Whether the summary's chunk index was sound and used.
+    /// Whether the summary's chunk index was valid and used.
     pub indexed: bool,
-    /// The data section's checksum, if the writer computed one, and where the section ends.
+    /// The data section's checksum, if the writer computed one, and the end of the section.
     pub data_end: Option<(u64, u32)>,
-    /// Whether the scan met a footer: without one, the end of the file is missing.
+    /// Whether the scan found a footer. Without one, the end of the file is missing.
     pub footer: bool,
     pub damage: Vec<Damage>,
 }
@@ -42,7 +42,7 @@ impl Container {
         !self.blocks.is_empty() && self.blocks.iter().all(|block| block.channels.as_ref().is_some_and(described))
     }
 
-    /// Takes in channels and schemas found inside chunks; says whether a channel was new.
+    /// Adds channels and schemas found inside chunks; returns whether a channel was new.
     pub(crate) fn learn(&mut self, learned: Inventory) -> bool {
         for (id, schema) in learned.schemas {
             self.inventory.schemas.entry(id).or_insert(schema);
@@ -54,7 +54,7 @@ impl Container {
         self.inventory.channels.len() > before
     }
 
-    /// Takes in a record found at the top level that is not a message and not a chunk.
+    /// Adds a record found at the top level that is neither a message nor a chunk.
     pub(crate) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Header(header) => {
@@ -76,7 +76,7 @@ impl Container {
     }
 }
 
-/// Largest record, other than chunks, messages and attachments, that is read whole.
+/// Largest record that is read completely, except chunks, messages and attachments.
 pub(crate) fn is_small(length: u64) -> bool {
     length <= MAX_SMALL
 }

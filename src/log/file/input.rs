@@ -1,4 +1,4 @@
-//! Where a log's bytes come from: a file read by position, or memory.
+//! Source of a log's bytes: a file, read by position, or memory.
 
 use crate::log::{Error, Result};
 use sha2::{Digest, Sha256};
@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::fs::File;
 use std::path::Path;
 
-/// The bytes of a log. Reads go by position, so that several threads may read at once.
+/// The bytes of a log. Reads are by position, so that several threads may read at the same time.
 #[derive(Debug)]
 pub(crate) enum LogInput {
     File { file: File, length: u64 },
@@ -30,7 +30,7 @@ impl LogInput {
         }
     }
 
-    /// Fills `into` from `offset` on; the caller has checked that this lies inside the log.
+    /// Fills `into` from `offset` on. The caller has checked that this range is inside the log.
     pub(crate) fn read_at(&self, offset: u64, into: &mut [u8]) -> std::io::Result<()> {
         match self {
             Self::File { file, .. } => read_exact_at(file, offset, into),
@@ -42,7 +42,7 @@ impl LogInput {
         }
     }
 
-    /// Replaces `into` by `length` bytes from `offset` on.
+    /// Replaces the content of `into` by `length` bytes from `offset` on.
     pub(crate) fn read_into(&self, offset: u64, length: usize, into: &mut Vec<u8>) -> std::io::Result<()> {
         into.resize(length, 0);
         self.read_at(offset, into)
@@ -69,7 +69,7 @@ impl LogInput {
         Ok(crc.finalize())
     }
 
-    /// SHA-256 of the whole log in lower-case hexadecimal; `progress` is told the bytes.
+    /// SHA-256 of the whole log in lower-case hexadecimal; `progress` receives the number of bytes.
     pub(crate) fn sha256(&self, progress: &(dyn Fn(u64) + Sync)) -> Result<String> {
         let mut hash = Sha256::new();
         self.each_part(self.length(), |part| {

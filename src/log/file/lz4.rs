@@ -1,20 +1,20 @@
-//! LZ4 frames decompressed in place: the blocks go straight to where the records are wanted, without the buffers and the checksums of a
-//! streaming decoder. Only for chunks that have a checksum of their own.
+//! Decompresses LZ4 frames in place: blocks are written directly to the buffer of the records, without the buffers and checksums of a
+//! streaming decoder. Used only for chunks that have their own checksum.
 //!
 //! Source: the LZ4 frame format 1.6.4, <https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md>.
 
 use crate::log::file::bytes::Bytes;
 
-/// Bytes that one byte of a frame gives at most: a byte that lengthens a match adds up to 255.
+/// Largest number of bytes decompressed from one byte of a frame: a byte that extends a match adds up to 255.
 pub(crate) const MAX_RATIO: u64 = 255;
 const MAGIC: u32 = 0x184D_2204;
-/// How far a block may refer back into the blocks before it [bytes].
+/// Largest distance of a back-reference into earlier blocks [bytes].
 const HISTORY: usize = 64 << 10;
-/// The bit of a block's size that says that it is stored as it is.
+/// The bit of a block's size that marks an uncompressed block.
 const STORED: u32 = 1 << 31;
 
-/// Fills `into` from a frame that holds exactly that much. `None`: the frame is broken, holds another amount, or is of a kind that is
-/// left to the streaming decoder; `into` then holds anything.
+/// Fills `into` from a frame with exactly that much content. `None`: the frame is broken, has another size, or is of a kind that only the
+/// streaming decoder reads; the content of `into` is then undefined.
 pub(crate) fn decompress(frame: &[u8], into: &mut [u8]) -> Option<()> {
     let mut bytes = Bytes::new(frame);
     if bytes.u32()? != MAGIC {
@@ -83,7 +83,7 @@ mod tests {
         encoder.finish().unwrap()
     }
 
-    /// Text that repeats over block borders, then noise that is stored as it is.
+    /// Text that repeats over block borders, then noise that is stored uncompressed.
     fn content() -> Vec<u8> {
         let noise = |n: u32| (n.wrapping_mul(2_654_435_761) ^ n.wrapping_mul(n).rotate_left(13)).to_le_bytes();
         b"the rear wheels stand, the front wheel drives ".repeat(5000).into_iter().chain((0..50_000_u32).flat_map(noise)).collect()
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn another_size_than_declared_and_broken_frames_are_refused() {
+    fn frames_that_are_broken_or_have_another_size_than_declared_are_refused() {
         let whole = frame(&content(), BlockMode::Linked, true);
         for size in [content().len() - 1, content().len() + 1, 0] {
             assert_eq!(decompress(&whole, &mut vec![0; size]), None);

@@ -1,4 +1,4 @@
-//! Finding the outer structure of a log: by its summary, as far as the file confirms it, else by a scan of its top level.
+//! Finds the outer structure of a log: by its summary where the file confirms it, otherwise by a scan of its top level.
 
 use crate::log::file::channel_set::ChannelSets;
 use crate::log::file::container::Container;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Finds the structure of a log.
 ///
 /// # Errors
-/// A log that is empty or no MCAP file at all.
+/// The log is empty or not an MCAP file.
 pub(crate) fn open(input: LogInput) -> Result<Container> {
     let length = input.length();
     if length == 0 {
@@ -52,7 +52,7 @@ pub(crate) fn open(input: LogInput) -> Result<Container> {
                 let end = block.offset + block.length;
                 at = end.saturating_add(index_length);
                 container.blocks.push(block);
-                // an index length that does not lead to the next chunk is not believed: the records behind the chunk are walked
+                // an index length that does not lead to the next chunk is ignored: the records after the chunk are walked
                 if at > found.start || !scan::is_record(&container.input, at, found.start) {
                     at = end;
                 }
@@ -79,7 +79,7 @@ pub(crate) fn open(input: LogInput) -> Result<Container> {
     Ok(container)
 }
 
-/// What a file that is no MCAP probably is, and what helps.
+/// The probable type of a file that is not MCAP, and the remedy.
 fn foreign(start: &[u8]) -> &'static str {
     if start.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
         "it is compressed as a whole: unpack it with `zstd -d` first"

@@ -1,4 +1,4 @@
-//! Single MCAP records: the sizes that are allowed, and parsing that cannot be talked into a large allocation.
+//! Single MCAP records: the allowed sizes, and a parser that never makes a large allocation.
 //!
 //! Source: the MCAP specification, <https://mcap.dev/spec>.
 
@@ -7,11 +7,11 @@ use mcap::records::{Record, op};
 
 /// The first and the last eight bytes of a log.
 pub(crate) const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
-/// Opcode and length in front of each record.
+/// Opcode and length before each record.
 pub(crate) const PREFIX: u64 = 9;
 /// Length of a footer's body.
 pub(crate) const FOOTER: u64 = 20;
-/// Largest chunk that is decompressed [bytes]: writers make chunks of 1 to 16 MB, or one image or point cloud if that is larger.
+/// Largest chunk that is decompressed [bytes]. Writers make chunks of 1 to 16 MB, or of one image or point cloud if that is larger.
 pub(crate) const MAX_CHUNK: u64 = 256 << 20;
 /// Largest schema, channel, metadata or index record that is parsed [bytes].
 pub(crate) const MAX_SMALL: u64 = 32 << 20;
@@ -22,8 +22,8 @@ pub(crate) fn prefix(prefix: &[u8]) -> Option<(u8, u64)> {
     Some((bytes.u8()?, bytes.u64()?))
 }
 
-/// Parses a schema, channel, metadata, statistics, chunk index, header, footer or data end record; `None` when it is broken or another.
-/// The lengths inside are checked first, because the parser reserves what they claim.
+/// Parses a schema, channel, metadata, statistics, chunk index, header, footer or data end record; `None` if it is broken or of another
+/// kind. The lengths inside are checked first, because the parser allocates the declared lengths.
 pub(crate) fn parse(opcode: u8, body: &[u8]) -> Option<Record<'_>> {
     let mut bytes = Bytes::new(body);
     match opcode {
@@ -78,13 +78,13 @@ fn text_map(map: &[u8]) -> Option<()> {
     Some(())
 }
 
-/// What stands before a chunk's compressed records.
+/// Header of a chunk, before its compressed records.
 #[derive(Debug, Clone)]
 pub(crate) struct ChunkHeader {
     pub start_ns: u64,
     pub end_ns: u64,
     pub uncompressed: u64,
-    /// Zero when the writer computed none.
+    /// Zero if the writer computed none.
     pub crc: u32,
     pub compression: Compression,
     pub compressed: u64,
@@ -92,7 +92,7 @@ pub(crate) struct ChunkHeader {
     pub length: u64,
 }
 
-/// How a chunk's records are compressed.
+/// Compression of a chunk's records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Compression {
     None,
@@ -112,11 +112,11 @@ impl Compression {
     }
 }
 
-/// Bytes that are enough to parse a chunk header with a compression name of 64 bytes.
+/// Number of bytes needed to parse a chunk header with a compression name of 64 bytes.
 pub(crate) const CHUNK_HEADER: usize = 8 + 8 + 8 + 4 + 4 + 64 + 8;
 
 impl ChunkHeader {
-    /// Parses the header of a chunk from the front of its body; `None` when it is broken.
+    /// Parses the header of a chunk from the start of its body; `None` if it is broken.
     pub(crate) fn parse(body: &[u8]) -> Option<Self> {
         let mut bytes = Bytes::new(body);
         let (start_ns, end_ns, uncompressed, crc) = (bytes.u64()?, bytes.u64()?, bytes.u64()?, bytes.u32()?);
@@ -132,7 +132,7 @@ impl ChunkHeader {
     }
 }
 
-/// What stands before a message's payload.
+/// Header of a message, before its payload.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RawMessage<'a> {
     pub channel: u16,
@@ -142,7 +142,7 @@ pub(crate) struct RawMessage<'a> {
 }
 
 impl<'a> RawMessage<'a> {
-    /// Parses the body of a message record; `None` when it is too short.
+    /// Parses the body of a message record; `None` if it is too short.
     pub(crate) fn parse(body: &'a [u8]) -> Option<Self> {
         let mut bytes = Bytes::new(body);
         let channel = bytes.u16()?;
@@ -151,8 +151,8 @@ impl<'a> RawMessage<'a> {
     }
 }
 
-/// Walks the records of a chunk or of a run of top-level records. Yields opcode and body; afterwards [`Records::left`] is what could
-/// not be walked, empty when all is well.
+/// Walks the records of a chunk or of a run of top-level records. Yields opcode and body. Afterwards [`Records::left`] holds the bytes that
+/// could not be walked; it is empty if there are no errors.
 #[derive(Debug)]
 pub(crate) struct Records<'a> {
     bytes: Bytes<'a>,
@@ -163,7 +163,7 @@ impl<'a> Records<'a> {
         Self { bytes: Bytes::new(data) }
     }
 
-    /// Bytes that do not make a whole record.
+    /// Bytes that do not form a complete record.
     pub(crate) fn left(&self) -> usize {
         self.bytes.rest().len()
     }
@@ -178,7 +178,7 @@ impl<'a> Iterator for Records<'a> {
         let length = usize::try_from(bytes.u64()?).ok()?;
         let body = bytes.take(length)?;
         if opcode == 0 {
-            return None; // the specification forbids it: the records have lost their step
+            return None; // the specification forbids it: the position is not at a record
         }
         self.bytes = bytes;
         Some((opcode, body))

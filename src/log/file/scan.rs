@@ -1,4 +1,4 @@
-//! Scanning a stretch of the file at its top level, and finding the step again where it was lost.
+//! Scans a section of the file at its top level, and finds the next record after a damaged place.
 
 use crate::log::file::container::{Container, is_small};
 use crate::log::file::input::LogInput;
@@ -8,11 +8,11 @@ use crate::log::loss::Why;
 use mcap::records::op;
 use std::collections::BTreeSet;
 
-/// Runs of records outside of chunks are cut into blocks of about this size [bytes].
+/// Runs of records outside chunks are cut into blocks of about this size [bytes].
 const LOOSE_BLOCK: u64 = 2 << 20;
-/// Bytes read at once.
+/// Bytes per read.
 const WINDOW: usize = 64 << 10;
-/// Records that must follow each other before a place is believed to be a record.
+/// Number of consecutive records that a place needs to be accepted as a record.
 const CHAIN: usize = 3;
 
 /// A window on the file that moves forward.
@@ -28,7 +28,7 @@ impl<'a> Window<'a> {
         Self { input, end: end.min(input.length()), at: 0, bytes: Vec::new() }
     }
 
-    /// Up to `count` bytes from `offset` on, fewer at the end.
+    /// `count` bytes from `offset` on, or fewer at the end.
     fn peek(&mut self, offset: u64, count: usize) -> &[u8] {
         let count = (count as u64).min(self.end.saturating_sub(offset)) as usize;
         let inside = offset >= self.at && offset + count as u64 <= self.at + self.bytes.len() as u64;
@@ -44,14 +44,14 @@ impl<'a> Window<'a> {
         &self.bytes[from..from + count]
     }
 
-    /// Opcode and body length of the record at `offset`, if it is one and ends before the stretch does.
+    /// Opcode and body length of the record at `offset`, if there is one and it ends inside the section.
     fn record(&mut self, offset: u64) -> Option<(u8, u64)> {
         let (opcode, length) = prefix(self.peek(offset, PREFIX as usize))?;
         let end = offset.checked_add(PREFIX)?.checked_add(length)?;
         (opcode != 0 && end <= self.end).then_some((opcode, length))
     }
 
-    /// Whether the record at `offset` has the inner structure that its opcode asks for; its end.
+    /// The end of the record at `offset`, if its inner structure matches its opcode.
     fn is_plausible(&mut self, offset: u64, known: &Container) -> Option<u64> {
         let (opcode, length) = self.record(offset)?;
         let body = offset + PREFIX;
@@ -82,7 +82,7 @@ impl<'a> Window<'a> {
         good.then_some(body + length)
     }
 
-    /// The next place, from `offset` on, where records follow each other again.
+    /// The next place, from `offset` on, with consecutive records.
     fn resynchronise(&mut self, mut offset: u64, known: &Container) -> Option<u64> {
         while offset + PREFIX <= self.end {
             let step = self.peek(offset, WINDOW);
@@ -100,12 +100,12 @@ impl<'a> Window<'a> {
     }
 }
 
-/// Whether a record that is allowed between chunks starts at `offset`, or the stretch ends there.
+/// Whether a record that is allowed between chunks starts at `offset`, or the section ends there.
 pub(crate) fn is_record(input: &LogInput, offset: u64, end: u64) -> bool {
     offset == end || Window::new(input, end).record(offset).is_some_and(|(opcode, _)| opcode <= op::DATA_END)
 }
 
-/// Scans the file from `from` to `to` and adds to `container` what lies there.
+/// Scans the file from `from` to `to` and adds its records to `container`.
 pub(crate) fn run(container: &mut Container, from: u64, to: u64) {
     if from >= to {
         return;
@@ -184,7 +184,7 @@ fn walk(container: &mut Container, input: &LogInput, from: u64, to: u64) {
                     Some(record) => container.take(record),
                     None => {
                         container.damaged(at, PREFIX + length, Why::NotARecord);
-                        // the length may be as wrong as the rest
+                        // the length may be wrong too
                         at = window.resynchronise(at + 1, container).unwrap_or(to);
                         continue;
                     }
@@ -214,7 +214,7 @@ fn is_whole_chunk(window: &mut Window<'_>, body: u64, length: u64) -> bool {
         .is_some_and(|header| header.compressed.checked_add(header.length) == Some(length))
 }
 
-/// Notes the loss from `at` to `end`; a chunk that the end of the file cuts off is still worth a try.
+/// Records the loss from `at` to `end`. A chunk that is cut by the end of the file may still be readable in part.
 fn cut_off(container: &mut Container, window: &mut Window<'_>, at: u64, end: u64, last: bool) {
     let is_end = last && end == window.input.length();
     let head = prefix(window.peek(at, PREFIX as usize));

@@ -1,11 +1,11 @@
-//! What is found of a log's structure: blocks, schemas, channels.
+//! The parts of a log's structure: blocks, schemas, channels.
 
 use crate::log::file::channel_set::ChannelSet;
 use mcap::records::{Channel, Record};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A stretch of the file that holds messages.
+/// A section of the file that holds messages.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     /// Position of the chunk's body, or of the first record of the run.
@@ -13,7 +13,7 @@ pub(crate) struct Block {
     /// Length of the chunk's body, or of the run.
     pub length: u64,
     pub kind: BlockKind,
-    /// Its channels as the message indexes tell; `None` when there are none.
+    /// Its channels according to the message indexes; `None` if there are none.
     pub channels: Option<ChannelSet>,
 }
 
@@ -21,9 +21,9 @@ pub(crate) struct Block {
 pub(crate) enum BlockKind {
     /// A chunk.
     Chunk,
-    /// A chunk that the end of the file cuts off: what can be decompressed is used.
+    /// A chunk that is cut by the end of the file: the part that can be decompressed is used.
     CutChunk,
-    /// Records that lie outside of chunks.
+    /// Records outside chunks.
     Loose,
 }
 
@@ -43,8 +43,8 @@ pub(crate) struct Inventory {
 }
 
 impl Inventory {
-    /// Takes in a schema or channel record; the first description of an id counts, as the specification forbids another.
-    /// Says whether it was new.
+    /// Adds a schema or channel record. The first description of an id counts: the specification forbids another.
+    /// Returns whether it was new.
     pub(crate) fn learn(&mut self, record: Record<'_>) -> bool {
         match record {
             Record::Schema { header, data } => {

@@ -1,4 +1,4 @@
-//! The summary at the end of a log, believed only as far as the file confirms it.
+//! The summary at the end of a log, used only where the file confirms it.
 
 use crate::log::file::channel_set::ChannelSets;
 use crate::log::file::input::LogInput;
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 /// Largest summary that is read [bytes].
 const MAX_SUMMARY: u64 = 256 << 20;
 
-/// What the summary of a log says.
+/// The content of a log's summary.
 #[derive(Debug)]
 pub(crate) struct FileSummary {
     /// Position of its first byte: the data section ends here.
@@ -23,21 +23,21 @@ pub(crate) struct FileSummary {
 }
 
 impl FileSummary {
-    /// Whether every chunk that the log counts is indexed, so that the file need not be scanned.
+    /// Whether every chunk counted by the log is indexed, so that the file need not be scanned.
     pub(crate) fn covers_messages(&self) -> bool {
         !self.chunks.is_empty() && self.statistics.as_ref().is_none_or(|s| u64::from(s.chunk_count) == self.chunks.len() as u64)
     }
 }
 
-/// Reads the summary. `Ok(None)` when the log has none.
+/// Reads the summary. `Ok(None)` if the log has none.
 ///
 /// # Errors
-/// The damage, when there is a summary and it cannot be believed: the caller then scans the file.
+/// The damage, if there is a summary but it is not valid: the caller then scans the file.
 pub(crate) fn read(input: &LogInput) -> Result<Option<FileSummary>, Damage> {
     let length = input.length();
     let tail = PREFIX + FOOTER + MAGIC.len() as u64;
     let Some(footer_at) = length.checked_sub(tail).filter(|at| *at >= MAGIC.len() as u64) else {
-        return Ok(None); // truncated: the scan tells
+        return Ok(None); // truncated: the scan reports it
     };
     let mut footer = vec![0; tail as usize];
     let bad = |offset, bytes, what| Damage::new(offset, bytes, Why::BadSummary(what));
@@ -96,7 +96,7 @@ pub(crate) fn read(input: &LogInput) -> Result<Option<FileSummary>, Damage> {
     Ok(Some(summary))
 }
 
-/// The chunk that an index entry describes, if the file has one there.
+/// The chunk described by an index entry, if the file has one there.
 fn confirmed(input: &LogInput, index: &mcap::records::ChunkIndex, end: u64, sets: &mut ChannelSets) -> Option<Block> {
     let offset = index.chunk_start_offset.checked_add(PREFIX)?;
     let length = index.chunk_length.checked_sub(PREFIX)?;
@@ -108,7 +108,7 @@ fn confirmed(input: &LogInput, index: &mcap::records::ChunkIndex, end: u64, sets
     if prefix(&head) != Some((op::CHUNK, length)) {
         return None;
     }
-    // the index lists the channels; how many messages each has stands in the message indexes, read only if the chunk is lost
+    // the index lists the channels; the message counts are in the message indexes, read only if the chunk is lost
     let channels: BTreeSet<u16> = index.message_index_offsets.keys().copied().collect();
     let channels = (!channels.is_empty()).then(|| sets.shared(channels));
     Some(Block { offset, length, kind: BlockKind::Chunk, channels })

@@ -1,4 +1,4 @@
-//! Every single value that the messages of a log hold, as a path that a signal map could name.
+//! Every single value in the messages of a log, as a path that a signal map could name.
 
 use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
@@ -9,12 +9,12 @@ use crate::log::value::Raw;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-/// Elements of an array that are listed one by one.
+/// Largest number of elements of an array that are listed singly.
 const MAX_ELEMENTS: usize = 16;
-/// Values listed of one topic.
+/// Largest number of values listed for one topic.
 const MAX_PER_TOPIC: usize = 500;
 
-/// A value that messages of a topic hold.
+/// A value in the messages of a topic.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidate {
     pub topic: String,
@@ -24,11 +24,11 @@ pub(crate) struct Candidate {
     pub kind: LeafKind,
     /// Numbers that the schema names.
     pub names: Names,
-    /// What the first message holds.
+    /// The value in the first message.
     pub sample: Option<f64>,
 }
 
-/// The candidates of a log, listed when they are first asked for: a signal map that names everything never needs them.
+/// The candidates of a log, listed on first use. A complete signal map never needs them.
 pub(crate) struct Candidates<'c> {
     container: &'c Container,
     /// A payload of each channel.
@@ -71,7 +71,7 @@ fn list(container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Vec<Candidat
     found
 }
 
-/// The leaves as paths: arrays by the names beside them, as far as the sample tells those, or by number.
+/// The leaves as paths. Array elements are named by the parallel array of names if the sample holds it, otherwise by number.
 fn expand(layout: &Layout, topic: &str, leaves: Vec<Leaf>, sample: Option<&[u8]>) -> Vec<(MessagePath, Leaf)> {
     let topic = MessagePath::new(topic.to_owned(), Vec::new()).to_string();
     let mut named: BTreeMap<String, Vec<String>> = BTreeMap::new(); // elements' names by the array that holds them
@@ -99,14 +99,14 @@ fn expand(layout: &Layout, topic: &str, leaves: Vec<Leaf>, sample: Option<&[u8]>
     paths
 }
 
-/// The texts at the front of `array`.
+/// The strings at the start of `array`.
 fn element_names(layout: &Layout, array: &str, payload: &[u8]) -> Vec<String> {
     let paths: Vec<MessagePath> = (0..MAX_ELEMENTS).filter_map(|index| format!("{array}[{index}]").parse().ok()).collect();
     let text = |raw: &Raw<'_>| if let Raw::Text(name) = raw { Some(name.clone().into_owned()) } else { None };
     taken(layout, &paths.iter().collect::<Vec<_>>(), payload, text).unwrap_or_default().into_iter().map_while(|name| name).collect()
 }
 
-/// The numbers that a message holds at `paths`.
+/// The numbers of a message at `paths`.
 fn values<'p>(layout: &Layout, paths: impl Iterator<Item = &'p MessagePath>, sample: Option<&[u8]>) -> Vec<Option<f64>> {
     let paths: Vec<&MessagePath> = paths.collect();
     let number = |raw: &Raw<'_>| match raw {
@@ -117,14 +117,14 @@ fn values<'p>(layout: &Layout, paths: impl Iterator<Item = &'p MessagePath>, sam
     sample.and_then(|payload| taken(layout, &paths, payload, number)).unwrap_or_else(|| vec![None; paths.len()])
 }
 
-/// What `take` makes of the values at `paths`; `None` when the payload does not fit the schema.
+/// The result of `take` for the values at `paths`; `None` if the payload does not fit the schema.
 fn taken<T>(layout: &Layout, paths: &[&MessagePath], payload: &[u8], take: impl Fn(&Raw<'_>) -> T) -> Option<Vec<T>> {
     let mut taken = Taken::default();
     Extractor::compile(layout, paths).ok()?.decode(payload, &mut taken)?;
     Some((0..paths.len()).map(|slot| take(taken.get(slot))).collect())
 }
 
-/// Leaves of a JSON message, told by one of its messages.
+/// Leaves of a JSON channel, found in one of its messages.
 fn json_leaves(sample: Option<&[u8]>) -> Vec<Leaf> {
     let mut found = Vec::new();
     if let Some(value) = sample.and_then(|payload| serde_json::from_slice(payload).ok()) {

@@ -1,7 +1,7 @@
-//! Signals found by name, type and unit, when no signal map names them.
+//! Finds signals by name, type and unit if no signal map names them.
 //!
-//! Each value of the log is scored for each signal by the words in its topic and path: what the field itself is called counts most,
-//! then the message around it, then the topic. The best score wins if it is high enough; the reason is told.
+//! Each value of the log gets a score for each signal from the words in its topic and path. The name of the field itself counts most, then
+//! the message around it, then the topic. The best score wins if it is high enough; the reason is reported.
 
 use crate::log::extract::convert::gear_of;
 use crate::log::find::candidates::Candidate;
@@ -10,7 +10,7 @@ use crate::log::schema::LeafKind;
 use crate::log::signal_map::{SignalName, SignalSpec};
 use crate::units::{Dimension, Unit};
 
-/// Score below which a value is not taken for a signal.
+/// Lowest score at which a value is accepted as a signal.
 const ENOUGH: i32 = 6;
 
 /// A candidate with its score for one signal.
@@ -19,21 +19,21 @@ pub(crate) struct Scored<'c> {
     pub candidate: &'c Candidate,
     pub score: i32,
     pub unit: Unit,
-    /// Whether the name or the type told the unit.
+    /// Whether the name or the type gives the unit.
     pub unit_named: bool,
     pub reason: String,
 }
 
-/// Candidates for `signal`, the best first; those that cannot be it are left out.
+/// Candidates for `signal`, the best first; impossible ones are left out.
 pub(crate) fn ranked<'c>(signal: SignalName, candidates: impl Iterator<Item = &'c Candidate>) -> Vec<Scored<'c>> {
     let mut scored: Vec<Scored<'c>> = candidates.filter_map(|candidate| score(signal, candidate)).collect();
-    // equal scores: the shorter path, then by name, so that the choice never depends on the order of channels
+    // equal scores: the shorter path first, then by name, so that the choice never depends on the order of channels
     let key = |s: &Scored<'_>| (-s.score, s.candidate.path.to_string().len(), s.candidate.path.to_string());
     scored.sort_by_key(key);
     scored
 }
 
-/// The best candidate for `signal`, if it is good enough, with the reason and whether its unit was told.
+/// The best candidate for `signal`, if it is good enough, with the reason and whether its unit is given.
 pub(crate) fn best<'c>(signal: SignalName, candidates: impl Iterator<Item = &'c Candidate>) -> Option<(SignalSpec, String, bool)> {
     let ranked = ranked(signal, candidates);
     let first = ranked.first().filter(|best| best.score >= ENOUGH)?;
@@ -63,7 +63,7 @@ fn words(text: &str) -> Vec<String> {
     words
 }
 
-/// Words of a candidate, by how close they stand to the value.
+/// Words of a candidate, grouped by their distance from the value.
 struct Words {
     field: Vec<String>,
     around: Vec<String>,
@@ -80,13 +80,13 @@ impl Words {
         around.extend(words(candidate.schema.rsplit(['/', '.']).next().unwrap_or_default()));
         let mut field = words(field);
         if matches!(field.first().map(String::as_str), Some("data" | "value")) {
-            // such a field says nothing: the topic's last part is the name
+            // such a field name has no meaning: the topic's last part is the name
             field.extend(words(candidate.topic.rsplit('/').next().unwrap_or_default()));
         }
         Self { field, around, topic: words(&candidate.topic) }
     }
 
-    /// How close the nearest of `any` stands: 4 the field's own name, 2 around it, 2 the topic, 0 nowhere.
+    /// Score of the nearest of `any`: 4 in the field's own name, 2 around it, 2 in the topic, 0 nowhere.
     fn near(&self, any: &[&str]) -> i32 {
         let has = |words: &[String]| words.iter().any(|word| any.contains(&word.as_str()));
         if has(&self.field) {
@@ -99,7 +99,7 @@ impl Words {
     }
 }
 
-/// The unit that the name of a value ends in, or the one that its type prescribes.
+/// The unit at the end of a value's name, or the unit prescribed by its type.
 fn unit(words: &Words, candidate: &Candidate, signal: SignalName) -> Option<(Unit, bool)> {
     let named = words.field.iter().rev().chain(words.around.iter().rev()).find_map(|word| {
         let name = match word.as_str() {
@@ -138,7 +138,7 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
     let dimension = unit.dimension();
     let commanded = near(&["command", "cmd", "commanded", "setpoint", "target", "desired", "request", "requested", "ref"]);
     let measured = near(&["feedback", "fb", "actual", "measured", "report", "state", "estimate", "estimated"]);
-    // the joints that an array does not measure hold NaN; elsewhere one NaN says little
+    // joints that are not measured hold NaN; in other places one NaN has little meaning
     let mut score = if candidate.sample.is_some_and(|value| !value.is_finite()) { -3 } else { 0 };
     match signal {
         SignalName::Torque | SignalName::TorqueFeedback => {
@@ -150,7 +150,7 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
                 return None;
             }
             let (wanted, other) = if signal == SignalName::Torque { (commanded, measured) } else { (measured, commanded) };
-            // in a joint state the effort is what was measured
+            // in a joint state the effort is measured
             let joint = i32::from(candidate.schema.ends_with("JointState"));
             let joint = if signal == SignalName::Torque { -4 * joint } else { joint };
             score += torque + wanted - other + joint - 4 * near(&["steer", "steering", "eps", "brake", "limit", "max", "min"]).min(1);
@@ -208,7 +208,7 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
             }
             score += 6 + near(&["estop", "emergency"]) + 2 * i32::from(candidate.kind == LeafKind::Bool);
         }
-        // poses and references are named, not guessed: a log holds many of them, in many frames
+        // poses and references must be named and are not guessed: a log holds many of them, in many frames
         _ => return None,
     }
     let origin = if named { "its name says so" } else { "usual" };
@@ -219,7 +219,7 @@ fn score(signal: SignalName, candidate: &Candidate) -> Option<Scored<'_>> {
         format!("{}{schema}, unit {} ({origin})", candidate.path, unit.name())
     };
     let standard = ["JointState", "Twist", "TwistStamped", "Imu"].iter().any(|name| candidate.schema.ends_with(name));
-    // of standard types only ROS's are bound to their units
+    // of the standard types, only those of ROS have fixed units
     let unit_named = named || (standard && candidate.schema.contains('/'));
     Some(Scored { candidate, score, unit, unit_named, reason })
 }

@@ -1,16 +1,16 @@
-//! What names do not tell, told by the values: a gyro in degrees, a speed without sign, a torque in the gear's direction.
+//! Infers from the values what the names do not show: a gyro in degrees, a speed without sign, a torque in the gear's direction.
 //!
-//! Only signals found by name are treated so; what a signal map says is believed.
+//! This applies only to signals found by name; entries of a signal map are not changed.
 
 use crate::log::recording::{Signal, Signals};
 use crate::log::signal_map::SignalName;
 use crate::map::Vehicle;
 use crate::units::RAD_PER_DEG;
 
-/// Signals whose unit no name told.
+/// Signals whose unit is in no name.
 pub(crate) type Unnamed<'a> = &'a [SignalName];
 
-/// Corrects signals whose values contradict what their names left open; returns a remark on each.
+/// Corrects signals whose values contradict the assumed unit or sign; returns a note on each.
 pub(crate) fn correct(signals: &mut Signals, vehicle: &Vehicle, unnamed: Unnamed<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     if unnamed.contains(&SignalName::Angle) && largest(&signals.angle) > 2.0 * std::f64::consts::PI {
@@ -19,7 +19,7 @@ pub(crate) fn correct(signals: &mut Signals, vehicle: &Vehicle, unnamed: Unnamed
     }
     let speed = signals.speed.clone();
     if let Some(yaw_rate) = signals.yaw_rate.as_mut().filter(|_| unnamed.contains(&SignalName::YawRate)) {
-        // in a pivot the wheel's speed is the wheelbase times the yaw rate
+        // in a pivot: wheel speed = wheelbase · yaw rate
         let ratio = pairs(yaw_rate, &speed)
             .fold((0.0, 0.0), |(yaw, wheel): (f64, f64), (y, v)| (yaw + (y * vehicle.wheelbase_m).abs(), wheel + v.abs()));
         let degrees = ratio.0 / ratio.1 * RAD_PER_DEG;
@@ -31,7 +31,7 @@ pub(crate) fn correct(signals: &mut Signals, vehicle: &Vehicle, unnamed: Unnamed
     let (Some(gear), Some(yaw_rate)) = (&signals.gear, &signals.yaw_rate) else {
         return notes;
     };
-    // turning right in reverse: speed and torque that are positive there carry no sign of their own
+    // turning right in reverse: a speed or torque that is positive there has no sign of its own
     let turning: Vec<(i64, bool)> =
         yaw_rate.time_ns.iter().zip(&yaw_rate.value).map(|(time, rate)| (*time, rate.abs() * vehicle.wheelbase_m > 0.1)).collect();
     let in_reverse = |signal: &Signal, least: f64| {
@@ -75,7 +75,7 @@ fn is_turning(turning: &[(i64, bool)], time_ns: i64) -> bool {
     next.checked_sub(1).is_some_and(|index| turning[index].1)
 }
 
-/// The values of `a` with those of `b` that held at their times, where `b` moves.
+/// The values of `a`, each with the value of `b` that held at its time, where `b` moves.
 fn pairs<'a>(a: &'a Signal, b: &'a Signal) -> impl Iterator<Item = (f64, f64)> + 'a {
     a.time_ns.iter().zip(&a.value).filter_map(|(time, value)| Some((*value, at(b, *time)?))).filter(|(_, b)| b.abs() > 0.1)
 }
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gyro_in_degrees_is_found_out_by_the_wheel() {
+    fn a_gyro_in_degrees_is_detected_by_the_wheel_speed() {
         let mut signals = Signals {
             speed: series(|t| 0.5 + 0.1 * t.sin()),
             yaw_rate: Some(series(|t| (0.5 + 0.1 * t.sin()) / 0.9 / RAD_PER_DEG)),
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn magnitudes_are_found_out_in_reverse() {
+    fn magnitudes_are_detected_in_reverse() {
         let mut signals = Signals {
             speed: series(|_| 0.5),
             torque: series(|_| 12.0),
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn signed_values_in_reverse_stay_as_they_are() {
+    fn signed_values_in_reverse_are_not_changed() {
         let mut signals = Signals {
             speed: series(|_| -0.5),
             torque: series(|_| -12.0),

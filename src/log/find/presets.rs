@@ -5,14 +5,14 @@ use crate::log::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
 
-/// A signal map that comes with the program.
+/// A built-in signal map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
-    /// What `record` writes.
+    /// The topics that `record` writes.
     PivotCal,
-    /// The status topics of Autoware, and torque and wheel speed, which it does not define, by name.
+    /// The status topics of Autoware. It does not define torque and wheel speed; these are found by name.
     Autoware,
-    /// `sensor_msgs/JointState` for speed and angle, everything else by name.
+    /// `sensor_msgs/JointState` for speed and angle; all other signals by name.
     JointState,
 }
 
@@ -29,7 +29,7 @@ impl Preset {
         }
     }
 
-    /// The signals that the preset fixes; what it leaves out is looked for by name.
+    /// The signals that the preset fixes; those that it omits are searched for by name.
     pub(crate) fn map(self) -> Result<SignalMap> {
         SignalMap::from_toml(match self {
             Self::PivotCal => {
@@ -63,7 +63,7 @@ impl Preset {
         })
     }
 
-    /// Whether a signal that the preset does not fix may come from messages of this schema.
+    /// Whether a signal not fixed by the preset may come from messages of this schema.
     pub(crate) fn allows(self, signal: SignalName, schema: &str) -> bool {
         match (self, signal) {
             (Self::PivotCal, _) => false,
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_preset_is_a_valid_signal_map_and_known_by_its_name() {
+    fn every_preset_is_a_valid_signal_map_and_found_by_its_name() {
         for preset in Preset::ALL {
             preset.map().unwrap();
             assert_eq!(preset.name().parse::<Preset>().unwrap(), preset);

@@ -1,4 +1,4 @@
-//! From a signal map, a preset or nothing to plans: which signal is read from which path, and why.
+//! Makes plans from a signal map, a preset or no input: which signal is read from which path, and why.
 
 use crate::log::extract::convert::Convert;
 use crate::log::extract::extractor::Extractor;
@@ -18,39 +18,39 @@ use crate::log::{Error, Result, Source, reference_path};
 use crate::spelling::edits;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A signal and where it is read from.
+/// A signal and the path that it is read from.
 #[derive(Debug, Clone)]
 pub(crate) struct PathChoice {
     pub signal: SignalName,
     pub spec: SignalSpec,
     pub reason: String,
-    /// Found by name, and neither name nor type told the unit.
+    /// Found by name, and neither name nor type gives the unit.
     pub is_guess: bool,
 }
 
-/// What was found for a log: the choices, what is missing, and remarks.
+/// Result for a log: the choices, the missing signals, and notes.
 #[derive(Debug, Default)]
 pub(crate) struct Choices {
     pub found: Vec<PathChoice>,
-    /// Signals without a place.
+    /// Signals without a path.
     pub missing: Vec<SignalName>,
     pub notes: Vec<String>,
-    /// Whether the user named the paths: then a path that leads nowhere is an error.
-    pub told: bool,
-    /// Whether anything was found by name.
+    /// Whether the user named the paths. If so, a path without a value is an error.
+    pub named: bool,
+    /// Whether any signal was found by name.
     pub guessed: bool,
 }
 
-/// Chooses a place for each signal.
+/// Chooses a path for each signal.
 ///
 /// # Errors
-/// A signal map that names a topic or a field that the log does not have.
+/// The signal map names a topic or a field that the log does not have.
 pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Container, candidates: &Candidates<'_>) -> Result<Choices> {
     let topics: BTreeSet<&str> = container.inventory.channels.values().map(|channel| channel.topic.as_str()).collect();
     let mut choices = Choices::default();
     let (map, why, preset) = match source {
         Source::Map(map) => {
-            choices.told = true;
+            choices.named = true;
             (map.clone(), "the signal map names it".to_owned(), None)
         }
         Source::Preset(preset) => (preset.map()?, format!("preset {preset}"), Some(*preset)),
@@ -60,7 +60,7 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
         Source::Detect => (SignalMap::default(), String::new(), None),
     };
     let mut map = map;
-    if !choices.told {
+    if !choices.named {
         reference_path::instead_of_point(&mut map, &topics)?;
     }
     reference_path::is_named(&map)?;
@@ -71,25 +71,25 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
                 choices.found.push(PathChoice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
                 continue;
             }
-            let series = if choices.told { series::path(&spec.path, container, candidates) } else { None };
-            // one that leads nowhere is compiled all the same where that tells more than that the topic is missing
+            let series = if choices.named { series::path(&spec.path, container, candidates) } else { None };
+            // a path without a value is still compiled where its error is more specific than "the topic is missing"
             let telling = |leads: bool| leads || has_topic || (signal.is_required() && !is_plain);
             if let Some((path, _)) = series.filter(|(_, leads)| telling(*leads)) {
                 let reason = format!("{why} as the series {}", spec.path);
                 choices.found.push(PathChoice { signal, spec: SignalSpec { path, ..spec.clone() }, reason, is_guess: false });
                 continue;
             }
-            if choices.told && signal.is_required() {
+            if choices.named && signal.is_required() {
                 return Err(no_topic(signal, &spec.path.topic, &topics));
             }
-            if choices.told {
+            if choices.named {
                 choices.notes.push(format!("{signal} is left out: the log has no topic {}", spec.path.topic));
                 continue;
             }
         }
         let allowed = |candidate: &&Candidate| preset.is_none_or(|preset| preset.allows(signal, &candidate.schema));
-        // what a signal map leaves out is not looked for
-        let best = if choices.told { None } else { detect::best(signal, candidates.all().iter().filter(allowed)) };
+        // signals that a signal map omits are not searched for
+        let best = if choices.named { None } else { detect::best(signal, candidates.all().iter().filter(allowed)) };
         if let Some((spec, reason, unit_named)) = best {
             choices.found.push(PathChoice { signal, spec, reason, is_guess: !unit_named });
             choices.guessed = true;
@@ -100,7 +100,7 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
     Ok(choices)
 }
 
-/// The candidates that come nearest to a signal, at most three.
+/// The nearest candidates for a signal, at most three.
 pub(crate) fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<String> {
     let ranked = detect::ranked(signal, candidates.iter());
     let mut paths: Vec<String> = ranked.iter().take(3).map(|scored| scored.candidate.path.to_string()).collect();
@@ -122,7 +122,7 @@ pub(crate) fn nearest(signal: SignalName, candidates: &[Candidate]) -> Vec<Strin
 }
 
 fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
-    // of a series name only the front is the topic
+    // only the first part of a series name is the topic
     let apart = |known: &str| {
         let front = series::cuts(topic).skip(1).map(|(front, _)| edits(front, known)).filter(|edits| *edits <= known.len() / 4).min();
         front.into_iter().chain([edits(topic, known)]).min().unwrap_or(usize::MAX)
@@ -136,10 +136,10 @@ fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
     }
 }
 
-/// The plans that read `choices`, one per channel; choice `i` fills column `i`.
+/// The plans to read `choices`, one per channel; choice `i` fills column `i`.
 ///
 /// # Errors
-/// A path that leads nowhere in every channel of its topic.
+/// A path has no value in any channel of its topic.
 pub(crate) fn plans(
     choices: &mut Choices,
     container: &Container,
@@ -185,8 +185,8 @@ pub(crate) fn plans(
     for (column, error) in problems {
         let choice = &choices.found[column];
         if served.contains(&column) {
-            choices.notes.push(format!("{} has messages that cannot be used beside others that can: {error}", choice.spec.path.topic));
-        } else if choices.told || choice.signal.is_required() {
+            choices.notes.push(format!("{} has both usable and unusable messages: {error}", choice.spec.path.topic));
+        } else if choices.named || choice.signal.is_required() {
             return Err(error);
         } else {
             choices.notes.push(format!("{} is left out: {error}", choice.signal));
@@ -195,7 +195,7 @@ pub(crate) fn plans(
     Ok(plans)
 }
 
-/// Whether a choice leads to a value, or, for the reference of the lateral calibration, to a list of values.
+/// Whether a choice leads to a value or, for the reference of the lateral calibration, to a list of values.
 fn one(layout: &Layout, choice: &PathChoice) -> std::result::Result<(), PlanError> {
     let path = &choice.spec.path;
     if path.is_list() && !matches!(choice.signal, SignalName::ReferenceX | SignalName::ReferenceY) {

@@ -1,9 +1,9 @@
-//! Series names, as `PlotJuggler` shows them, turned into message paths: `/imu/twist/twist/angular/z` is `/imu/twist.twist.angular.z`.
+//! Converts series names, as shown by `PlotJuggler`, to message paths: `/imu/twist/twist/angular/z` is `/imu/twist.twist.angular.z`.
 //!
-//! A name does not say where the topic ends. It is cut at each slash, the longest topic that the log has first, and the first cut
-//! counts whose rest leads to a value. Two shortcuts: the last field of parallel arrays stands behind the element's name
-//! (`/joint_states/front_drive_joint/velocity`), and a message of a single `data` is named by its topic alone. In what may follow
-//! an index, `data.3` is `data[3]`.
+//! A name does not show where the topic ends. It is cut at each slash, and the longest topic in the log is tried first. The first cut whose
+//! rest leads to a value counts. There are two shortcuts: the last field of parallel arrays comes after the element's name
+//! (`/joint_states/front_drive_joint/velocity`), and a message with only the field `data` is named by its topic alone. `data.3` is
+//! `data[3]`.
 
 use crate::log::extract::extractor::Extractor;
 use crate::log::file::container::Container;
@@ -12,13 +12,14 @@ use crate::log::path::{Compare, Literal, MessagePath, PathStep, Test};
 use crate::log::schema::Layout;
 use crate::log::value::Raw;
 
-/// Whether `path` can only be a message path: with fields behind the topic, and no slash in their names.
+/// Whether `path` can only be a message path: it has fields after the topic, without a slash in their names.
 pub(crate) fn is_plain(path: &MessagePath) -> bool {
     !path.steps.is_empty() && !path.steps.iter().any(|step| matches!(step, PathStep::Field(name) if name.contains('/')))
 }
 
-/// The path that the series name `name` means in this log, and whether it leads to a value: if none does, the way behind the longest
-/// topic. JSON, whose messages need not hold the same fields, is trusted to lead there. `None` when no topic is the beginning of the name.
+/// The path of the series name `name` in this log, and whether it leads to a value. If no cut does, the path after the longest topic is
+/// returned. JSON messages may hold different fields, so their paths are assumed to lead to a value. `None` if the name begins with no
+/// topic.
 pub(crate) fn path(name: &MessagePath, container: &Container, candidates: &Candidates<'_>) -> Option<(MessagePath, bool)> {
     let mut first = None;
     for (topic, behind) in cuts(&name.topic) {
@@ -44,20 +45,20 @@ pub(crate) fn path(name: &MessagePath, container: &Container, candidates: &Candi
     first
 }
 
-/// Every way to cut `name` at a slash into a topic and the names behind it; the longest topic first.
+/// Every way to cut `name` at a slash into a topic and the names after it; the longest topic first.
 pub(crate) fn cuts(name: &str) -> impl Iterator<Item = (&str, Vec<&str>)> {
     let ends = std::iter::once(name.len()).chain(name.rmatch_indices('/').map(|(at, _)| at).filter(|at| *at > 0));
     ends.map(|end| (&name[..end], name[end..].split('/').skip(1).collect()))
 }
 
-/// A step as single ones: a field's name may hold slashes, and a number as a name is an index.
+/// Splits a step into single steps: a field's name may hold slashes, and a number as a name is an index.
 fn single(step: &PathStep) -> Vec<PathStep> {
     let PathStep::Field(names) = step else { return vec![step.clone()] };
     let step = |name: &str| name.parse().map_or_else(|_| PathStep::Field(name.to_owned()), PathStep::Index);
     names.split('/').map(step).collect()
 }
 
-/// `joint/velocity` as the velocity of that joint. The joint's own name may hold slashes.
+/// Reads `joint/velocity` as the velocity of that joint. The joint's own name may hold slashes.
 fn parallel(steps: &[PathStep]) -> Option<Vec<PathStep>> {
     let (PathStep::Field(array), element @ [_, ..]) = steps.split_last()? else { return None };
     let names = element.iter().map(|step| if let PathStep::Field(name) = step { Some(name.as_str()) } else { None });

@@ -1,10 +1,10 @@
-//! A message path from its text.
+//! Parses the text of a message path.
 
 use crate::log::path::{Compare, Literal, MessagePath, PathStep, Test};
 use crate::log::{Error, Result};
 use std::str::FromStr;
 
-/// Steps of one path at most.
+/// Largest number of steps of one path.
 const MAX_STEPS: usize = 64;
 
 impl FromStr for MessagePath {
@@ -16,7 +16,7 @@ impl FromStr for MessagePath {
         let mut steps = Vec::new();
         while parser.at < text.len() {
             let step = parser.step()?;
-            // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array says the same
+            // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array has the same meaning
             let everything = |step: &PathStep| matches!(step, PathStep::Slice(None | Some(0), None | Some(-1)));
             while matches!(step, PathStep::Filter(_)) && steps.last().is_some_and(everything) {
                 steps.pop();
@@ -96,7 +96,7 @@ impl<'a> PathParser<'a> {
     }
 
     fn step(&mut self) -> Result<PathStep> {
-        // a slash goes on behind an index, as `PlotJuggler` names series
+        // a slash may follow an index, as in series names of `PlotJuggler`
         if self.eat(".") || self.eat("/") {
             return self.name().map(PathStep::Field);
         }

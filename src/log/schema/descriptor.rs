@@ -1,7 +1,7 @@
-//! Protobuf message types from the descriptors that a log stores with them.
+//! Protobuf message types from the descriptors in a log.
 //!
-//! Only what reading needs is kept, and nothing of it is believed: names that lead nowhere are an error, whatever else the descriptors
-//! hold is passed over. Source: `google/protobuf/descriptor.proto`.
+//! Only the data needed for reading are kept, and all of them are checked: unknown names are an error. The other content of the descriptors
+//! is ignored. Source: `google/protobuf/descriptor.proto`.
 
 use crate::log::schema::shape::Names;
 use crate::log::value::Raw;
@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Messages declared within each other at most.
+/// Largest nesting depth of message declarations.
 const MAX_DEPTH: usize = 64;
 
 /// A message type, among all types of its schema.
@@ -37,21 +37,21 @@ pub(crate) struct ProtobufField {
     /// A list or a map.
     pub repeated: bool,
     pub is_map: bool,
-    /// The value that a message without it has; `None` when it has none then.
+    /// The value if the message does not hold the field; `None` if there is no default.
     pub absent: Option<Raw<'static>>,
 }
 
-/// What a field holds.
+/// Content of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum ProtobufKind {
-    /// A message or a group: its place among the types.
+    /// A message or a group: its index among the types.
     Message(usize),
     /// An enumeration: its names and numbers.
     Enum(Names),
     Scalar(Type),
 }
 
-/// What a name means.
+/// Meaning of a name.
 enum NamedDescriptor<'d> {
     Message(usize),
     Enum(&'d EnumDescriptorProto),
@@ -69,7 +69,7 @@ impl ProtobufMessage {
     /// The message `name` of the schema whose descriptors (a `FileDescriptorSet`) are `data`.
     ///
     /// # Errors
-    /// What is wrong with the descriptors.
+    /// The fault of the descriptors.
     pub(crate) fn parse(name: &str, data: &[u8]) -> Result<Self, String> {
         let set = <FileDescriptorSet as prost::Message>::decode(data).map_err(|error| error.to_string())?;
         let mut declared = Declared::default();
@@ -89,7 +89,7 @@ impl ProtobufMessage {
         }
     }
 
-    /// Its place among the types of its schema.
+    /// Its index among the types of its schema.
     pub(crate) fn index(&self) -> usize {
         self.index
     }
@@ -102,7 +102,7 @@ impl ProtobufMessage {
         &self.types[self.index].fields
     }
 
-    /// The field of that name, as declared or as JSON spells it.
+    /// The field with that name, as declared or in its JSON form.
     pub(crate) fn field(&self, name: &str) -> Option<&ProtobufField> {
         let fields = self.fields();
         fields.iter().find(|field| field.name == name).or_else(|| fields.iter().find(|field| field.json_name == name))
@@ -137,7 +137,7 @@ impl<'d> Declared<'d> {
 
     fn message(&mut self, within: &str, message: &'d DescriptorProto, proto3: bool, depth: usize) -> Result<(), String> {
         if depth > MAX_DEPTH {
-            return Err(format!("messages are declared within each other more than {MAX_DEPTH} deep"));
+            return Err(format!("message declarations are nested more than {MAX_DEPTH} deep"));
         }
         let name = full(within, message.name());
         self.names.entry(name.clone()).or_insert(NamedDescriptor::Message(self.messages.len()));
@@ -146,7 +146,7 @@ impl<'d> Declared<'d> {
         message.nested_type.iter().try_for_each(|inner| self.message(&name, inner, proto3, depth + 1))
     }
 
-    /// What `name` means in the message `within`: the innermost declaration counts; a leading dot says that the name is complete.
+    /// Meaning of `name` in the message `within`: the innermost declaration counts; a leading dot marks a complete name.
     fn find(&self, within: &str, name: &str) -> Result<&NamedDescriptor<'d>, String> {
         if let Some(name) = name.strip_prefix('.') {
             return self.names.get(name).ok_or_else(|| format!("it has no type {name}"));
@@ -173,7 +173,7 @@ impl<'d> Declared<'d> {
         let name = field.name().to_owned();
         let number = u32::try_from(field.number()).ok().filter(|number| (1..1 << 29).contains(number));
         let number = number.ok_or_else(|| format!("field {name} of {within} has the number {}", field.number()))?;
-        let unknown = || format!("field {name} of {within} has no type that is known");
+        let unknown = || format!("field {name} of {within} has an unknown type");
         let mut is_map = false;
         let kind = match field.r#type.map(Type::try_from) {
             Some(Ok(kind)) if !matches!(kind, Type::Message | Type::Group | Type::Enum) => ProtobufKind::Scalar(kind),
@@ -205,7 +205,7 @@ fn full(within: &str, name: &str) -> String {
     if within.is_empty() { name.to_owned() } else { format!("{within}.{name}") }
 }
 
-/// A name as JSON spells it: `speed_mps` becomes `speedMps`.
+/// The JSON form of a name: `speed_mps` becomes `speedMps`.
 fn camel(name: &str) -> String {
     let mut words = name.split('_');
     let first = words.next().unwrap_or_default().to_owned();
@@ -215,7 +215,7 @@ fn camel(name: &str) -> String {
     })
 }
 
-/// Zero, the empty text, the first of an enumeration's values.
+/// Zero, the empty string, or the first value of an enumeration.
 fn default(kind: &ProtobufKind) -> Option<Raw<'static>> {
     Some(match kind {
         ProtobufKind::Message(_) | ProtobufKind::Scalar(Type::Bytes) => return None,
@@ -226,7 +226,7 @@ fn default(kind: &ProtobufKind) -> Option<Raw<'static>> {
     })
 }
 
-/// The default that a field of proto2 declares.
+/// The declared default of a proto2 field.
 fn own_default(kind: &ProtobufKind, text: &str) -> Option<Raw<'static>> {
     Some(match kind {
         ProtobufKind::Message(_) | ProtobufKind::Scalar(Type::Bytes) => return None,

@@ -1,7 +1,7 @@
 //! ROS 2 interface definitions in OMG IDL (ros2idl schemas): modules, structures, typedefs, enumerations, constants.
 //!
-//! Only what ROS 2 generates is understood; unions, maps and bit sets are an error. Parsed without recursion into the text, so that no
-//! schema exhausts the stack. Source: OMG IDL 4.2, and <https://design.ros2.org/articles/idl_interface_definition.html>.
+//! Only the constructs that ROS 2 generates are supported; unions, maps and bit sets are an error. The parser has no recursion over the
+//! text, so that no schema exhausts the stack. Source: OMG IDL 4.2, and <https://design.ros2.org/articles/idl_interface_definition.html>.
 
 pub(crate) mod definition;
 mod parser;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Parses a definition into the shape of the message `name` (`pkg/msg/Name`).
 ///
 /// # Errors
-/// What cannot be parsed, or the type that is missing.
+/// The part that cannot be parsed, or the missing type.
 pub(crate) fn parse(name: &str, text: &str) -> Result<Arc<Structure>, String> {
     IdlBuilder { definitions: parser::read(text)?, built: BTreeMap::new() }.structure(&name.replace('/', "::"), 0)
 }
@@ -64,7 +64,7 @@ impl IdlBuilder {
         }
     }
 
-    /// The full name of a type: looked for in the scope where it is named, then further out.
+    /// The full name of a type, searched for in the scope where it is named, then in the outer scopes.
     fn find(&self, name: &str, scope: &str) -> Option<String> {
         let name = name.trim_start_matches("::");
         let mut scope = scope;
@@ -122,7 +122,7 @@ module b { module msg { struct Inner { long x, y; }; }; };
 "#;
 
     #[test]
-    fn every_kind_of_member_is_understood() {
+    fn every_kind_of_member_is_supported() {
         let shape = parse("a/msg/Status", TEXT).unwrap();
         let kinds: Vec<_> = shape.fields.iter().map(|(name, shape)| (name.as_str(), shape.clone())).collect();
         assert_eq!(kinds[1], ("count", Shape::Number(Kind::U64)));

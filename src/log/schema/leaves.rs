@@ -1,7 +1,7 @@
 //! The places of a message that hold a single value, for suggestions and detection.
 //!
-//! Nearest places first, so that what a large schema has too much of is what lies deepest. A type is not entered again inside itself, and
-//! no more than [`MAX_LEAVES`] places are listed and [`MAX_FIELDS`] fields looked at, whatever a schema declares.
+//! The nearest places come first, so that a limit on a large schema only cuts the deepest ones. A type is not entered again inside itself.
+//! For any schema, at most [`MAX_LEAVES`] places are listed and [`MAX_FIELDS`] fields are examined.
 
 use crate::log::schema::descriptor::{ProtobufKind, ProtobufMessage};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
@@ -9,33 +9,33 @@ use prost_types::field_descriptor_proto::Type;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Places listed of one message at most; a schema with more is no robot's.
+/// Largest number of places listed for one message; no robot's schema has more.
 const MAX_LEAVES: usize = 2000;
-/// Fields looked at, over all the messages within one.
+/// Largest number of fields examined, over all messages nested in one.
 const MAX_FIELDS: usize = 20_000;
 
 /// A place of a message that holds a single value.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Leaf {
-    /// The way to it behind the topic, beginning with a dot.
+    /// Its path after the topic, beginning with a dot.
     pub path: String,
     pub kind: LeafKind,
     /// Numbers that the schema names.
     pub names: Names,
-    /// The value stands in an array: `path` ends before the index.
+    /// The value is in an array: `path` ends before the index.
     pub list: Option<ListLeaf>,
 }
 
 /// An array of single values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ListLeaf {
-    /// Name of a text array beside it, such as `name` of a joint state.
+    /// Name of a parallel array of strings, such as `name` of a joint state.
     pub names: Option<String>,
     /// Number of elements, if fixed.
     pub length: Option<usize>,
 }
 
-/// What kind of value a leaf holds.
+/// Kind of a leaf's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LeafKind {
     Bool,
@@ -44,14 +44,14 @@ pub(crate) enum LeafKind {
     Text,
 }
 
-/// A message that is still to be entered.
+/// A message to be entered.
 struct Ahead<T> {
     message: T,
     path: String,
     depth: usize,
 }
 
-/// What was found, and what is still to be entered.
+/// The leaves found, and the messages to be entered.
 struct Search<T> {
     found: Vec<Leaf>,
     ahead: VecDeque<Ahead<T>>,
@@ -67,7 +67,7 @@ impl<T> Search<T> {
         self.ahead.pop_front()
     }
 
-    /// Whether one more field may be looked at.
+    /// Whether one more field may be examined.
     fn may_look(&mut self) -> bool {
         self.fields += 1;
         self.found.len() < MAX_LEAVES && self.fields <= MAX_FIELDS
@@ -121,7 +121,7 @@ fn leaf_kind(kind: Kind) -> LeafKind {
 /// Every place of a protobuf message that holds a single value.
 pub(crate) fn protobuf_leaves(message: &ProtobufMessage) -> Vec<Leaf> {
     let nameless = Names::default();
-    // each message with the types that it lies in
+    // each message with its enclosing types
     let mut search = Search::new((message.clone(), Arc::new(Within { index: message.index(), outer: None })));
     while let Some(Ahead { message: (message, within), path: at, depth }) = search.next() {
         for field in message.fields().iter().filter(|field| !field.is_map) {

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// Which generation of ROS.
+/// Generation of ROS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Dialect {
     Ros1,
@@ -22,7 +22,7 @@ const PADDING: &str = "structure_needs_at_least_one_member";
 /// Parses a definition into the shape of its main message.
 ///
 /// # Errors
-/// What cannot be parsed, or the type that is missing.
+/// The part that cannot be parsed, or the missing type.
 pub(crate) fn parse(name: &str, text: &str, dialect: Dialect) -> Result<Arc<Structure>, String> {
     let (layout_only, constants) = split_constants(text);
     let schema = MessageSchema::parse(name, &layout_only).map_err(|error| format!("{error:#}"))?;
@@ -41,11 +41,11 @@ fn short(name: &str) -> String {
     }
 }
 
-/// Numbers that a message type names, by type name; the main type's name is empty.
+/// Named numbers of the message types, by type name; the main type's name is empty.
 type Constants = BTreeMap<String, Vec<(String, i64)>>;
 
-/// Takes constants and default values, which do not change the layout, out of a definition: ROS 1 spells them in ways that the parser
-/// refuses, and an unreadable default is no reason to lose a field.
+/// Removes constants and default values from a definition. They do not change the layout. ROS 1 writes them in forms that the parser
+/// refuses, and an unreadable default must not lose a field.
 fn split_constants(text: &str) -> (String, Constants) {
     let mut rest = String::with_capacity(text.len());
     let mut constants = Constants::new();
@@ -65,11 +65,11 @@ fn split_constants(text: &str) -> (String, Constants) {
         let code = line.split('#').next().unwrap_or_default().trim();
         let Some((kind, behind)) = code.split_once(char::is_whitespace) else {
             if !code.is_empty() {
-                let _ = writeln!(rest, "{code}"); // half a line: the parser says what is wrong
+                let _ = writeln!(rest, "{code}"); // an incomplete line: the parser reports the fault
             }
             continue;
         };
-        // `<=` belongs to a bound of the type: a constant's sign comes behind the name
+        // `<=` belongs to a bound of the type: a constant's sign comes after the name
         let word = behind.trim_start().split(|c: char| c.is_whitespace() || c == '=').next().unwrap_or_default();
         let value = behind.trim_start()[word.len()..].trim();
         if let Some(value) = value.strip_prefix('=') {
@@ -129,7 +129,7 @@ impl MsgBuilder<'_> {
         let ros1 = self.dialect == Dialect::Ros1;
         Shape::Number(match kind {
             BuiltInType::Bool => Kind::Bool,
-            // ROS 1 has `byte` signed and `char` unsigned, ROS 2 has both unsigned
+            // in ROS 1 `byte` is signed and `char` unsigned; in ROS 2 both are unsigned
             BuiltInType::Byte if ros1 => Kind::I8,
             BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8 => Kind::U8,
             BuiltInType::Int8 => Kind::I8,
@@ -156,7 +156,7 @@ impl MsgBuilder<'_> {
                     return Ok(Shape::Message(Arc::new(Structure { name: name.clone(), fields, constants: Names::default() })));
                 }
                 let local = format!("{package}/{name}");
-                // a bare `Header` means std_msgs/Header; some writers leave the package out altogether
+                // a bare `Header` means std_msgs/Header; some writers omit the package completely
                 [local.clone(), format!("std_msgs/{name}"), name.clone()]
                     .into_iter()
                     .find(|key| self.specs.contains_key(key))
@@ -175,7 +175,7 @@ impl MsgBuilder<'_> {
     }
 }
 
-/// Types so common that some writers leave them out of the schema.
+/// Common types that some writers omit from the schema.
 fn well_known(key: &str) -> Option<Arc<Structure>> {
     if !matches!(key, "builtin_interfaces/Time" | "builtin_interfaces/Duration") {
         return None;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-/// Messages within messages at most.
+/// Largest nesting depth of messages.
 pub(crate) const MAX_DEPTH: usize = 32;
 
 /// Numbers that a schema names.
@@ -18,7 +18,7 @@ pub(crate) struct Structure {
 }
 
 impl Structure {
-    /// The numbers named for the value that `fields` lead to, through whatever arrays lie on the way.
+    /// The numbers named for the value at the end of `fields`; arrays on the path are entered.
     pub(crate) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
         let Some(field) = fields.next() else { return Names::default() };
         let mut shape = self.fields.iter().find(|(name, _)| name == field).map(|(_, shape)| shape);
@@ -33,7 +33,7 @@ impl Structure {
     }
 }
 
-/// What stands in a field.
+/// Content of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Shape {
     Number(Kind),
@@ -44,11 +44,11 @@ pub(crate) enum Shape {
     List(Box<Shape>, Size),
 }
 
-/// How many elements an array has.
+/// Number of elements of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Size {
     Fixed(usize),
-    /// The count stands before the elements.
+    /// The count precedes the elements.
     Counted,
 }
 

@@ -1,8 +1,8 @@
-//! CDR and ROS 1 payloads: a program of skips and takes, compiled from the schema.
+//! CDR and ROS 1 payloads: a program of skips and reads, compiled from the schema.
 //!
-//! CDR aligns each number to its own size, counted from behind the four bytes of the encapsulation header; ROS 1 is the same with an
-//! alignment of one. Source: OMG DDS-XTYPES 1.3, section 7.4: XCDR1, and XCDR2 for final types, where 8-byte numbers align to 4 and arrays
-//! of anything but numbers have their size in bytes before them. Parameter lists and delimited types, which ROS does not write, are refused.
+//! CDR aligns each number to its own size, counted from the end of the 4-byte encapsulation header; ROS 1 is the same with an alignment of
+//! one. Source: OMG DDS-XTYPES 1.3, section 7.4: XCDR1, and XCDR2 for final types. In XCDR2, 8-byte numbers align to 4, and arrays of other
+//! elements than numbers are preceded by their size in bytes. Parameter lists and delimited types, which ROS does not write, are refused.
 
 mod compiler;
 mod number;
@@ -23,7 +23,7 @@ pub(crate) struct CdrProgram {
     operations: Vec<Operation>,
 }
 
-/// The first four bytes of a CDR payload say how it is written; the last two of them do not matter here.
+/// The first four bytes of a CDR payload give its encoding; the last two of them are not used here.
 const HEADER: usize = 4;
 const PLAIN: Form = Form { start: HEADER, max_align: 8, delimited: false };
 const PLAIN_2: Form = Form { start: HEADER, max_align: 4, delimited: true };
@@ -32,7 +32,7 @@ const ROS_1: Form = Form { start: 0, max_align: 1, delimited: false };
 impl CdrProgram {
     pub(crate) fn compile(structure: &Structure, wish: &Wish) -> Result<Self, PlanError> {
         let mut operations = compiler::compile(structure, wish)?;
-        // nothing behind the last wanted field need be read
+        // the bytes after the last wanted field need not be read
         let useful = operations.iter().rposition(Operation::is_wanted).map_or(0, |last| last + 1);
         operations.truncate(useful);
         Ok(Self { operations })
@@ -49,13 +49,13 @@ impl CdrProgram {
         }
     }
 
-    /// Why no payload that begins like this one is read, if it is of a form that is refused.
+    /// The reason for refusal, if payloads with this beginning are refused.
     pub(crate) fn refusal(payload: &[u8]) -> Option<&'static str> {
         match *payload.first_chunk::<HEADER>()? {
             [0, 0 | 1 | 6 | 7 | 0x10 | 0x11, ..] => None,
             [0, 2 | 3 | 0x0a | 0x0b | 0x12 | 0x13, ..] => Some("they are CDR parameter lists (PL_CDR), which are not read"),
             [0, 8 | 9 | 0x14 | 0x15, ..] => Some("they are CDR of delimited types (D_CDR2), which is not read"),
-            _ => Some("their first bytes are those of no CDR"),
+            _ => Some("their first bytes are not those of CDR"),
         }
     }
 
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn both_versions_of_the_encoding_are_read() {
         let plan = plan();
-        // version 1 aligns 8-byte numbers to 8, version 2 to 4, and version 2 counts the bytes of arrays of texts and messages
+        // version 1 aligns 8-byte numbers to 8, version 2 to 4, and version 2 counts the bytes of arrays of strings and messages
         for payload in [payload([0, 1], None), payload([0, 7], Some([16, 12])), payload([0, 0x11], Some([16, 12]))] {
             let mut taken = Taken::default();
             plan.decode(&payload, &mut taken).unwrap();
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn parameter_lists_and_delimited_types_are_refused_by_name() {
         for (id, name) in
-            [(2, "PL_CDR"), (3, "PL_CDR"), (0x0b, "PL_CDR"), (0x13, "PL_CDR"), (9, "D_CDR2"), (0x15, "D_CDR2"), (0x77, "no CDR")]
+            [(2, "PL_CDR"), (3, "PL_CDR"), (0x0b, "PL_CDR"), (0x13, "PL_CDR"), (9, "D_CDR2"), (0x15, "D_CDR2"), (0x77, "not those of CDR")]
         {
             let payload = payload([0, id], None);
             assert!(plan().decode(&payload, &mut Taken::default()).is_none());

@@ -1,4 +1,4 @@
-//! JSON payloads: the text is parsed once, and everything that is not wanted is passed over without being built.
+//! JSON payloads: the text is parsed once; values that are not wanted are skipped without being built.
 
 use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::{Element, ElementCheck, Pick, Wish};
@@ -13,10 +13,10 @@ use std::fmt;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct JsonProgram {
     take: Vec<usize>,
-    /// What is wanted if an object stands here.
+    /// The wanted values if this value is an object.
     fields: Vec<(String, JsonProgram)>,
     checks: Vec<ElementCheck>,
-    /// What is wanted if an array stands here.
+    /// The wanted values if this value is an array.
     picks: Vec<(Pick, JsonProgram)>,
 }
 
@@ -37,7 +37,7 @@ impl JsonProgram {
     }
 }
 
-/// One place of the value with what is wanted of it.
+/// One place of the value, and the wanted values there.
 struct Seed<'p, 't, 'a> {
     program: &'p JsonProgram,
     taken: &'t mut Taken<'a>,
@@ -124,7 +124,7 @@ impl<'de> Visitor<'de> for Seed<'_, '_, '_> {
             }
             [(pick, program)] if !pick.counts_from_the_end() => one_pick(pick, program, sequence, taken),
             _ => {
-                // several picks, or one counted from the end: rare enough to build the values
+                // several picks, or one counted from the end: rare, so the values may be built
                 let mut values: Vec<serde_json::Value> = Vec::new();
                 while let Some(value) = sequence.next_element()? {
                     values.push(value);
@@ -153,7 +153,7 @@ impl<'de> Visitor<'de> for Seed<'_, '_, '_> {
     }
 }
 
-/// Fills what one pick wants of an array.
+/// Fills the slots of one pick from an array.
 fn one_pick<'de, A: SeqAccess<'de>>(pick: &Pick, program: &JsonProgram, mut sequence: A, taken: &mut Taken<'_>) -> Result<(), A::Error> {
     let wanted = match pick {
         Pick::Index(index) => u64::try_from(*index).ok(),

@@ -1,4 +1,4 @@
-//! Plans against dynamic decoders that other people wrote: the same payload must give the same values.
+//! Compares plans with dynamic decoders by other authors: the same payload must give the same values.
 #![allow(clippy::unwrap_used)]
 
 use crate::log::extract::extractor::Extractor;
@@ -38,7 +38,7 @@ int32 sec
 uint32 nanosec
 ";
 
-/// What a message of that schema holds.
+/// The content of a message of that schema.
 #[derive(Debug, Clone)]
 struct Content {
     sec: i32,
@@ -95,7 +95,7 @@ impl Content {
     }
 }
 
-/// What a value is as a number.
+/// A value as a number.
 fn ros_number(value: &Ros) -> f64 {
     match value {
         Ros::Bool(v) => f64::from(u8::from(*v)),
@@ -195,7 +195,7 @@ proptest! {
     }
 
     #[test]
-    fn messages_that_follow_each_other_are_read_as_each_alone(
+    fn consecutive_messages_are_read_like_single_ones(
         first in content(), changes in prop::collection::vec((0..8_u8, -1e6..1e6_f64), 1..12), filters: bool,
     ) {
         let few = ros_paths().into_iter().filter(|path| filters || !path.contains("{id")).collect::<Vec<_>>();
@@ -345,7 +345,7 @@ fn idl_and_msg_give_the_same_plan() {
 }
 
 #[test]
-fn a_wide_text_before_the_field_is_skipped() {
+fn a_wide_string_before_the_field_is_skipped() {
     let mut payload = vec![0, 1, 0, 0];
     payload.extend(2_u32.to_le_bytes());
     payload.extend([65, 0, 0, 0, 66, 0, 0, 0]);
@@ -355,7 +355,7 @@ fn a_wide_text_before_the_field_is_skipped() {
 }
 
 #[test]
-fn a_path_that_leads_nowhere_says_what_there_is() {
+fn the_error_of_a_wrong_path_lists_the_known_fields() {
     let layout = Layout::parse("cdr", Some(&ros_schema("ros2msg", ROS_SCHEMA))).unwrap();
     let wrong = |path: &str| {
         let path: MessagePath = format!("/t{path}").parse().unwrap();

@@ -1,7 +1,7 @@
-//! Protobuf payloads: a walk over the wire format that enters only what is wanted.
+//! Protobuf payloads: a walk over the wire format that enters only the wanted fields.
 //!
-//! Fields may come in any order; the last occurrence of a single field counts, occurrences of a single message are merged. A field
-//! without presence that is absent has its default value; an absent member of a `oneof`, `optional` field or message is missing.
+//! Fields may come in any order. The last occurrence of a single field counts; occurrences of a single message are merged. An absent field
+//! without presence has its default value; an absent member of a `oneof`, `optional` field or message is missing.
 //! Source: <https://protobuf.dev/programming-guides/encoding>.
 
 #[cfg(test)]
@@ -22,7 +22,7 @@ use wire::{MAX_DEPTH, Wire, array, next, varint};
 #[derive(Debug)]
 pub(crate) struct ProtobufProgram {
     fields: Vec<WireField>,
-    /// Values of fields that are absent when they have them.
+    /// Values of absent fields that have a default.
     defaults: Vec<(usize, Raw<'static>)>,
     checks: Vec<ElementCheck>,
 }
@@ -32,13 +32,13 @@ struct WireField {
     number: u32,
     scalar: Option<Scalar>,
     slots: Vec<usize>,
-    /// What is wanted of a single message.
+    /// The wanted values of a single message.
     message: Option<ProtobufProgram>,
-    /// What is wanted of a repeated field.
+    /// The wanted values of a repeated field.
     picks: Vec<(Pick, ProtobufProgram)>,
 }
 
-/// How a single value is encoded.
+/// Encoding of a single value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scalar {
     Double,
@@ -155,7 +155,7 @@ impl ProtobufProgram {
 
     fn merge<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>, depth: usize) -> Option<()> {
         let mut rest = payload;
-        let mut entered = 0_u64; // single messages met before, by place in `fields`: only the first sets defaults
+        let mut entered = 0_u64; // single messages seen before, by place in `fields`: only the first sets defaults
         while !rest.is_empty() {
             let (number, wire) = next(&mut rest)?;
             let Some(wire) = wire else { continue };
@@ -192,7 +192,7 @@ impl ProtobufProgram {
 }
 
 impl WireField {
-    /// Fills what one pick wants of a repeated field of the message `payload`.
+    /// Fills the slots of one pick from a repeated field of the message `payload`.
     fn pick<'a>(&self, pick: &Pick, program: &ProtobufProgram, payload: &'a [u8], taken: &mut Taken<'a>, depth: usize) -> Option<()> {
         let count = || {
             let mut count = 0;
@@ -250,7 +250,7 @@ impl WireField {
         })
     }
 
-    /// Fills what is wanted of one element.
+    /// Fills the slots of one element.
     fn one<'a>(&self, program: &ProtobufProgram, wire: Wire<'a>, taken: &mut Taken<'a>, depth: usize) -> Option<()> {
         if let Some(scalar) = self.scalar {
             let value = value(scalar, wire)?;
@@ -266,7 +266,7 @@ impl WireField {
         program.merge(inner, taken, depth + 1)
     }
 
-    /// Calls `visit` for each element of the repeated field, packed or not, until it says `true`.
+    /// Calls `visit` for each element of the repeated field, packed or not, until it returns `true`.
     fn each<'a>(&self, payload: &'a [u8], mut visit: impl FnMut(u64, Wire<'a>) -> Option<bool>) -> Option<()> {
         let mut rest = payload;
         let mut index = 0;
@@ -316,7 +316,7 @@ fn scalar(kind: &Kind) -> Option<Scalar> {
     })
 }
 
-/// The value of a single field; writers may pack it all the same, and then the last element counts.
+/// The value of a single field. Writers may pack it nevertheless; then the last element counts.
 fn last_of(scalar: Scalar, wire: Wire<'_>) -> Option<Wire<'_>> {
     let Wire::Bytes(mut packed) = wire else { return Some(wire) };
     if scalar == Scalar::Text {
@@ -343,7 +343,7 @@ fn value(scalar: Scalar, wire: Wire<'_>) -> Option<Raw<'_>> {
         (Scalar::Double, Wire::Fixed64(bytes)) => Raw::Number(f64::from_le_bytes(bytes)),
         (Scalar::Float, Wire::Fixed32(bytes)) => Raw::Number(f64::from(f32::from_le_bytes(bytes))),
         (Scalar::Signed, Wire::Varint(value)) => Raw::Integer(value.cast_signed()),
-        // an enum or int32 may be written in 32 or in 64 bits: the low ones count
+        // an enum or int32 may be written in 32 or in 64 bits: only the low bits count
         (Scalar::Enum, Wire::Varint(value)) => Raw::Integer(i64::from((value as u32).cast_signed())),
         (Scalar::Unsigned, Wire::Varint(value)) => Raw::unsigned(value),
         (Scalar::ZigZag, Wire::Varint(value)) => Raw::Integer((value >> 1).cast_signed() ^ -(value & 1).cast_signed()),

@@ -1,9 +1,9 @@
-//! Paths merged into one tree of wishes, so that a message is walked once however many values are wanted of it.
+//! Merges paths into one tree of requests, so that a message is walked once for any number of wanted values.
 
 use crate::log::extractor_error::PlanError;
 use crate::log::path::{PathStep, Test};
 
-/// What is wanted of a message.
+/// The wanted values of a message.
 #[derive(Debug)]
 pub(crate) struct Wishes {
     pub root: Wish,
@@ -11,37 +11,37 @@ pub(crate) struct Wishes {
     pub registers: Vec<usize>,
 }
 
-/// What is wanted at one place of a message.
+/// The wanted values at one place of a message.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Wish {
-    /// Slots that take the value that stands here.
+    /// Slots that take the value at this place.
     pub take: Vec<usize>,
-    /// What is wanted of the fields, if a message stands here.
+    /// The wanted values of the fields, if this place holds a message.
     pub fields: Vec<(String, Wish)>,
-    /// What is wanted of the elements, if an array stands here.
+    /// The wanted values of the elements, if this place holds an array.
     pub elements: Vec<Element>,
 }
 
-/// What is wanted of an array's elements.
+/// The wanted values of an array's elements.
 #[derive(Debug, Clone)]
 pub(crate) struct Element {
     pub pick: Pick,
     pub wish: Wish,
 }
 
-/// Which element is wanted.
+/// The wanted element.
 #[derive(Debug, Clone)]
 pub(crate) enum Pick {
     /// This one; negative counts from the end.
     Index(i64),
     /// The first in which the value in slot `tested` passes; all of `slots` are emptied for those that fail. On a message that is
-    /// no array: the message itself, if it passes.
+    /// not an array: the message itself, if it passes.
     First { test: Test, tested: usize, slots: Vec<usize> },
     /// The first that passes: its index goes into `register`.
     Find { test: Test, register: usize },
-    /// The one whose index stands in `register`.
+    /// The one whose index is in `register`.
     At { register: usize },
-    /// All from the first to the last, both included: what each of them puts into `slots` is kept as a list.
+    /// All from the first to the last, both included: the values that they put into `slots` are kept as a list.
     Each { first: i64, last: i64, slots: Vec<usize> },
 }
 
@@ -69,7 +69,7 @@ impl Wishes {
     fn extend(&mut self, wish: &mut Wish, steps: &[PathStep], slot: usize) -> Result<(), PlanError> {
         match steps {
             [] => wish.take.push(slot),
-            // a filter with nothing behind it picks from parallel arrays
+            // a filter at the end of a path picks from parallel arrays
             [PathStep::Field(name), PathStep::Filter(test)] => {
                 let register = self.slots;
                 self.slots += 1;
@@ -114,7 +114,7 @@ impl Wishes {
 }
 
 impl Wishes {
-    /// Every element of a slice. Slices of the same elements are one, so that the array is walked once for all of them.
+    /// Every element of a slice. Slices of the same elements are merged, so that the array is walked once for all of them.
     fn each(&mut self, wish: &mut Wish, first: i64, last: i64, rest: &[PathStep], slot: usize) -> Result<(), PlanError> {
         if rest.iter().any(|step| matches!(step, PathStep::Slice(..) | PathStep::Filter(_))) {
             return Err(PlanError::ListWithin);
@@ -142,7 +142,7 @@ impl Wish {
         &mut self.fields[index].1
     }
 
-    /// Adds what another wish for the same place wants.
+    /// Adds another request for the same place.
     pub(crate) fn merge(&mut self, other: Wish) {
         self.take.extend(other.take);
         self.elements.extend(other.elements);
@@ -151,7 +151,7 @@ impl Wish {
         }
     }
 
-    /// The wish for the case that a single message stands here: filters become checks on it.
+    /// The request for the case that this place holds a single message: filters become checks on it.
     pub(crate) fn on_message(&self) -> (Wish, Vec<ElementCheck>) {
         let mut fields = Wish { fields: self.fields.clone(), ..Wish::default() };
         let mut checks = Vec::new();

@@ -1,9 +1,9 @@
-//! Slices: which elements of an array they pick.
+//! Slices: the elements of an array that they select.
 
 use crate::log::extract::extractor::request_tree::Pick;
 use std::ops::Range;
 
-/// The elements from `first` to `last`, both included and negative from the end, that an array of `count` has.
+/// The elements from `first` to `last`, both included, in an array of `count` elements; negative indices count from the end.
 pub(crate) fn elements(first: i64, last: i64, count: usize) -> Range<usize> {
     let count = i64::try_from(count).unwrap_or(i64::MAX);
     let from_start = |index: i64| if index < 0 { index.saturating_add(count) } else { index };
@@ -13,11 +13,11 @@ pub(crate) fn elements(first: i64, last: i64, count: usize) -> Range<usize> {
 }
 
 impl Pick {
-    /// Whether the array must be counted before it is known which elements are meant.
+    /// Whether the array must be counted before the selected elements are known.
     pub(crate) fn counts_from_the_end(&self) -> bool {
         match self {
             Self::Index(index) => *index < 0,
-            // −1 is the end, however far it is
+            // −1 is always the end
             Self::Each { first, last, .. } => *first < 0 || *last < -1,
             Self::First { .. } | Self::Find { .. } | Self::At { .. } => false,
         }
@@ -40,7 +40,7 @@ mod tests {
     use re_cdr::{CdrWriter, LittleEndian};
 
     #[test]
-    fn both_ends_are_included_and_what_the_array_does_not_have_is_left_out() {
+    fn both_ends_are_included_and_missing_elements_are_left_out() {
         let of = |first, last| elements(first, last, 5).collect::<Vec<_>>();
         assert_eq!(of(0, -1), [0, 1, 2, 3, 4]);
         assert_eq!(of(1, 2), [1, 2]);
@@ -62,7 +62,7 @@ mod tests {
         w.write_string("map");
         w.write_sequence_length(POINTS.len());
         for (k, [x, y]) in POINTS.iter().enumerate() {
-            // texts of several lengths: no two elements are alike
+            // strings of different lengths: no two elements are alike
             w.write_string(&"abcd"[..k]);
             w.write_f64(*x);
             w.write_f64(*y);
@@ -107,7 +107,7 @@ mod tests {
         let mut body = Vec::new();
         for [x, y] in POINTS {
             let mut point = Vec::new();
-            // zeros are not written, as proto3 has it
+            // proto3 does not write zeros
             for (key, value) in [(9, x), (17, y)] {
                 if value != 0.0 {
                     point.push(key);
@@ -128,7 +128,7 @@ mod tests {
         let paths: Vec<MessagePath> = paths.iter().map(|path| format!("/t{path}").parse().unwrap()).collect();
         let plan = Extractor::compile(layout, &paths.iter().collect::<Vec<_>>()).unwrap();
         let mut taken = Taken::default();
-        // twice: what one message teaches must not spoil the next
+        // twice: the trace of one message must not change the values of the next
         for _ in 0..2 {
             plan.decode(payload, &mut taken).unwrap();
         }
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slice_within_a_slice_and_a_filter_behind_one_are_refused() {
+    fn a_slice_within_a_slice_and_a_filter_after_one_are_refused() {
         let (layout, _) = ros();
         for path in ["/t.poses[:].at[:].x", "/t.poses[:]{id==\"a\"}[:].at.x", "/t.poses[1:2].at{x>1}.y"] {
             let path: MessagePath = path.parse().unwrap();

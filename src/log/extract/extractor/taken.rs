@@ -1,4 +1,4 @@
-//! What one message gives: a slot for each path.
+//! The values of one message: a slot for each path.
 
 use crate::log::value::Raw;
 
@@ -6,11 +6,11 @@ use crate::log::value::Raw;
 #[derive(Debug, Default)]
 pub(crate) struct Taken<'a> {
     pub(crate) slots: Vec<Raw<'a>>,
-    /// What the elements of slices had for each slot, as numbers; NaN where an element holds none.
+    /// The numbers that the elements of slices have for each slot; NaN where an element has none.
     pub(crate) lists: Vec<Vec<f64>>,
-    /// Where the last message of a plan for CDR or ROS 1 had its values.
+    /// The positions of the values in the last message, for plans of CDR or ROS 1.
     pub(crate) shortcut: crate::log::extract::extractor::cdr::shortcut::Shortcut<'a>,
-    /// A value was passed over because its sibling array had not been seen yet.
+    /// A value was skipped because its sibling array was not read yet.
     pub(crate) again: bool,
 }
 
@@ -19,12 +19,12 @@ impl<'a> Taken<'a> {
         &self.slots[slot]
     }
 
-    /// The numbers that a slice picked for `slot`, in the array's order.
+    /// The numbers that a slice selected for `slot`, in the array's order.
     pub(crate) fn list(&self, slot: usize) -> &[f64] {
         self.lists.get(slot).map_or(&[], Vec::as_slice)
     }
 
-    /// Moves what an element of a slice put into `slots` to their lists.
+    /// Moves the values of a slice's element from `slots` to their lists.
     pub(crate) fn keep(&mut self, slots: &[usize]) {
         for &slot in slots {
             if self.lists.len() <= slot {
@@ -44,7 +44,7 @@ impl<'a> Taken<'a> {
         self.slots[slot] = value;
     }
 
-    /// The element that a sibling array's match picked; notes that the walk must be repeated while it is not known.
+    /// The element selected by the match in a sibling array. While it is not known, records that the walk must be repeated.
     pub(crate) fn register(&mut self, slot: usize) -> Option<u64> {
         if let Raw::Integer(index) = self.slots[slot] {
             Some(index as u64)

@@ -1,9 +1,9 @@
-//! What an IDL text defines.
+//! The definitions of an IDL text.
 
 use crate::log::schema::shape::Shape;
 use std::collections::BTreeMap;
 
-/// What a text defines.
+/// The definitions of a text.
 pub(crate) struct Definitions {
     /// Types by full name.
     pub(crate) types: BTreeMap<String, IdlDefinition>,
@@ -11,7 +11,7 @@ pub(crate) struct Definitions {
     pub(crate) constants: BTreeMap<String, Vec<(String, i64)>>,
 }
 
-/// A name or type as written.
+/// A name or type, unresolved.
 #[derive(Debug, Clone)]
 pub(crate) enum IdlName {
     Scalar(Shape),

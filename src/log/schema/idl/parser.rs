@@ -1,13 +1,13 @@
-//! The text of a definition into what it defines.
+//! Parses the text of a definition.
 
 use crate::log::schema::idl::definition::{Definitions, IdlDefinition, IdlName, Member};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape};
 use std::collections::BTreeMap;
 
-/// Reads a definition.
+/// Parses a definition.
 ///
 /// # Errors
-/// What cannot be understood.
+/// The part that cannot be parsed.
 pub(crate) fn read(text: &str) -> Result<Definitions, String> {
     let tokens = tokens(text)?;
     let mut parser =
@@ -109,13 +109,13 @@ impl<'a> IdlParser<'a> {
                     self.found.types.insert(name, IdlDefinition::Enumeration);
                 }
                 "const" => self.constant()?,
-                other => return Err(format!("{other:?} is not understood")),
+                other => return Err(format!("{other:?} is not supported")),
             }
         }
         Ok(())
     }
 
-    /// Passes over `@name` and its arguments in brackets.
+    /// Skips `@name` and its arguments in brackets.
     fn annotation(&mut self) -> Result<(), String> {
         self.next()?;
         if self.peek() == "(" {
@@ -171,7 +171,7 @@ impl<'a> IdlParser<'a> {
         while self.peek() == "[" {
             self.at += 1;
             let length = self.next()?;
-            lengths.push(length.parse().map_err(|_| format!("the array length {length:?} is no number"))?);
+            lengths.push(length.parse().map_err(|_| format!("the array length {length:?} is not a number"))?);
             self.expect("]")?;
         }
         Ok((name, lengths))
@@ -221,7 +221,7 @@ impl<'a> IdlParser<'a> {
                     self.at += 1;
                     number(Kind::I64)
                 }
-                "double" => return Err("long double is not understood".into()),
+                "double" => return Err("long double is not supported".into()),
                 _ => number(Kind::I32),
             },
             "unsigned" => match self.next()? {
@@ -231,7 +231,7 @@ impl<'a> IdlParser<'a> {
                     number(Kind::U64)
                 }
                 "long" => number(Kind::U32),
-                other => return Err(format!("unsigned {other} is not understood")),
+                other => return Err(format!("unsigned {other} is not supported")),
             },
             word @ ("string" | "wstring") => {
                 if self.peek() == "<" {
@@ -241,7 +241,7 @@ impl<'a> IdlParser<'a> {
                 }
                 IdlName::Scalar(if word == "string" { Shape::Text } else { Shape::WideText })
             }
-            word @ ("union" | "map" | "bitset" | "bitmask" | "fixed" | "any") => return Err(format!("{word} is not understood")),
+            word @ ("union" | "map" | "bitset" | "bitmask" | "fixed" | "any") => return Err(format!("{word} is not supported")),
             name => IdlName::Type { name: name.to_owned(), scope: self.scope.join("::") },
         };
         for _ in 0..sequences {

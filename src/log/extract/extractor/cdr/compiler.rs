@@ -1,25 +1,25 @@
-//! From a schema and what is wanted of it to the operations of a program.
+//! Compiles a schema and the wanted values into the operations of a program.
 
 use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::request_tree::{Element, Pick, Wish};
 use crate::log::extractor_error::PlanError;
 use crate::log::schema::{Shape, Size, Structure};
 
-/// Instructions and types of one program at most: far above any real schema.
+/// Largest number of instructions and types of one program: far more than any real schema needs.
 const MAX_WORK: usize = 100_000;
 
-/// The operations that take what `wish` wants of a message: nothing behind the last wanted field is looked at.
+/// The operations that read the values of `wish` from a message. The bytes after the last wanted field are not read.
 pub(crate) fn compile(structure: &Structure, wish: &Wish) -> Result<Vec<Operation>, PlanError> {
     Compiler { work: 0 }.structure(structure, wish, "the message", true)
 }
 
 struct Compiler {
-    /// Instructions made and types entered: types without content make none, and may be many all the same.
+    /// Instructions generated and types entered. Types without content generate no instructions, but there may be many of them.
     work: usize,
 }
 
 impl Compiler {
-    /// `last`: nothing that stands behind this message is wanted.
+    /// `last`: nothing after this message is wanted.
     fn structure(&mut self, structure: &Structure, wish: &Wish, within: &str, last: bool) -> Result<Vec<Operation>, PlanError> {
         let (fields, checks) = wish.on_message();
         if wish.elements.iter().any(|element| !matches!(element.pick, Pick::First { .. })) {
@@ -60,7 +60,7 @@ impl Compiler {
                 });
             }
             Shape::Number(kind) => {
-                // all but the last wish for the same value read it and step back: a rare case, kept simple by reading it once
+                // several slots for the same value are rare: the value is read as an array of one number
                 match wish.take[..] {
                     [] => skip_numbers(kind.size(), 1, into),
                     [slot] => into.push(Operation::Take { kind: *kind, slot }),
@@ -134,7 +134,7 @@ impl Compiler {
     }
 }
 
-/// Skips numbers, together with those skipped just before if they have the same size.
+/// Skips numbers. Joins the skip to the one before it if the numbers have the same size.
 fn skip_numbers(size: usize, count: usize, into: &mut Vec<Operation>) {
     match into.last_mut() {
         Some(Operation::Skip { size: last, count: sum }) if *last == size => *sum = sum.saturating_add(count),
@@ -172,12 +172,12 @@ mod tests {
     }
 
     #[test]
-    fn messages_without_content_that_multiply_are_refused_where_they_must_be_passed() {
+    fn messages_without_content_that_multiply_are_refused_where_they_must_be_skipped() {
         assert_eq!(operations(&hollow(false)), Err(PlanError::TooLarge));
     }
 
     #[test]
-    fn what_stands_behind_the_last_wanted_field_is_not_looked_at() {
+    fn bytes_after_the_last_wanted_field_are_not_read() {
         assert_eq!(operations(&hollow(true)), Ok(1));
     }
 }

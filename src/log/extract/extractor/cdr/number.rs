@@ -1,9 +1,9 @@
-//! Numbers and texts of a CDR payload.
+//! Numbers and strings of a CDR payload.
 
 use crate::log::schema::Kind;
 use crate::log::value::Raw;
 
-/// The number at the front of `data`.
+/// The number at the start of `data`.
 #[inline]
 pub(crate) fn number<'a, const BE: bool>(kind: Kind, data: &[u8]) -> Option<Raw<'a>> {
     Some(match kind {
@@ -20,7 +20,7 @@ pub(crate) fn number<'a, const BE: bool>(kind: Kind, data: &[u8]) -> Option<Raw<
     })
 }
 
-/// The first `N` bytes, the lowest first.
+/// The first `N` bytes, the least significant first.
 #[inline]
 pub(crate) fn bytes<const BE: bool, const N: usize>(data: &[u8]) -> Option<[u8; N]> {
     let mut bytes = *data.first_chunk::<N>()?;
@@ -30,12 +30,12 @@ pub(crate) fn bytes<const BE: bool, const N: usize>(data: &[u8]) -> Option<[u8; 
     Some(bytes)
 }
 
-/// A text without the zero byte that CDR puts behind it.
+/// A string without the zero byte that CDR puts at its end.
 pub(crate) fn ended(text: &[u8]) -> &[u8] {
     text.strip_suffix(&[0]).unwrap_or(text)
 }
 
-/// A text as a value.
+/// A string as a value.
 pub(crate) fn shown(text: &[u8]) -> Raw<'_> {
     Raw::Text(String::from_utf8_lossy(ended(text)))
 }

@@ -13,7 +13,7 @@ pub(crate) enum Operation {
     SkipText {
         wide: bool,
     },
-    /// Skip an array of numbers with its count before it.
+    /// Skip an array of numbers that is preceded by its count.
     SkipNumbers {
         size: usize,
     },
@@ -38,12 +38,12 @@ pub(crate) enum Operation {
         kind: Kind,
         picks: Vec<(Pick, Vec<usize>)>,
     },
-    /// Elements of an array of texts.
+    /// Elements of an array of strings.
     Texts {
         size: Size,
         picks: Vec<(Pick, Vec<usize>)>,
     },
-    /// Elements of an array of messages: `skip` passes over one, each pick has its own program.
+    /// Elements of an array of messages: `skip` skips one element, each pick has its own program.
     Messages {
         size: Size,
         skip: Vec<Operation>,

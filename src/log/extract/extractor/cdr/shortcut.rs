@@ -1,18 +1,18 @@
-//! What one message teaches about the next: where the wanted values stand, as long as counts, text lengths and compared names are the same.
+//! Reuses the positions of the wanted values from the last message, as long as counts, string lengths and compared names are the same.
 //!
-//! A walk over a payload depends on nothing but a few of its bytes: the counts, the lengths of the texts before the last wanted value,
-//! and the names that it compared. The messages of one channel hardly ever differ there, so the next payload is first compared with the
-//! last one at those bytes, and if they are equal its values are taken from the same places.
+//! A walk over a payload depends only on a few of its bytes: the counts, the lengths of the strings before the last wanted value, and the
+//! names that it compared. The messages of one channel rarely differ in these bytes. So the next payload is first compared with the last
+//! one at these bytes. If they are equal, its values are read from the same positions.
 
 use crate::log::extract::extractor::cdr::number::number;
 use crate::log::schema::Kind;
 use crate::log::value::Raw;
 
-/// Places that are compared at most; a walk that depends on more of them is as fast as comparing.
+/// Largest number of places that are compared. A walk that depends on more of them is as fast as the comparison.
 const MAX_PLACES: usize = 32;
-/// Bytes of padding that may be compared with what stands around them.
+/// Bytes of padding that may be compared together with the bytes around them.
 const PADDING: usize = 3;
-/// How often messages may differ, without ever being alike, before the comparison is given up.
+/// How often messages may differ, without ever being alike, before the comparison stops.
 const PATIENCE: u8 = 8;
 
 /// The places of the last message that was walked.
@@ -21,20 +21,20 @@ pub(crate) struct Shortcut<'a> {
     /// The message; empty while nothing is known.
     template: &'a [u8],
     trace: Trace,
-    /// Falls when messages differ and rises when they are alike; at zero no more is learnt.
+    /// Falls when messages differ and rises when they are alike; at zero, learning stops.
     patience: u8,
 }
 
-/// What a walk depends on and where it found the values.
+/// The bytes that a walk depends on, and the positions of the values.
 #[derive(Debug, Default)]
 pub(crate) struct Trace {
     /// Bytes that the walk depends on: from, to.
     places: Vec<(usize, usize)>,
     takes: Vec<Take>,
-    /// Bytes that the payload has at least.
+    /// Smallest length of the payload [bytes].
     end: usize,
     big_endian: bool,
-    /// The walk depends on more than can be compared.
+    /// The walk depends on more bytes than can be compared.
     hopeless: bool,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Shortcut<'a> {
         true
     }
 
-    /// Forgets the last message; gives what the next walk notes, if there is still hope.
+    /// Forgets the last message; returns a trace for the next walk unless learning has stopped.
     pub(crate) fn learn(&mut self) -> Option<Trace> {
         self.template = &[];
         self.patience = self.patience.saturating_sub(1);
@@ -86,7 +86,7 @@ impl<'a> Shortcut<'a> {
         })
     }
 
-    /// Keeps what a walk over `payload` noted.
+    /// Keeps the trace of a walk over `payload`.
     pub(crate) fn keep(&mut self, payload: &'a [u8], trace: Trace) {
         if trace.hopeless {
             self.patience = 0;
@@ -104,7 +104,7 @@ impl Trace {
         self.hopeless = false;
     }
 
-    /// Notes that the walk depends on the bytes between `from` and `to`.
+    /// Records that the walk depends on the bytes between `from` and `to`.
     pub(crate) fn depends_on(&mut self, from: usize, to: usize) {
         let full = self.places.len() == MAX_PLACES;
         match self.places.last_mut() {
@@ -122,12 +122,12 @@ impl Trace {
         self.takes.push(Take::Text { at, length, slot });
     }
 
-    /// Notes that the walk depends on values.
+    /// Records that the walk depends on values.
     pub(crate) fn give_up(&mut self) {
         self.hopeless = true;
     }
 
-    /// Notes the end of a walk.
+    /// Records the end of a walk.
     pub(crate) fn close(&mut self, end: usize, big_endian: bool) {
         (self.end, self.big_endian) = (end, big_endian);
     }

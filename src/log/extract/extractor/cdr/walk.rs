@@ -1,4 +1,4 @@
-//! Running a program over one payload.
+//! Runs a program over one payload.
 
 use crate::log::extract::extractor::cdr::number::{bytes, ended, number, shown};
 use crate::log::extract::extractor::cdr::operation::Operation;
@@ -10,14 +10,14 @@ use crate::log::extract::extractor::taken::Taken;
 use crate::log::schema::{Kind, Size};
 use crate::log::value::Raw;
 
-/// How numbers and arrays stand in a payload.
+/// Layout of numbers and arrays in a payload.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Form {
-    /// Where the data begin: alignment counts from here.
+    /// Where the data begin. Alignment is relative to this position.
     pub(crate) start: usize,
-    /// Numbers are aligned to their size, but to no more than this.
+    /// Numbers are aligned to their size, but at most to this.
     pub(crate) max_align: usize,
-    /// A count of bytes stands before arrays of texts and of messages.
+    /// Arrays of strings and of messages are preceded by a count of bytes.
     pub(crate) delimited: bool,
 }
 
@@ -46,7 +46,7 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         Some(())
     }
 
-    /// What the walk noted.
+    /// The trace of the walk.
     pub(crate) fn into_trace(self) -> Option<Trace> {
         self.trace
     }
@@ -107,7 +107,7 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         Some(taken)
     }
 
-    /// Skips `count` numbers; none need no alignment.
+    /// Skips `count` numbers; zero numbers need no alignment.
     fn skip(&mut self, size: usize, count: usize) -> Option<()> {
         if count > 0 {
             self.align(size);
@@ -126,12 +126,12 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         Some(count as usize)
     }
 
-    /// Skips the count of bytes before an array of texts or messages, in a form that has one.
+    /// Skips the count of bytes before an array of strings or messages, if the form has one.
     fn delimiter(&mut self) -> Option<()> {
         if self.form.delimited { self.skip(4, 1) } else { Some(()) }
     }
 
-    /// Number of elements of at least `least` bytes each; `None` when the payload cannot hold so many.
+    /// Number of elements of at least `least` bytes each; `None` if the payload is too short for them.
     fn elements(&mut self, size: Size, least: usize) -> Option<usize> {
         let count = match size {
             Size::Fixed(count) => count,
@@ -152,7 +152,7 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         Some(())
     }
 
-    /// Puts the text between `from` and `to` into `slots`.
+    /// Puts the string between `from` and `to` into `slots`.
     fn give_text(&mut self, from: usize, to: usize, slots: &[usize], taken: &mut Taken<'a>) {
         for slot in slots {
             taken.set(*slot, shown(&self.payload[from..to]));
@@ -168,7 +168,7 @@ impl<'a, const BE: bool> Walk<'a, BE> {
         }
     }
 
-    /// Where a text begins and ends.
+    /// Where a string begins and ends.
     fn text(&mut self) -> Option<(usize, usize)> {
         let length = self.count()?;
         let from = self.at;
@@ -187,7 +187,7 @@ impl<'a, const BE: bool> Walk<'a, BE> {
             let before = self.at;
             self.run(each, taken)?;
             if self.at == before {
-                break; // elements without content: any number of them takes no room
+                break; // elements without content occupy no bytes, whatever their number
             }
         }
         Some(())

@@ -1,4 +1,4 @@
-//! Fields of every kind, described by hand, against the dynamic decoder.
+//! Compares fields of every kind, described by hand, with the dynamic decoder.
 #![allow(clippy::unwrap_used)]
 
 use crate::log::extract::extractor::Extractor;
@@ -77,7 +77,7 @@ fn dynamic(schema: &Schema) -> DynamicMessage {
 }
 
 #[test]
-fn members_of_a_oneof_are_missing_unless_set_and_groups_are_passed_over() {
+fn members_of_a_oneof_are_missing_unless_set_and_groups_are_skipped() {
     let member = |name, number| FieldDescriptorProto { oneof_index: Some(0), ..field(name, number, Type::Double) };
     let mut setpoint = message("M", vec![member("torque_nm", 2), member("speed_mps", 3), field("plain", 4, Type::Double)]);
     setpoint.oneof_decl = vec![OneofDescriptorProto { name: Some("setpoint".into()), ..OneofDescriptorProto::default() }];
@@ -103,7 +103,7 @@ fn a_value_of_a_map_is_found_by_its_key() {
 }
 
 #[test]
-fn enumerations_are_numbers_whose_names_the_schema_tells() {
+fn enumerations_are_numbers_and_the_schema_gives_their_names() {
     let whole = message("M", vec![of_type("gear", 1, Type::Enum, "Gear"), list(of_type("gears", 2, Type::Enum, ".p.Gear"))]);
     let schema = schema(whole, "proto3");
     let mut message = dynamic(&schema);
@@ -140,14 +140,14 @@ fn fields_of_proto2_are_missing_or_have_the_default_that_they_declare() {
 }
 
 #[test]
-fn fields_are_found_by_the_names_that_json_spells() {
+fn fields_are_found_by_their_json_names() {
     let schema = schema(message("M", vec![field("wheel_speed_mps", 1, Type::Int32)]), "proto3");
     assert_eq!(take(&schema, &[".wheelSpeedMps", ".wheel_speed_mps"], &[0x08, 5]), [Some(5.0), Some(5.0)]);
 }
 
 #[test]
-fn a_type_name_that_leads_nowhere_is_an_error() {
-    // names that no writer makes, from which a decoder of descriptors could look for a place in the source
+fn an_unknown_type_name_is_an_error() {
+    // no writer produces these names; a decoder of descriptors could look up a place in the source from them
     for name in [".).M", "", ".", "p..M", ".p.Gone", "Gone"] {
         for syntax in ["proto3", "proto1", ""] {
             let whole = message("M", vec![field("value", 1, Type::Double), of_type("inner", 5, Type::Message, name)]);

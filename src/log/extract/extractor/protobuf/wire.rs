@@ -1,11 +1,11 @@
-//! Fields as they stand on the wire.
+//! Fields in the wire format.
 //!
 //! Source: <https://protobuf.dev/programming-guides/encoding>.
 
-/// Groups and messages within each other at most.
+/// Largest nesting depth of groups and messages.
 pub(crate) const MAX_DEPTH: usize = 64;
 
-/// A field as it stands on the wire.
+/// A field in the wire format.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Wire<'a> {
     Varint(u64),
@@ -37,7 +37,7 @@ fn tag(rest: &mut &[u8]) -> Option<(u32, u8)> {
     Some((number, (tag & 7) as u8))
 }
 
-/// Skips to behind the end of group `number`.
+/// Skips past the end of group `number`.
 fn skip_group(rest: &mut &[u8], number: u32) -> Option<()> {
     let mut open = vec![number];
     while let Some(innermost) = open.last() {
