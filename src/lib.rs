@@ -29,4 +29,5 @@ pub mod signal;
 pub mod sim;
 mod spelling;
 pub mod units;
+mod utc;
 pub mod verify;

@@ -149,8 +149,9 @@ fn span(survey: &Survey) -> String {
         return String::new();
     };
     let seconds = end.saturating_sub(start) as f64 / crate::units::NS_PER_S;
-    let date = i64::try_from(start).ok().and_then(|start| jiff::Timestamp::from_nanosecond(i128::from(start)).ok());
-    date.map_or_else(|| format!(", {seconds:.1} s"), |date| format!(", {seconds:.1} s from {date:.0}"))
+    // beyond what a signed number of nanoseconds holds it is no time
+    let date = i64::try_from(start).ok().map(|_| crate::utc::text(start));
+    date.map_or_else(|| format!(", {seconds:.1} s"), |date| format!(", {seconds:.1} s from {date}"))
 }
 
 fn indented(table: &str) -> String {

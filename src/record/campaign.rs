@@ -193,9 +193,7 @@ impl Campaign {
     /// # Errors
     /// A start time that is not RFC 3339 or before 1970.
     pub fn start_ns(&self) -> Result<u64> {
-        let wrong = |message: String| Error::StartTime { found: self.start_time.clone(), message };
-        let time: jiff::Timestamp = self.start_time.parse().map_err(|e: jiff::Error| wrong(e.to_string()))?;
-        u64::try_from(time.as_nanosecond()).map_err(|e| wrong(e.to_string()))
+        crate::utc::parse(&self.start_time).map_err(|message| Error::StartTime { found: self.start_time.clone(), message })
     }
 
     /// The single runs in the order of driving.
