@@ -1,6 +1,6 @@
 //! Which of many p values are significant.
 
-use statrs::function::erf::erfc;
+use libm::erfc;
 
 /// Two-sided p of a standard normal z.
 pub(crate) fn two_sided_p(z: f64) -> f64 {
