@@ -2,7 +2,7 @@
 //!
 //! In: logs (MCAP) of one vehicle, and a folder. Out: the files of the map in that folder, as `pivot-cal` writes them. [`calibrate`] does what
 //! `pivot-cal calibrate` does; [`fit_logs`], [`invert_folder`], [`verify_folder`] and [`report_folder`] are its stages, of which each reads the
-//! files that the one before has written. What a stage wants to say while it works goes to a listener as [`Event`]s.
+//! files that the one before has written. What a stage wants to say while it works goes to a listener as [`StageEvent`]s.
 
 mod error;
 mod event;
@@ -16,7 +16,7 @@ mod verify_stage;
 mod wheel_angles;
 
 pub use error::{Error, Result};
-pub use event::{Event, Listener};
+pub use event::{Listener, StageEvent};
 pub use fit_stage::{FittedLogs, fit_logs};
 pub use folder::read_table1;
 pub use invert_stage::invert_folder;

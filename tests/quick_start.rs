@@ -1,7 +1,7 @@
 //! The library's front door makes the map that the command line makes, and README.md shows the program that does it.
 #![allow(clippy::unwrap_used)]
 
-use pivot_cal::calibrate::{Event, FitStage, LogSource, fit_logs};
+use pivot_cal::calibrate::{FitStage, LogSource, StageEvent, fit_logs};
 use pivot_cal::{CalibrateSettings, Error, calibrate};
 use std::path::Path;
 
@@ -34,7 +34,7 @@ fn a_log_that_is_not_there_is_an_error_about_its_path_and_a_stage_reports_what_i
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("no.mcap");
     let heard = std::sync::Mutex::new(Vec::new());
-    let listen = |event: Event| heard.lock().unwrap().push(event);
+    let listen = |event: StageEvent| heard.lock().unwrap().push(event);
     let error = fit_logs(&[missing.clone()], folder.path(), &FitStage { source: LogSource::default(), ..FitStage::default() }, &listen);
     let Err(Error::About { what, .. }) = error else { panic!("{error:?}") };
     assert_eq!(what, missing.display().to_string());

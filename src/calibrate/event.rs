@@ -3,7 +3,7 @@
 /// What a stage says while it works.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Event {
+pub enum StageEvent {
     /// Something that the user should know although the work goes on.
     Warning(String),
     /// Something worth reading.
@@ -27,4 +27,4 @@ pub enum Event {
 }
 
 /// Who listens; called from any thread.
-pub type Listener<'a> = dyn Fn(Event) + Sync + 'a;
+pub type Listener<'a> = dyn Fn(StageEvent) + Sync + 'a;

@@ -2,7 +2,7 @@
 
 use crate::calibrate::error::{About as _, edited_csv};
 use crate::calibrate::folder::{read_table1, remove_stale};
-use crate::calibrate::{Error, Event, InvertStage, Listener, Result, keep_angles};
+use crate::calibrate::{Error, InvertStage, Listener, Result, StageEvent, keep_angles};
 use crate::invert::{Inversion, invert};
 use crate::map::{CsvRef, Mismatch, write_whole};
 use std::path::Path;
@@ -26,7 +26,7 @@ pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> R
         if !stage.force {
             return Err(Error::EditedCsv { path });
         }
-        listen(Event::Warning(format!("{}; the numbers of table1.json are inverted, since --force was given", edited_csv(&path))));
+        listen(StageEvent::Warning(format!("{}; the numbers of table1.json are inverted, since --force was given", edited_csv(&path))));
     }
     let table1 = CsvRef { file: "table1.json".to_owned(), sha256: read.table1_json.sha256 };
     let inversion = invert(&file, table1, &stage.settings).in_file(&path)?;

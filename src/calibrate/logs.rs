@@ -1,7 +1,7 @@
 //! Logs of one vehicle, read and surveyed.
 
 use crate::calibrate::error::About as _;
-use crate::calibrate::{Error, Event, Listener, LogSource, Result};
+use crate::calibrate::{Error, Listener, LogSource, Result, StageEvent};
 use crate::campaign::{Survey, SurveySettings};
 use crate::log::{Recording, Source, find_logs, read_split};
 use crate::signal::Track;
@@ -19,16 +19,16 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
     }
     let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
     let read_one =
-        |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(Event::Read { bytes, total }));
+        |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(StageEvent::Read { bytes, total }));
     // side by side: the hash of a log takes longer than its messages, and only one thread
     let read: Vec<_> = found.par_iter().map(read_one).collect();
-    listen(Event::Complete);
+    listen(StageEvent::Complete);
     let mut recordings: Vec<Recording> = Vec::new();
     for (files, recording) in found.iter().zip(read) {
         let path = place(files);
         let recording = recording.in_file(path)?;
         if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
-            listen(Event::Warning(format!("{}: the same log as {}; read once", path.display(), same.path.display())));
+            listen(StageEvent::Warning(format!("{}: the same log as {}; read once", path.display(), same.path.display())));
             continue;
         }
         report(&recording, matches!(source.signals, Source::Map(_)), path, listen);
@@ -52,7 +52,7 @@ pub fn survey(recordings: &[Recording], listen: &Listener) -> Result<Vec<Survey>
             Ok(survey) => surveys.push(survey),
             Err(error) if alone => return Err(error).in_file(path),
             Err(error) => {
-                listen(Event::Warning(format!("{} is left aside: {error}", path.display())));
+                listen(StageEvent::Warning(format!("{} is left aside: {error}", path.display())));
                 reasons.push(format!("{}: {error}", path.display()));
             }
         }
@@ -74,13 +74,13 @@ fn place(files: &[PathBuf]) -> &Path {
 /// Reports what was lost, and where the signals were found unless a map said so.
 fn report(recording: &Recording, mapped: bool, path: &Path, listen: &Listener) {
     if let Some(loss) = recording.loss.summary() {
-        listen(Event::Warning(format!("{}: {loss}", path.display())));
+        listen(StageEvent::Warning(format!("{}: {loss}", path.display())));
     }
     for note in &recording.notes {
-        listen(Event::Detail(format!("{}: {note}", path.display())));
+        listen(StageEvent::Detail(format!("{}: {note}", path.display())));
     }
     for origin in &recording.origins {
         let line = format!("{}: {} = {} [{}] ({})", path.display(), origin.signal.key(), origin.path, origin.unit, origin.reason);
-        listen(if mapped { Event::Detail(line) } else { Event::Note(line) });
+        listen(if mapped { StageEvent::Detail(line) } else { StageEvent::Note(line) });
     }
 }

@@ -1,6 +1,6 @@
 //! Table 2 → verdict.
 
-use crate::calibrate::{Event, Listener, Result};
+use crate::calibrate::{Listener, Result, StageEvent};
 use crate::map::write_whole;
 use crate::verify::{ClosedLoop, MapVerdict, Maps, Verified, VerifySettings, Wanted, verify_with};
 use std::path::Path;
@@ -11,10 +11,10 @@ use std::path::Path;
 /// Files that are missing or do not belong together, a plant that cannot be simulated, a folder that cannot be written.
 pub fn verify_folder(folder: &Path, listen: &Listener) -> Result<MapVerdict> {
     let maps = Maps::read(folder, false)?;
-    let progress = |total| listen(Event::Simulated { total });
+    let progress = |total| listen(StageEvent::Simulated { total });
     let wanted = Wanted { traces: true, logs: false, progress: Some(&progress) };
     let Verified { verdict, traces, .. } = verify_with(&maps, &VerifySettings::new()?, wanted)?;
-    listen(Event::Complete);
+    listen(StageEvent::Complete);
     save_verdict(&verdict, traces.as_ref(), folder)?;
     Ok(verdict)
 }

@@ -1,6 +1,6 @@
 //! Wheel angles of a campaign: which ones are fitted, and which maps of a file are kept.
 
-use crate::calibrate::{Error, Event, Listener, Result};
+use crate::calibrate::{Error, Listener, Result, StageEvent};
 use crate::campaign::{Census, Grouped, SurveySettings, group_by_angle};
 use crate::log::Recording;
 use crate::map::{Table1File, WheelAngle};
@@ -42,7 +42,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
         }
         if !angles_deg.iter().any(|a| !is(*a, test_angle_deg)) || !census.held.iter().any(|h| is(h.wheel_angle_deg, test_angle_deg)) {
             for note in notes {
-                listen(Event::Note(format!("note: {note}")));
+                listen(StageEvent::Note(format!("note: {note}")));
             }
             return Ok(None);
         }
@@ -106,7 +106,7 @@ pub fn only_angle(mut file: Table1File, angle_deg: f64, listen: &Listener) -> Re
     let maps = file.maps.len();
     keep_angles(&mut file, &[angle_deg])?;
     if file.maps.len() < maps {
-        listen(Event::Note(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)")));
+        listen(StageEvent::Note(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)")));
     }
     let is = |a: f64| WheelAngle::from_deg(angle_deg).is_same_deg(a);
     file.report.runs.retain(|run| run.wheel_angle_deg.is_none_or(is));

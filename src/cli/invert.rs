@@ -7,7 +7,7 @@ use crate::cli::breaks::Breaks;
 use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
 use crate::invert::{InvertSettings, ZeroRow};
-use crate::map::Table2File;
+use crate::map::{FixedText as _, Table2File};
 use std::path::PathBuf;
 
 /// Arguments of `invert`.

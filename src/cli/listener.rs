@@ -1,6 +1,6 @@
 //! What stages say while they work, shown: lines by the terminal's rules, progress as bars.
 
-use crate::calibrate::Event;
+use crate::calibrate::StageEvent;
 use crate::cli::Ui;
 use indicatif::ProgressBar;
 use std::sync::{Mutex, PoisonError};
@@ -19,14 +19,14 @@ impl UiListener {
     }
 
     /// Shows an event.
-    pub(crate) fn hear(&self, event: Event) {
+    pub(crate) fn hear(&self, event: StageEvent) {
         match event {
-            Event::Warning(text) => self.ui.warn(text),
-            Event::Note(text) => self.ui.say(text),
-            Event::Detail(text) => self.ui.detail(text),
-            Event::Read { bytes, total } => self.count(bytes, total, |ui, what| ui.progress(0, what)),
-            Event::Simulated { total } => self.count(1, total as u64, Ui::progress_runs),
-            Event::Complete => {
+            StageEvent::Warning(text) => self.ui.warn(text),
+            StageEvent::Note(text) => self.ui.say(text),
+            StageEvent::Detail(text) => self.ui.detail(text),
+            StageEvent::Read { bytes, total } => self.count(bytes, total, |ui, what| ui.progress(0, what)),
+            StageEvent::Simulated { total } => self.count(1, total as u64, Ui::progress_runs),
+            StageEvent::Complete => {
                 if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
                     bar.finish_and_clear();
                 }

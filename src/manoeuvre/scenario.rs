@@ -176,7 +176,7 @@ mod tests {
         let vehicle = VehicleFile::bundled().unwrap().settings();
         let (table1, table2) = known_maps(&vehicle).unwrap();
         let maps = Maps::new(table1, table2).unwrap();
-        let hindered = |vehicle: &sim::Settings| -> Vec<Class> {
+        let hindered = |vehicle: &sim::WorldSettings| -> Vec<Class> {
             Manoeuvre::all().iter().filter(|m| m.hindrance(&maps, vehicle).is_some()).map(|m| m.class).collect()
         };
         assert_eq!(hindered(&vehicle), [Class::Compensation; 2]);

@@ -132,7 +132,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::{Gear, Vehicle};
-    use crate::sim::{PhysicalSettings, Settings};
+    use crate::sim::{PhysicalSettings, WorldSettings};
 
     /// Commands a torque for a number of periods.
     struct Counted {
@@ -148,8 +148,8 @@ mod tests {
             Ok(self.left != usize::MAX)
         }
 
-        fn command(&mut self, world: &World) -> (f64, Command) {
-            (world.state().t_s, Command { torque_nm: self.torque_nm, wheel_angle_rad: 0.0, gear: Some(Gear::Forward) })
+        fn command(&mut self, world: &World) -> (f64, WorldCommand) {
+            (world.state().t_s, WorldCommand { torque_nm: self.torque_nm, wheel_angle_rad: 0.0, gear: Some(Gear::Forward) })
         }
     }
 
@@ -165,7 +165,7 @@ mod tests {
 
     fn world() -> World {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
-        World::new(&Settings::physical(vehicle, PhysicalSettings::default()), 1).unwrap()
+        World::new(&WorldSettings::physical(vehicle, PhysicalSettings::default()), 1).unwrap()
     }
 
     #[test]

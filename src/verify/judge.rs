@@ -134,7 +134,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::sim::{PhysicalSettings, WorldSettings as World};
     use crate::verify::known_maps;
     use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -139,7 +139,7 @@ mod tests {
 
     fn maps() -> Maps {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let (table1, table2) = known_maps(&sim::Settings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
+        let (table1, table2) = known_maps(&sim::WorldSettings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
         Maps::new(table1, table2).unwrap()
     }
 

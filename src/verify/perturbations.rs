@@ -62,9 +62,9 @@ mod tests {
     use crate::map::Vehicle;
     use crate::sim::{MotionSettings, PhysicalSettings};
 
-    fn plant() -> Settings {
+    fn plant() -> WorldSettings {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
-        Settings::physical(vehicle, PhysicalSettings::default())
+        WorldSettings::physical(vehicle, PhysicalSettings::default())
     }
 
     #[test]

@@ -206,13 +206,13 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::sim::{PhysicalSettings, WorldSettings};
     use crate::verify::bench::PivotMoment;
     use crate::verify::{Maps, Metric, Values, VerifySettings, known_maps, replay};
 
     fn maps() -> Maps {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
+        let (table1, table2) = known_maps(&WorldSettings::physical(vehicle, PhysicalSettings::default())).unwrap();
         Maps::new(table1, table2).unwrap()
     }
 
