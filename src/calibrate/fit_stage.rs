@@ -27,14 +27,12 @@ pub struct FittedLogs {
 pub fn fit_logs(logs: &[PathBuf], folder: &Path, stage: &FitStage, listen: &Listener) -> Result<FittedLogs> {
     let recordings = read_logs(logs, &source(stage), listen)?;
     let census = census(&recordings)?;
-    let (fit, traces) = match choose_angles(&recordings, &census, &stage.wheel_angles_deg, listen)? {
-        Some(AngleChoice { grouped, test_angle_deg }) => {
-            fit_angles(grouped, !stage.wheel_angles_deg.is_empty(), test_angle_deg, &stage.settings)?
-        }
-        None => {
-            let surveys = survey(&recordings, listen).about(|| format!("wheel angles of the runs: {}", census.text()))?;
-            fit_traced(surveys, &stage.settings)?
-        }
+    let several = choose_angles(&recordings, &census, &stage.wheel_angles_deg, listen)?;
+    let (fit, traces) = if let Some(AngleChoice { grouped, test_angle_deg }) = several {
+        fit_angles(grouped, !stage.wheel_angles_deg.is_empty(), test_angle_deg, &stage.settings)?
+    } else {
+        let surveys = survey(&recordings, listen).about(|| format!("wheel angles of the runs: {}", census.text()))?;
+        fit_traced(surveys, &stage.settings)?
     };
     save(&fit, &traces, folder)?;
     Ok(FittedLogs { fit, is_damaged: recordings.iter().any(|r| r.loss.is_damaged()) })

@@ -71,7 +71,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
     }
     let mut grouped = group_by_angle(recordings, &angles_deg, &settings)?;
     if let Some((angle, reason)) = grouped.empty.first().filter(|_| !asked.is_empty()) {
-        return Err(wrong(*angle, format!("{reason}")));
+        return Err(wrong(*angle, reason.clone()));
     }
     notes.append(&mut grouped.notes);
     grouped.notes = notes;
