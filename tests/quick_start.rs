@@ -35,7 +35,8 @@ fn a_log_that_is_not_there_is_an_error_about_its_path_and_a_stage_reports_what_i
     let missing = folder.path().join("no.mcap");
     let heard = std::sync::Mutex::new(Vec::new());
     let listen = |event: StageEvent| heard.lock().unwrap().push(event);
-    let error = fit_logs(&[missing.clone()], folder.path(), &FitStage { source: LogSource::default(), ..FitStage::default() }, &listen);
+    let error =
+        fit_logs(std::slice::from_ref(&missing), folder.path(), &FitStage { source: LogSource::default(), ..FitStage::default() }, &listen);
     let Err(Error::About { what, .. }) = error else { panic!("{error:?}") };
     assert_eq!(what, missing.display().to_string());
     assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
