@@ -274,7 +274,7 @@ impl<'a> SimulatedWay<'a> {
         let mut close = |part: Option<DrivenPart>| {
             if let Some(mut part) = part.filter(|p| p.segment.readings.len() >= FEWEST_READINGS) {
                 let drive = (1.0, dead, self.vehicle.lag_s);
-                timing.tell(&mut part.segment.readings, part.segment.start_s, drive, |v, u| self.vehicle.accel_mps2(v, u));
+                timing.add_to(&mut part.segment.readings, part.segment.start_s, drive, |v, u| self.vehicle.accel_mps2(v, u));
                 parts.push(part);
             }
         };

@@ -136,7 +136,7 @@ impl OfLog<'_> {
         {
             let surface = so_far.surface(stretch.gear);
             let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.lag_s);
-            self.log.timing.tell(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
+            self.log.timing.add_to(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
         }
         Segment { log: self.number, run, gear: stretch.gear, start_s, anchored: breakaway.is_some(), start_std_mps, readings }
     }

@@ -98,7 +98,7 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoic
     Actuator {
         dead_time: estimate(mean, spread.max(of_errors), given),
         lag: estimate(lag_s, lag_std_err_s, settings.lag_s.is_some()),
-        input: choice.told(),
+        input: choice.named(),
         per_log,
     }
 }
