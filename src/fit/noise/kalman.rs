@@ -1,4 +1,4 @@
-//! The Kalman filter of the noise model: one forward recursion, and what is read off it: gains, likelihood, filtered and smoothed speeds.
+//! The Kalman filter of the noise model: one forward recursion, which gives gains, likelihood, filtered and smoothed speeds.
 
 use crate::fit::noise::model::{Noise, Reading};
 
@@ -140,7 +140,7 @@ pub(crate) struct Deviation {
     pub(crate) offset_mps2: f64,
 }
 
-/// What the filter makes of a residual sequence, one entry per reading.
+/// The filter's results for a residual sequence, one entry per reading.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Filtered {
     /// v as expected from the readings before [m/s], and its standard deviation.

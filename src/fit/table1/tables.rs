@@ -32,7 +32,7 @@ pub(crate) fn used_samples(estimate: &Estimate) -> Vec<UsedSample> {
     let mut samples = Vec::new();
     for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
         let mut cursor = lagged[segment.log].cursor();
-        for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.witness == 0) {
+        for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.source == 0) {
             let torque = cursor.at(reading.t_s - estimate.calibration.dead_time_s[segment.log]).torque_nm;
             samples.push(UsedSample { gear: segment.gear, speed_mps: *v, torque_nm: segment.gear.sign() * torque });
         }
@@ -245,7 +245,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
         }
     }
     for segment in &estimate.data.segments {
-        for reading in segment.readings.iter().filter(|r| r.witness == 0) {
+        for reading in segment.readings.iter().filter(|r| r.source == 0) {
             all[segment.log][reading.sample as usize] = SampleVerdict::Used;
         }
     }
