@@ -257,10 +257,10 @@ mod tests {
             let course = Course::new(&segment, &torque, 0.0);
             let found = settled(&course, &surface);
             let lean = |speeds: &Speeds| {
-                let mut foretold = 0.0;
+                let mut predicted = 0.0;
                 let way = |row| {
-                    foretold += course.along(speeds, row).map(|(v, step)| v * step.length_s).sum::<f64>();
-                    foretold
+                    predicted += course.along(speeds, row).map(|(v, step)| v * step.length_s).sum::<f64>();
+                    predicted
                 };
                 let mut steeper: Vec<f64> = (0..course.rows()).map(way).collect();
                 whiten(&mut steeper, 1, &segment.readings, segment.start_s, &NOISE, segment.start_std(&NOISE));

@@ -103,7 +103,7 @@ fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mu
             }
         }
     }
-    // spikes are judged where the filter has settled
+    // spikes are judged only if no window was cut: the filter is then on track
     if !cut {
         for k in 0..n {
             let calm = |j: usize| white.get(j).is_none_or(|e| e.abs() < 3.0);

@@ -18,7 +18,7 @@ use crate::map::Gear;
 use faer::Mat;
 use std::ops::Range;
 
-/// Speed over which the extra friction near standstill fades, before the data have told it [m/s].
+/// Speed over which the extra friction near standstill fades, before it is estimated [m/s].
 pub(crate) const STRIBECK_MPS: f64 = 0.1;
 
 /// Power of a mode's bending in its penalty.
@@ -32,13 +32,13 @@ const NEAR_STANDSTILL: &str = "near standstill";
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CoefficientBlock {
-    /// What it is, for the report.
+    /// Its name, for the report.
     pub(crate) name: &'static str,
     /// Its coefficients.
     pub(crate) range: Range<usize>,
     /// Whether it is penalised (and its penalty estimated).
     pub(crate) penalised: bool,
-    /// Whether it belongs to the physics form, which may be taken alone.
+    /// Whether it belongs to the physics form, which may be used alone.
     pub(crate) physics: bool,
 }
 
@@ -104,8 +104,8 @@ impl Design {
             columns.extend(along_speed.iter().map(|f| tensor(f, &one_u)));
             columns
         };
-        // from the one shape of the extra friction to the other: with one of them alone errors of 0.04 N·m alternate over speed where the
-        // vehicle has the other
+        // from one shape of the extra friction to the other: with only one of them, errors of 0.04 N·m alternate over speed if the vehicle
+        // has the other
         let near_standstill = || {
             let difference = |s: f64| {
                 let squared = (s / stribeck_mps).powi(2);
@@ -178,11 +178,10 @@ impl Design {
     }
 }
 
-/// What friction may be made of along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction,
-/// Stribeck's (extra friction that fades over `stribeck_mps`), and its derivative by the logarithm of that speed, which leaves room for a speed
-/// that is not quite known. Models let it fade as exp(−(V/v_s)²) or as 1/(1 + (V/v_s)²), whose tail is longer (Armstrong-Hélouvry, Dupont &
-/// Canudas de Wit 1994, *A survey of models, analysis tools and compensation methods for the control of machines with friction*): this is the
-/// mean of both.
+/// Friction along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction, Stribeck's (extra
+/// friction that fades over `stribeck_mps`), and its derivative by the logarithm of that speed, for a speed that is not exact. Models let
+/// it fade as exp(−(V/v_s)²) or as 1/(1 + (V/v_s)²), whose tail is longer (Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, *A survey of
+/// models, analysis tools and compensation methods for the control of machines with friction*): this is the mean of both.
 pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 5] {
     let fastest = lattice.fastest_mps();
     let squared = |s: f64| (s / stribeck_mps).powi(2);

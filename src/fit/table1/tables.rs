@@ -1,4 +1,4 @@
-//! The surface on the grid that people asked for, with what is known of every cell.
+//! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
 use crate::fit::rounds::estimate::Estimate;
@@ -7,7 +7,7 @@ use crate::fit::{FitSettings, Result};
 use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
-/// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
+/// Fewest samples nearest to a cell for it to count as measured: 0.06 s at 50 Hz.
 const MEASURED_SAMPLES: u64 = 3;
 /// Spacing of the default speed breaks [m/s].
 const SPEED_STEP_MPS: f64 = 0.05;
