@@ -1,4 +1,4 @@
-//! Where the breaks of Table 2 go.
+//! Positions of the breaks of Table 2.
 
 use crate::invert::inverse::Inverse;
 

@@ -78,7 +78,7 @@ fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<Stri
     for log in &estimate.data.logs {
         if let Some(rate_hz) = slow_rate_hz(log.survey) {
             remarks.push(format!(
-                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate gives the speeds; cells count the speed signal's samples and stay thin",
+                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate gives the speeds; few samples count for the cells",
                 log.survey.track.source.file
             ));
         }
