@@ -1,9 +1,9 @@
-//! What is known about one cell of a table.
+//! The status of one cell of a table.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where a cell's value comes from.
+/// The source of a cell's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellStatus {
