@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
-    /// The file can be read as what it says it is.
+    /// The file is readable in its own format.
     Readable,
     /// At least two rows and two columns.
     Size,

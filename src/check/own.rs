@@ -153,7 +153,7 @@ impl Map<'_> {
         findings.extend(self.beside(&json["table1"], "", wrong, absent));
     }
 
-    /// What is wrong with a file that `reference` names with its hash.
+    /// The fault of a file that `reference` names with its hash.
     fn beside(&self, reference: &Value, at: &str, wrong: &str, absent: &str) -> Option<RuleBreach> {
         let file = reference["file"].as_str().unwrap_or_default();
         match (self.beside)(file) {

@@ -87,7 +87,7 @@ impl MapSource {
         self.table2.vehicle.torque_limit_or_largest_nm(values.copied())
     }
 
-    /// What `table2.json` says of the map of `gear` at the test angle.
+    /// The map of `gear` in `table2.json` at the test angle.
     pub fn map(&self, gear: Gear) -> Option<&TorqueMap> {
         self.table2.map_at_test_angle(gear)
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Result of this room.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can be wrong with a table or its file. Rows and columns in messages count from 1, as a spreadsheet does, the header included.
+/// Errors of a table or its file. Rows and columns in messages count from 1, as in a spreadsheet, with the header included.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says

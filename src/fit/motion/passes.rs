@@ -295,7 +295,7 @@ mod tests {
             readings_mps[first..].iter_mut().for_each(|v| *v += error_mps);
             assert_eq!(end(&readings_mps), Some(first));
         }
-        // what speeds up has none before it
+        // a wheel that speeds up has no stop before it
         let faster: Vec<f64> = (1..=80).map(|k| PERIOD_S * 0.5 * f64::from(k)).collect();
         let segment = segment(&faster, false);
         assert_eq!(

@@ -122,7 +122,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
 }
 
 /// The score Xᵀe of one segment, e its whitened `residual` and X the whitened columns of surface and delays, added to `score` over those
-/// columns; the encoder's stay as they are. X is not formed: whitening transposed takes e to what each step of the way counts.
+/// columns; the encoder's stay as they are. X is not formed: transposed whitening turns e into a weight per step.
 pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, score: &mut [f64]) {
     let segment = course.segment;
     let lattice = &surface.lattice;

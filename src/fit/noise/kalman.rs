@@ -11,7 +11,7 @@ pub(crate) struct Gains {
     pub(crate) dt: f64,
     /// Decay of d over the step.
     pub(crate) decay: f64,
-    /// K: what an innovation adds to v, d and b.
+    /// K: the change of v, d and b per innovation.
     pub(crate) gain: [f64; 3],
     /// 1/S.
     pub(crate) over_s: f64,

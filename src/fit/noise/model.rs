@@ -1,8 +1,8 @@
 //! The random part of the model: a disturbance, an offset per stretch, noise in every reading.
 //!
-//! State [v, d, b]: v̇ = d + b, with v the part of the speed that the surface does not explain, d an Ornstein-Uhlenbeck acceleration (standard
-//! deviation σ_d, time constant τ_d), and b a constant acceleration of the stretch (σ_b). v jumps a little where a step of the torque comes early
-//! or late (`drive::step_timing`), and a reading is v plus white noise.
+//! State [v, d, b]: v̇ = d + b. v is the part of the speed that the surface does not explain, d an Ornstein-Uhlenbeck acceleration
+//! (standard deviation σ_d, time constant τ_d), and b a constant acceleration of the stretch (σ_b). v jumps a little where a step of the
+//! torque comes early or late (`drive::step_timing`). A reading is v plus white noise.
 
 /// The random part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub(crate) struct Noise {
     pub(crate) offset_mps2: f64,
     /// Standard deviation of a reading of each speed source [m/s]: encoder, yaw rate.
     pub(crate) reading_mps: [f64; 2],
-    /// Standard deviation of the speed where a stretch starts from rest, over what is assumed before
+    /// Standard deviation of the speed where a stretch starts from rest, over its prior
     /// ([`Segment::start_std`](crate::fit::motion::segment::Segment)).
     pub(crate) start_scale: f64,
 }

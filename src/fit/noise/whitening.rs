@@ -44,7 +44,8 @@ impl Filter {
         Arch::new().dispatch(Rows { steps: &self.steps[from..], matrix, columns, states });
     }
 
-    /// The transpose of whitening one column, applied to `white`: its inner product with any column is that of `white` with the whitened column.
+    /// The transpose of whitening one column, applied to `white`: its inner product with a column is that of `white` with the whitened
+    /// column.
     pub(crate) fn whiten_transposed(&self, white: &[f64]) -> Vec<f64> {
         let mut transposed = vec![0.0; white.len()];
         let (mut v, mut d, mut b) = (0.0, 0.0, 0.0);

@@ -1,4 +1,4 @@
-//! One round: the whitened sums along the segments, their solution with penalties chosen by the data, and the surface and delays that follow.
+//! One round: the whitened sums along the segments, their solution with penalties chosen by the data, and the next surface and delays.
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::lookup_speeds::Speeds;

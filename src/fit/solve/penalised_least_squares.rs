@@ -87,8 +87,8 @@ impl System {
         Self { matrix: &self.matrix - &part.matrix, right: &self.right - &part.right, design: self.design }
     }
 
-    /// Solves with the given start for the penalties (0, or none at all: from the data's scale; infinite: the block is left out), updating them
-    /// at most `updates` times.
+    /// Solves with the given start for the penalties (0 or absent: from the data's scale; infinite: the block is left out), and updates
+    /// them at most `updates` times.
     ///
     /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations are singular beyond
     /// repair (data without any information).

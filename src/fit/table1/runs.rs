@@ -115,7 +115,7 @@ fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
 /// Longest step of the simulation [s]: fine enough for the midpoint rule even while the torque moves.
 const LONGEST_STEP_S: f64 = 10e-3;
 
-/// Every segment simulated open loop from its own start, v̇ = A(v, u), without its readings.
+/// Every segment simulated open loop from its own start, v̇ = A(v, u), never corrected by its readings.
 pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
     let lagged = estimate.torques();
     let mut compared = Vec::with_capacity(estimate.data.segments.iter().map(|s| s.readings.len()).sum());

@@ -78,7 +78,7 @@ fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec
     if breaks.len() >= 3 && breaks.len() <= 81 {
         return breaks;
     }
-    // no fixed levels: an even grid over what was covered
+    // no fixed levels: an even grid over the covered range
     let own = samples.iter().filter(|s| s.gear == gear);
     let (low, high) = own.fold((0.0f64, 0.0f64), |(a, b), s| (a.min(s.torque_nm), b.max(s.torque_nm)));
     let width = (high - low).max(1e-6) / 20.0;
@@ -182,7 +182,7 @@ fn statuses(measured: &[Vec<bool>]) -> Vec<Vec<CellStatus>> {
         .collect()
 }
 
-/// The torque at which the surface at standstill crosses zero, held within what the starts from rest showed.
+/// The torque at which the surface at standstill crosses zero, within the bounds from the starts from rest.
 fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> BreakawayTorque {
     let surface = estimate.model.surface(gear);
     let trials = || estimate.data.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);

@@ -269,8 +269,8 @@ impl Table1File {
     /// Reads the JSON text.
     ///
     /// # Errors
-    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not among the allowed ones, an array whose
-    /// size is not that of its axes, or tables that [`AccelTable::new`] refuses.
+    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
+    /// that of its axes, or tables that [`AccelTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
         let value = expect_format(text, TABLE1_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;

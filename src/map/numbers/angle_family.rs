@@ -66,8 +66,8 @@ impl AngleFamily {
     /// Checks that its numbers can be looked up.
     ///
     /// # Errors
-    /// Fewer than two speed breaks, breaks that do not rise, terms of another length, numbers that are not finite, or an inertia that is not
-    /// positive.
+    /// Fewer than two speed breaks, breaks that do not rise, terms of another length, numbers that are not finite, or an inertia that is
+    /// not positive.
     pub fn check(&self) -> Result<()> {
         crate::map::Axis::new("families.speed_mps", self.speed_mps.clone())?;
         for (row, term) in self.friction_nm.iter().enumerate() {

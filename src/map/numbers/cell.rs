@@ -11,7 +11,7 @@ pub enum CellStatus {
     Measured,
     /// No sample near enough, but measured cells on both sides.
     Interpolated,
-    /// Beyond what was measured: an informed guess.
+    /// Beyond the measured range: an informed guess.
     Extrapolated,
     /// No torque within the limits gives this acceleration; the value is the nearest torque that can be given (Table 2 only).
     Unreachable,
