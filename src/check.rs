@@ -1,8 +1,8 @@
 //! Judges a map: ours, or one of another system. Nothing is refused at the first flaw; every broken rule is reported with its place.
 //!
-//! In: a file. Out: a [`CheckReport`] of findings. What is read as what: JSON by its `format` field; a corner cell `rows\columns` is one of our
-//! CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form CSV; any other CSV is an
-//! Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
+//! In: a file. Out: a [`CheckReport`] of findings. The format follows from the content: JSON by its `format` field; a corner cell
+//! `rows\columns` is one of our CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form
+//! CSV; any other CSV is an Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
 mod finding;
 pub mod foreign;
@@ -20,9 +20,9 @@ use std::path::Path;
 /// Settings of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckSettings {
-    /// A step is a jump when its slope is more than this many times the slope that nine in ten steps along the same axis stay below.
-    /// Default 10: the steepest sound step in the published Autoware maps is 4 times theirs, and one wrong cell of a finely stepped map is
-    /// far above it.
+    /// A step is a jump when its slope is more than this many times the slope that bounds nine in ten steps along the same axis. Default
+    /// 10: the steepest sound step in the published Autoware maps is 4 times theirs, and one wrong cell of a finely stepped map is far
+    /// above it.
     pub slope_bound: f64,
 }
 
@@ -32,10 +32,10 @@ impl Default for CheckSettings {
     }
 }
 
-/// Judges the map in `path`. Files beside it are read where it refers to them.
+/// Judges the map in `path`. Files beside it are read if it refers to them.
 ///
 /// # Errors
-/// The file cannot be opened or read at all. What it holds is judged, whatever it is.
+/// The file cannot be opened or read at all. Faults in its content are findings.
 pub fn check(path: &Path, settings: CheckSettings) -> Result<CheckReport> {
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

@@ -1,8 +1,8 @@
-//! What changed between two maps, where, and whether it is more than chance.
+//! Changes between two maps, where they are, and whether they are more than chance.
 //!
 //! In: two `table1.json` or two `table2.json`. Out: a [`MapComparison`] with a verdict, and a heat map as HTML.
 //!
-//! Per cell z = (b − a) / √(σ_a² + σ_b²), and from it a two-sided p. With hundreds of cells some z are large by chance; the
+//! Per cell z = (b − a) / √(σ_a² + σ_b²), and from it a two-sided p. With hundreds of cells some z are large by chance. The
 //! Benjamini-Hochberg procedure keeps the expected share of false ones among those called significant below the rate asked for. If nothing
 //! changed it is Simes' test, and finds anything at all with a probability of at most that rate.
 //!

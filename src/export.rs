@@ -1,7 +1,7 @@
 //! A map in the form that controllers and calibration tools load.
 //!
-//! In: the folder of a map, whose files must belong together. Out: files, as names and texts. Everything is written from `table2.json`,
-//! Autoware's maps from `table1.json`, since they are acceleration over speed and pedal. The same map gives the same bytes.
+//! In: the folder of a map, whose files must belong together. Out: files, as names and texts. All are written from `table2.json`, except
+//! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal. The same map gives the same bytes.
 
 mod apollo;
 mod autoware;

@@ -1,9 +1,9 @@
 //! From surveyed logs to Table 1.
 //!
-//! In: [`Survey`](crate::campaign::Survey)s of the logs of one vehicle. Out: a [`Fit`]: `table1.json` and its CSVs, and the final verdict on
-//! every sample. The method is a prediction-error identification: the speed is integrated, never differentiated; what is random is
-//! whitened by a Kalman filter; the surface a(v, τ) is a penalised lattice whose smoothness the data choose; dead time and lag are
-//! estimated with it. A drive that a lag does not explain is followed by its torque feedback instead.
+//! In: [`Survey`](crate::campaign::Survey)s of the logs of one vehicle. Out: a [`Fit`]: `table1.json` and its CSVs, and the final verdict
+//! on every sample. The method is a prediction-error identification. The speed is integrated, never differentiated. A Kalman filter whitens
+//! the random part. The surface a(v, τ) is a penalised lattice whose smoothness the data choose; dead time and lag are estimated with it.
+//! If a lag does not explain the drive, the fit uses its torque feedback instead.
 
 pub(crate) mod angles;
 pub(crate) mod calibration;

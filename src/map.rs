@@ -1,8 +1,8 @@
 //! Torque maps: the numbers, their look-up, and the files that hold them.
 //!
-//! In: arrays of numbers, or files. Out: [`AccelTable`] (Table 1) and [`TorqueTable`] (Table 2), whose constructors have checked axis
-//! order, finiteness and shape; [`Table1File`] and [`Table2File`], the JSON artefacts with everything that a table alone does not say; and
-//! [`MapFolder`], the files of a folder with what does not fit together.
+//! In: arrays of numbers, or files. Out: [`AccelTable`] (Table 1) and [`TorqueTable`] (Table 2), whose constructors check axis order,
+//! finiteness and shape; [`Table1File`] and [`Table2File`], the JSON artefacts with everything beyond the tables; and [`MapFolder`], the
+//! files of a folder with their mismatches.
 
 mod error;
 mod files;

@@ -1,9 +1,9 @@
-//! The campaign still to drive: which runs shrink the standard errors of the torque map most per second.
+//! The campaign still to drive: the runs that reduce the standard errors of the torque map most per second.
 //!
-//! Greedy A-optimal design (Fedorov 1972, *Theory of Optimal Experiments*; Chaloner & Verdinelli 1995, *Bayesian experimental design*): the
-//! information of a run is the Gram matrix of its whitened regressors, the very columns of the estimator, along the way that the fitted
-//! surface predicts; the criterion is the mean posterior variance of the torque over the table's cells. Everything comes from
-//! `table1.json`: the runs driven so far are simulated in the same way, and the penalties are those that the fit chose.
+//! Greedy A-optimal design (Fedorov 1972, *Theory of Optimal Experiments*; Chaloner & Verdinelli 1995, *Bayesian experimental design*). The
+//! information of a run is the Gram matrix of its whitened regressors, the columns of the estimator, along the run predicted by the fitted
+//! surface. The criterion is the mean posterior variance of the torque over the table's cells. All data come from `table1.json`: the runs
+//! driven so far are simulated in the same way, and the penalties are those that the fit chose.
 
 mod drive;
 mod greedy;
@@ -74,7 +74,7 @@ pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Proposal> {
     })
 }
 
-/// How well a cell's torque is known.
+/// Certainty of a cell's torque.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ExpectedCell {
     /// Gear.
@@ -87,8 +87,8 @@ pub struct ExpectedCell {
     pub std_err_nm: f64,
 }
 
-/// What the cells' standard errors are expected to be after `runs` were driven beside those behind `file`: by the same model as [`plan`].
-/// A run that the vehicle cannot drive adds nothing.
+/// Expected standard errors of the cells after `runs` are driven in addition to those of `file`, by the same model as [`plan`]. A run that
+/// the vehicle cannot drive adds nothing.
 ///
 /// # Errors
 /// As [`plan`].
@@ -104,7 +104,7 @@ pub fn expected(file: &Table1File, settings: &PlanSettings, runs: &[PlannedRun])
     Ok(known.map(|(c, std_err_nm)| ExpectedCell { gear: c.gear, speed_mps: c.speed_mps, torque_nm: c.torque_nm, std_err_nm }).collect())
 }
 
-/// Runs with their time [s] and what they show; those that cannot be driven are left out.
+/// Runs with their time [s] and their information; those that cannot be driven are skipped.
 fn informed(model: &Model, runs: &[PlannedRun]) -> Vec<(PlannedRun, f64, Information)> {
     runs.par_iter()
         .filter_map(|run| {

@@ -266,7 +266,7 @@ fn a_coarse_speed_without_dither_still_gives_the_table_and_anchors_nothing() {
     let (status, text) = run(folder.path(), &["fit", "coarse.mcap", "--signals", "signals.toml"]);
     assert_eq!(status, 0, "{text}");
     let json = std::fs::read_to_string(folder.path().join("maps/table1.json")).unwrap();
-    assert!(json.contains("too coarse to tell when a start from rest begins"));
+    assert!(json.contains("too coarse to show when a start from rest begins"));
     let table = std::fs::read_to_string(folder.path().join("maps/table1.csv")).unwrap();
     let rows: Vec<Vec<f64>> = table.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
     let speeds: Vec<f64> = table.lines().next().unwrap().split(',').skip(1).map(|c| c.parse().unwrap()).collect();

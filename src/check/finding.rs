@@ -1,13 +1,13 @@
-//! What a check says: findings with their places, and a report that counts them.
+//! The result of a check: findings with their places, and a report that counts them.
 
 use serde::Serialize;
 use std::fmt;
 
-/// A rule that a map has to keep.
+/// A rule for maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
-    /// The file can be read as what it says it is.
+    /// The file is readable in its own format.
     Readable,
     /// At least two rows and two columns.
     Size,
@@ -58,7 +58,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// How much a finding matters.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
@@ -66,7 +66,7 @@ pub enum Severity {
     Note,
     /// The map can be used, but hardly as its maker meant.
     Warning,
-    /// A controller that reads the map fails, or does the wrong thing.
+    /// A controller that reads the map fails, or acts wrongly.
     Error,
 }
 
@@ -87,7 +87,7 @@ pub struct RuleBreach {
     pub rule: Rule,
     /// How much it matters.
     pub severity: Severity,
-    /// Line of the file, counted from 1; absent when the place is none.
+    /// Line of the file, counted from 1; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<u64>,
     /// Cell of the line, counted from 1.
@@ -116,7 +116,7 @@ impl RuleBreach {
         Self { line, column: (line.is_some() && column > 0).then_some(column), ..self }
     }
 
-    /// The place in words: line, cell and axes, as far as they are known.
+    /// The place in words: line, cell and axes, if known.
     pub fn place(&self) -> String {
         let line = self.line.map(|line| format!("line {line}"));
         let column = self.column.map(|column| format!("cell {column}"));
@@ -134,10 +134,10 @@ pub struct Count {
     pub severity: Severity,
     /// Number of findings.
     pub findings: usize,
-    /// Number of places that were judged, when the rule is judged place by place.
+    /// Number of places judged, if the rule is judged place by place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<usize>,
-    /// What these places are.
+    /// Kind of these places.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<&'static str>,
 }
@@ -151,12 +151,12 @@ impl fmt::Display for Count {
     }
 }
 
-/// What a check of one map found.
+/// The check of one map.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct CheckReport {
     /// The file.
     pub map: String,
-    /// What it was read as.
+    /// The format it was read as.
     pub format: String,
     /// Rows, columns or entries that were read.
     pub size: String,

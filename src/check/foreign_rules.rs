@@ -59,8 +59,8 @@ impl Map<'_> {
 }
 
 impl Map<'_> {
-    /// The row without pedal of an accel map and of the brake map beside it: where they differ, accelerations between them belong to none
-    /// or to both.
+    /// The row without pedal of an accel map and of the brake map beside it: if they differ, accelerations between them belong to none or
+    /// to both.
     fn row_shared_with_brake(&self, judged: &JudgedGrid, findings: &mut Vec<RuleBreach>) {
         let name = self.name.replace("accel", "brake");
         let brake = (name != self.name).then(|| (self.beside)(&name)).flatten();
@@ -81,13 +81,12 @@ impl Map<'_> {
     }
 }
 
-/// Without pedal a wheel slows down or, on a vehicle that creeps, does not; with a pedal below 0, as some maps write the brake, it never
-/// speeds up.
+/// Without pedal a wheel slows down, unless the vehicle creeps. With a pedal below 0, as some maps write the brake, it never speeds up.
 fn signs(judged: &JudgedGrid, grid: &CellGrid, pedal: Pedal, findings: &mut Vec<RuleBreach>) {
     let (rows, columns) = grid.shape();
     let first = grid.row_breaks.first().copied().flatten();
     if let Some(first) = first.filter(|first| *first > 0.0) {
-        let what = format!("the pedal begins at {first}: what happens below it is not told");
+        let what = format!("the pedal begins at {first}: the map says nothing below it");
         findings.push(RuleBreach::at(Rule::RangeGap, Severity::Warning, format!("pedal 0 to {first}"), what));
     }
     for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
@@ -102,5 +101,5 @@ fn signs(judged: &JudgedGrid, grid: &CellGrid, pedal: Pedal, findings: &mut Vec<
 }
 
 fn not_ours() -> RuleBreach {
-    RuleBreach::whole(Rule::DeadBand, Severity::Note, "this format tells neither a dead band nor a hash: not judged")
+    RuleBreach::whole(Rule::DeadBand, Severity::Note, "this format has neither a dead band nor a hash: not judged")
 }

@@ -3,7 +3,7 @@
 use crate::check::foreign::{CellGrid, Misread, MisreadKind};
 use crate::check::{CheckSettings, Rule, RuleBreach, Severity};
 
-/// Along which axis something lies or changes.
+/// The axis along which something lies or changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum GridAxis {
     /// From row to row.
@@ -12,7 +12,7 @@ pub(crate) enum GridAxis {
     Columns,
 }
 
-/// What a matrix means.
+/// The meaning of a matrix.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Meaning {
     /// Name of the row axis.
@@ -23,17 +23,17 @@ pub(crate) struct Meaning {
     pub(crate) along: GridAxis,
     /// Whether they must rise; otherwise they must fall.
     pub(crate) rising: bool,
-    /// How much a plateau matters.
+    /// Severity of a plateau.
     pub(crate) plateau: Severity,
 }
 
-/// A matrix under judgement.
+/// A matrix to be judged.
 pub(crate) struct JudgedGrid<'a> {
     pub(crate) grid: &'a CellGrid,
     pub(crate) meaning: Meaning,
-    /// What stands before every place: the gear of a map that has two.
+    /// Prefix of every place: the gear of a map that has two.
     pub(crate) of: String,
-    /// Cells that no torque reaches, and whose value is therefore a limit.
+    /// Cells that no torque reaches, whose value is therefore a limit.
     pub(crate) limited: Option<Vec<Vec<bool>>>,
 }
 
@@ -82,7 +82,7 @@ impl JudgedGrid<'_> {
             let breaks = self.breaks(along);
             let place = |k: usize| match along {
                 GridAxis::Rows => (self.grid.lines.get(k).copied(), 1),
-                // the header is the line before the first row, as far as lines are known
+                // the header is the line before the first row, if lines are known
                 GridAxis::Columns => (self.grid.lines.first().map(|_| 1), k + 2),
             };
             let steps = steps(breaks);
@@ -103,7 +103,7 @@ impl JudgedGrid<'_> {
         }
     }
 
-    /// Neighbours along the command that fall where they should rise, or do not change. `excused` cells may be level.
+    /// Neighbours along the command that fall where they should rise, or that do not change. `excused` cells may be level.
     pub(crate) fn monotone(&self, excused: impl Fn(usize, usize) -> bool, findings: &mut Vec<RuleBreach>) -> usize {
         let mut judged = 0;
         let (words, sign) = if self.meaning.rising { ("below", 1.0) } else { ("above", -1.0) };
@@ -124,7 +124,7 @@ impl JudgedGrid<'_> {
         judged
     }
 
-    /// Steps whose slope is above `settings.slope_bound` times the slope that nine in ten steps along the same axis stay below.
+    /// Steps with a slope above `settings.slope_bound` times the slope that bounds nine in ten steps along the same axis.
     pub(crate) fn jumps(&self, settings: CheckSettings, findings: &mut Vec<RuleBreach>) {
         for along in [GridAxis::Rows, GridAxis::Columns] {
             let name = if along == GridAxis::Rows { self.meaning.rows } else { self.meaning.columns };
@@ -163,7 +163,7 @@ impl JudgedGrid<'_> {
     }
 }
 
-/// A step longer than this many usual steps is a gap. Breaks that were placed where they serve best differ by a factor of five or six.
+/// A step longer than this many usual steps is a gap. Placed breaks differ by a factor of five or six.
 pub(crate) const LONG_STEP: f64 = 10.0;
 
 fn steps(breaks: &[Option<f64>]) -> Vec<f64> {

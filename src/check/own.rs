@@ -1,7 +1,7 @@
 //! Rules of our own maps: `table1.json`, `table2.json` and the CSV files beside them.
 //!
-//! The JSON is judged as raw values, not by [`crate::map::MapFolder`]: that reader refuses a damaged file at its first flaw, while every
-//! flaw is to be found here. What only the reader checks (statuses, standard errors, and every other array) is asked of it at the end.
+//! The JSON is judged as raw values, not by [`crate::map::MapFolder`]: that reader refuses a damaged file at its first flaw, while the
+//! check reports every flaw. The reader is used at the end for what only it checks (statuses, standard errors, and every other array).
 
 use crate::check::foreign::{CellGrid, CsvLine};
 use crate::check::grid_rules::{GridAxis, JudgedGrid, Meaning, misread};
@@ -11,7 +11,7 @@ use crate::map::{
 };
 use serde_json::Value;
 
-/// Which table a file holds.
+/// The table of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum OwnTable {
     One,
@@ -153,7 +153,7 @@ impl Map<'_> {
         findings.extend(self.beside(&json["table1"], "", wrong, absent));
     }
 
-    /// What is wrong with a file that `reference` names with its hash.
+    /// The fault of a file that `reference` names with its hash.
     fn beside(&self, reference: &Value, at: &str, wrong: &str, absent: &str) -> Option<RuleBreach> {
         let file = reference["file"].as_str().unwrap_or_default();
         match (self.beside)(file) {
@@ -169,7 +169,7 @@ fn has_hash(reference: &Value, bytes: &[u8]) -> bool {
     reference["sha256"] == sha256_hex(bytes).as_str()
 }
 
-/// The rules of a matrix, and how many places were judged.
+/// The rules of a matrix, and the number of places judged.
 fn judge(
     table: OwnTable,
     judged: &JudgedGrid,
@@ -204,7 +204,7 @@ fn judge(
     vec![(Rule::NotMonotone, steps, "steps"), (Rule::Plateau, steps, "steps"), (Rule::Sign, rows * columns, "cells")]
 }
 
-/// Friction opposes motion: without torque, and all the more with a braking one, the wheel never speeds up.
+/// Friction opposes motion: without torque, and even more with a braking one, the wheel never speeds up.
 fn signs(table: OwnTable, judged: &JudgedGrid, findings: &mut Vec<RuleBreach>) {
     let grid = judged.grid;
     let (rows, columns) = grid.shape();
@@ -247,7 +247,7 @@ fn dead_band(table: OwnTable, map: &Value, of: &str, findings: &mut Vec<RuleBrea
         }
     };
     if !sound {
-        let what = band.map_or("no dead band is told".to_owned(), |t| format!("{t}: a resting wheel has friction both ways"));
+        let what = band.map_or("no dead band is given".to_owned(), |t| format!("{t}: a resting wheel has friction both ways"));
         findings.push(RuleBreach::at(Rule::DeadBand, Severity::Error, of.trim_end_matches(", "), what));
     }
 }
@@ -259,14 +259,14 @@ fn unreachable(map: &Value) -> Vec<Vec<bool>> {
     rows.iter().map(|row| row.as_array().map_or(Vec::new(), |row| row.iter().map(|s| *s == unreachable).collect())).collect()
 }
 
-/// Without the JSON: cells at the table's largest or smallest value are taken for the torque limit.
+/// Without the JSON: cells at the table's largest or smallest value count as the torque limit.
 fn extremes(grid: &CellGrid) -> Vec<Vec<bool>> {
     let values = || grid.values.iter().flatten().copied().flatten();
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     grid.values.iter().map(|row| row.iter().map(|v| v.is_some_and(|v| v == least || v == most)).collect()).collect()
 }
 
-/// The matrix of a map in JSON; what is no number, and rows of a wrong length, are findings.
+/// The matrix of a map in JSON; items that are no numbers, and rows of a wrong length, are findings.
 fn grid_of_json(map: &Value, table: OwnTable, of: &str, findings: &mut Vec<RuleBreach>) -> CellGrid {
     let [rows, columns, values] = table.fields();
     let gear = of.trim_end_matches(", ");

@@ -54,7 +54,7 @@ pub(crate) fn judge(points: &CommandPoints, sign: SignRule, findings: &mut Vec<R
     ]
 }
 
-/// One finding per speed row and rule: the pairs whose command falls, does not change, or stands twice.
+/// One finding per speed row and rule: the pairs whose command falls, does not change, or occurs twice.
 fn monotone(speed: f64, row: &[CommandPoint], findings: &mut Vec<RuleBreach>) {
     let at = || format!("speed {speed}");
     let text = |pairs: &[(CommandPoint, CommandPoint)]| {

@@ -5,9 +5,9 @@ use crate::diff::sheet::{DiffSide, Sheet, Table};
 use crate::diff::significance::{threshold, two_sided_p};
 use crate::map::WheelAngle;
 
-/// Lengths of a vehicle that differ by less, as a share, are the same one.
+/// Lengths of a vehicle that differ by a smaller share are equal.
 const SAME_LENGTH: f64 = 1e-3;
-/// Least standard error of a difference, in the values' unit: files hold six decimals, so that less is rounding.
+/// Least standard error of a difference, in the values' unit: files hold six decimals, so a smaller one is rounding.
 const LEAST_STD_ERR: f64 = 1e-6;
 
 /// Compares `b` with `a`.
@@ -135,8 +135,8 @@ fn differ(a: &Sheet, b: &Sheet, table: Table) -> (MapDiff, Vec<Significant>) {
     (map, cells)
 }
 
-/// Torque per acceleration around cell (i, j) of a Table 2, from its neighbours; infinite on a plateau, where a change of torque has no
-/// acceleration to be worth.
+/// Torque per acceleration around cell (i, j) of a Table 2, from its neighbours; infinite on a plateau, where a change of torque is worth
+/// no acceleration.
 fn slope(sheet: &Sheet, i: usize, j: usize) -> f64 {
     let (low, high) = (j.saturating_sub(1), (j + 1).min(sheet.columns.len() - 1));
     let value = |k: usize| sheet.values[i * sheet.columns.len() + k];

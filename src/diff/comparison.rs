@@ -1,4 +1,4 @@
-//! What a comparison of two maps says: its settings, verdict and findings.
+//! The result of a comparison of two maps: its settings, verdict and findings.
 
 use crate::diff::sheet::Table;
 use crate::map::Gear;
@@ -10,7 +10,7 @@ pub struct DiffSettings {
     /// Expected share of false ones among the cells called significant; the probability of finding anything when nothing changed.
     /// Default 0.05.
     pub false_discovery_rate: f64,
-    /// A significant change matters when it is worth more than this acceleration [m/s²]. Default 0.15: what the speed loop removes with a
+    /// A significant change matters when it is worth more than this acceleration [m/s²]. Default 0.15: the speed loop removes it with a
     /// speed error of 0.05 m/s, the limit of the closed-loop verdict's round trip.
     pub matters_mps2: f64,
 }
@@ -33,7 +33,7 @@ pub enum DiffVerdict {
     Incompatible,
 }
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapComparison {
     /// The first file.
@@ -48,7 +48,7 @@ pub struct MapComparison {
     pub matters: usize,
     /// Why the maps are incompatible; empty otherwise.
     pub reasons: Vec<String>,
-    /// What a reader should know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
     /// DiffSettings, as used.
     pub settings: DiffSettings,
@@ -69,7 +69,7 @@ pub struct MapDiff {
     pub interpolated: bool,
     /// Cells that were compared.
     pub compared: usize,
-    /// Cells of a that were not: outside b, extrapolated or unreachable in one of them.
+    /// Cells of a that were skipped: outside b, extrapolated or unreachable in one of them.
     pub left_out: usize,
     /// Significant cells.
     pub significant: usize,
@@ -77,7 +77,7 @@ pub struct MapDiff {
     pub matters: usize,
     /// Root mean square of the change, over the compared cells.
     pub rms_change: f64,
-    /// Root mean square of z; 1 is what chance gives.
+    /// Root mean square of z; 1 by chance.
     pub rms_z: f64,
     /// The significant changes, largest |z| first.
     pub largest: Vec<Significant>,
@@ -85,7 +85,7 @@ pub struct MapDiff {
     pub rows: Vec<f64>,
     /// Column breaks of a.
     pub columns: Vec<f64>,
-    /// Change per cell; null where it was left out.
+    /// Change per cell; null where it was skipped.
     pub change: Vec<Vec<Option<f64>>>,
     /// Standard error of the change.
     pub std_err: Vec<Vec<Option<f64>>>,
@@ -112,7 +112,7 @@ pub struct Significant {
     pub z: f64,
     /// Two-sided p of z.
     pub p: f64,
-    /// What the change is worth as an acceleration [m/s²]: itself in Table 1; in Table 2 over the slope of torque in acceleration.
+    /// The change as an acceleration [m/s²]: itself in Table 1; in Table 2 over the slope of torque in acceleration.
     pub accel_mps2: f64,
 }
 

@@ -10,7 +10,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
 pub enum Error {
-    #[error("{}: {source}; give a table1.json, a table2.json, or the folder of a map, whose table2.json is taken", path.display())]
+    #[error("{}: {source}; give a table1.json, a table2.json, or the folder of a map, whose table2.json is used", path.display())]
     Read { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: crate::map::Error },

@@ -18,7 +18,7 @@ table{border-collapse:collapse}td,th{padding:.2rem .7rem;border-bottom:1px solid
 .verdict{font-size:1.15rem;font-weight:600}\
 @media print{:root{--bg:#fff;--fg:#000;--soft:#444;--line:#999;--zero:#f2f3f5;--none:#ddd}}";
 
-/// The page. Files are named as they were given; nothing else of the machine is in it.
+/// The page. Files are named as they were given; it contains nothing more about the machine.
 pub fn html(comparison: &MapComparison) -> String {
     let page = html! {
         (DOCTYPE)

@@ -66,7 +66,7 @@ impl DiffSide {
     pub fn read(path: &Path) -> Result<Self> {
         let path = if path.is_dir() { path.join("table2.json") } else { path.to_owned() };
         let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
-        // a file that is neither is read as Table 1, whose reader says what is wrong with it
+        // any other file is read as Table 1, whose reader reports its fault
         let second = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|json| json["format"] == TABLE2_FORMAT);
         Self::of_text(&path, &text, second)
     }
@@ -116,11 +116,11 @@ impl Sheet {
         self
     }
 
-    /// Value and standard error at a place by bilinear interpolation; `None` outside the axes, and where a cell around is not known. The
+    /// Value and standard error at a place by bilinear interpolation; `None` outside the axes, and where a cell around it is unknown. The
     /// interpolated standard error is an upper bound: that of neighbours whose errors are fully correlated.
     pub(crate) fn at(&self, row: f64, column: f64) -> Option<(f64, f64)> {
         let read = |field: &[f64]| lookup::bilinear(&self.rows, &self.columns, field, row, column);
-        // weights of unknown neighbours count; a node of the grid has one neighbour only
+        // the weights of unknown neighbours matter; a node of the grid has one neighbour only
         let known = read(&self.known)? > 1.0 - 1e-9;
         known.then_some(())?;
         Some((read(&self.values)?, read(&self.std_err)?))

@@ -1,4 +1,4 @@
-//! Which of many p values are significant.
+//! Finds the significant p values among many.
 
 use libm::erfc;
 

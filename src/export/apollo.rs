@@ -2,12 +2,12 @@
 //! the full torque being that of [`MapSource::full_torque_nm`]: per cent of throttle when positive, of brake when negative.
 //!
 //! Sign rules: throttle stands for acceleration and brake for deceleration, so no entry has a command and an acceleration of opposite sign.
-//! Between coasting (command 0) and holding a speed (acceleration 0) friction asks for a driving torque at a negative acceleration; there
-//! the table has the two ends, and Apollo's linear interpolation gives what lies between. Accelerations of one and the same torque, at a
-//! limit or of a wheel that is held, have one entry.
+//! Between coasting (command 0) and holding a speed (acceleration 0), friction requires a driving torque at a negative acceleration. There
+//! the table has the two ends, and Apollo's linear interpolation gives the values between. Accelerations of the same torque, at a limit or
+//! of a wheel that is held, have one entry.
 //!
-//! Source of the rules: Apollo's longitudinal controller, which looks the command up over (speed, acceleration), takes it as throttle when
-//! it is not negative and as brake otherwise, and clamps outside the table.
+//! Source of the rules: Apollo's longitudinal controller. It looks up the command over (speed, acceleration), uses it as throttle when it
+//! is not negative and as brake otherwise, and clamps outside the table.
 
 use crate::export::autoware::rounded;
 use crate::export::file::File;
@@ -52,14 +52,14 @@ pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
     Ok(files)
 }
 
-/// The entries of one speed, acceleration and torque rising, and how far [N·m] the straight line between coasting and holding is from what
-/// the table has there.
+/// The entries of one speed, with rising acceleration and torque, and the distance [N·m] of the straight line between coasting and holding
+/// from the table there.
 fn row(table: &TorqueTable, i: usize) -> (Vec<(f64, f64)>, f64) {
     let accels = table.accel_mps2().breaks();
     let mut all: Vec<(f64, f64)> = Vec::new();
     for entry in accels.iter().enumerate().map(|(j, a)| (*a, table.at(i, j))) {
         match all.last_mut() {
-            // several accelerations of one torque, a limit or a wheel that is held: the one nearest to the others stands for all
+            // of several accelerations of one torque (a limit or a wheel that is held), the one nearest to the others stands for all
             Some(last) if last.1 == entry.1 && entry.1 > 0.0 => {}
             Some(last) if last.1 == entry.1 => *last = entry,
             _ => all.push(entry),

@@ -1,8 +1,8 @@
 //! Autoware's `accel_map.csv` and `brake_map.csv`: acceleration [m/s²] over pedal (rows, 0 to 1) and speed (columns, [m/s]).
 //!
-//! Pedal = |torque| / full torque, the full torque being the vehicle's torque limit, or without one the largest torque of Table 2: one
-//! factor for both pedals, named in the corner cell. The rows are Table 1's torques: from 0 up for the accel map, from 0 down for the brake
-//! map. Row 0, no torque, is shared.
+//! Pedal = |torque| / full torque. The full torque is the vehicle's torque limit, or without one the largest torque of Table 2: one factor
+//! for both pedals, named in the corner cell. The rows are Table 1's torques: from 0 up for the accel map, from 0 down for the brake map.
+//! Row 0, no torque, is shared.
 //!
 //! Source of the rules: `raw_vehicle_cmd_converter` of Autoware Universe. All rows have one length, of at least two cells; in every column
 //! acceleration rises strictly with the accel pedal and falls strictly with the brake pedal. A speed outside is clamped by the loader.

@@ -38,7 +38,7 @@ pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
     vec![File::new("pivot_map.h", fill(HEADER)), File::new("pivot_map.c", body)]
 }
 
-/// SHA-256 of the forward gear's CSV, or of the only gear's. Hexadecimal: [`MapSource::read`] has compared it.
+/// SHA-256 in hexadecimal of the forward gear's CSV, or of the only gear's; [`MapSource::read`] has compared it.
 pub(crate) fn sha256(source: &MapSource) -> String {
     source.torque.first().and_then(|(gear, _)| source.map(*gear)).map(|map| map.csv.sha256.clone()).unwrap_or_default()
 }

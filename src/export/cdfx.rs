@@ -80,7 +80,7 @@ fn instances(xml: &mut Xml, source: &MapSource) {
     }
 }
 
-/// XML under way.
+/// XML being written.
 struct Xml {
     text: String,
     depth: usize,

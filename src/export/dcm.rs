@@ -62,7 +62,7 @@ pub(crate) fn name(gear: Gear) -> &'static str {
     }
 }
 
-/// What a gear's map is.
+/// Description of a gear's map.
 pub(crate) fn what(gear: Gear) -> String {
     format!("Torque over front-wheel speed and desired acceleration, {gear} gear")
 }

@@ -21,7 +21,7 @@ pub enum Error {
         path.display(), by.display()
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
-    #[error("{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map anew", path.display(), csv.display())]
+    #[error("{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map again", path.display(), csv.display())]
     Differs { path: PathBuf, csv: PathBuf },
     #[error("{} holds no map at the wheel angle of {angle_deg}°; its wheel angles are {found}", path.display())]
     NoMap { path: PathBuf, angle_deg: f64, found: String },

@@ -7,7 +7,7 @@ pub struct File {
     pub name: String,
     /// Its text.
     pub text: String,
-    /// What a reader should know beyond the name: factors, what was left out.
+    /// Notes for the reader: factors, omissions.
     pub note: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Where an exported map comes from, as lines for a comment.
+//! Origin of an exported map, as lines for a comment.
 
 use crate::export::MapSource;
 use crate::map::FixedText;
@@ -36,7 +36,7 @@ pub(crate) fn lines(source: &MapSource) -> Vec<String> {
     lines
 }
 
-/// Letters, digits and harmless signs; anything else becomes `_`.
+/// Letters, digits and harmless signs; every other character becomes `_`.
 fn clean(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-' | '+' | ' ') { c } else { '_' }).collect()
 }

@@ -1,4 +1,4 @@
-//! The map to export, whose files were found to belong together.
+//! The map to export, from files that belong together.
 
 use crate::export::{Error, Result};
 use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table2File, TorqueMap, TorqueTable, WheelAngle};
@@ -7,11 +7,11 @@ use std::path::Path;
 /// A map whose hashes match.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapSource {
-    /// What `table2.json` says, of the maps at one wheel angle, its test angle.
+    /// The `table2.json`, with the maps at one wheel angle, its test angle.
     pub table2: Table2File,
     /// Its text, byte for byte.
     pub table2_json: String,
-    /// Wheel angles [°] of which `table2.json` holds maps, too.
+    /// Wheel angles [°] whose maps `table2.json` also holds.
     pub other_angles_deg: Vec<f64>,
     /// Table 2 per gear at the test angle, forward first. Never empty.
     pub torque: Vec<(Gear, TorqueTable)>,
@@ -87,7 +87,7 @@ impl MapSource {
         self.table2.vehicle.torque_limit_or_largest_nm(values.copied())
     }
 
-    /// What `table2.json` says of the map of `gear` at the test angle.
+    /// The map of `gear` in `table2.json` at the test angle.
     pub fn map(&self, gear: Gear) -> Option<&TorqueMap> {
         self.table2.map_at_test_angle(gear)
     }

@@ -1,4 +1,4 @@
-//! From surveys at one or several wheel angles to Table 1: a fit per angle with shared delays, what the maps have in common, one file.
+//! From surveys at one or several wheel angles to Table 1: a fit per angle with shared delays, the common part of the maps, one file.
 
 mod family;
 mod fit_traces;
@@ -25,7 +25,7 @@ pub fn fit(surveys: Vec<Survey>, settings: &FitSettings) -> Result<Fit> {
     Task::new(&grouped, false, test_angle_deg, settings).fitted()?.table1()
 }
 
-/// The same fit with the traces that a report shows, thinned out.
+/// The same fit with the thinned traces for a report.
 ///
 /// # Errors
 /// As [`fit`].
@@ -37,9 +37,9 @@ pub fn fit_traced(surveys: Vec<Survey>, settings: &FitSettings) -> Result<(Fit, 
 
 /// Fits every group; the maps of `test_angle_deg` have the plain file names.
 ///
-/// An angle that cannot be fitted is left out, and a note says why; at `test_angle_deg` it is an error. With `asked`, the angles were asked
-/// for by name: one that is left out, or whose table is not sound, makes the fit not sound. Without, angles were only found in the logs,
-/// and one that makes no sound table is left out like one that cannot be fitted: a drive across the yard spoils no campaign.
+/// An angle that cannot be fitted is skipped, and a note gives the reason; at `test_angle_deg` it is an error. With `asked`, the angles
+/// were asked for by name: one that is skipped, or whose table is not sound, makes the fit not sound. Without, angles were only found in
+/// the logs, and one without a sound table is skipped like one that cannot be fitted: a drive across the yard spoils no campaign.
 ///
 /// # Errors
 /// As [`fit`]; no group at `test_angle_deg`.

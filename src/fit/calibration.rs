@@ -1,6 +1,6 @@
-//! What turns raw readings into speeds on one clock, and commands into torques.
+//! The values that turn raw readings into speeds on one clock, and commands into torques.
 
-/// What turns raw readings into speeds on one clock, and commands into torques. Estimated with the surface.
+/// The values that turn raw readings into speeds on one clock, and commands into torques. Estimated with the surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Calibration {
     /// T_d of each log [s].

@@ -19,7 +19,7 @@ pub enum Error {
     )]
     TooLittle { seconds: f64, needed_s: f64 },
     #[error(
-        "all usable motion is at one torque ({torque_nm:.1} N·m): how acceleration depends on torque cannot be told. Add runs at other torques, about {suggestion_nm:.0} N·m and {suggestion2_nm:.0} N·m"
+        "all usable motion is at one torque ({torque_nm:.1} N·m): the effect of torque on acceleration cannot be estimated. Add runs at other torques, about {suggestion_nm:.0} N·m and {suggestion2_nm:.0} N·m"
     )]
     OneTorque { torque_nm: f64, suggestion_nm: f64, suggestion2_nm: f64 },
     #[error(

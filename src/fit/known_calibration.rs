@@ -1,4 +1,4 @@
-//! What is known of delays and encoder before a fit begins, from a fit of other runs of the same logs: the runs at other wheel angles.
+//! Delays and encoder calibration known before a fit, from a fit of other runs of the same logs: the runs at other wheel angles.
 
 use std::collections::BTreeMap;
 

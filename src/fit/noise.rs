@@ -1,5 +1,5 @@
-//! What is random: the disturbance, the offset of a run and the noise of the readings (`model`), the Kalman filter (`kalman`), and whitening
-//! by its innovations (`whitening`).
+//! The random part of the model: the disturbance, the offset of a run and the noise of the readings (`model`), the Kalman filter
+//! (`kalman`), and whitening by its innovations (`whitening`).
 
 pub(crate) mod kalman;
 pub(crate) mod model;

@@ -5,8 +5,8 @@
 //! 3. Rounds on everything, without the moments after steps (`surface_rounds`), until surface and delays converge (`convergence`).
 //!
 //! Each round (`round`) filters the speeds along the segments with the surface of the last one, adds up the whitened sums, solves them with
-//! penalties chosen by the data, and moves on to the new surface and calibration (`calibration_step`). Between rounds readings that do not
-//! belong are cut out (`outliers`). At the end runs that are left out say how much of the surface is taken (`cross_validation`).
+//! penalties chosen by the data, and moves on to the new surface and calibration (`calibration_step`). Between rounds, readings that do not
+//! belong are cut (`outliers`). At the end, runs left out determine how much of the surface is used (`cross_validation`).
 
 pub(crate) mod calibration_step;
 pub(crate) mod convergence;

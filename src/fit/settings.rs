@@ -13,13 +13,13 @@ pub struct FitSettings {
     /// Coefficients of the surface along speed. Default 20, on knots uniform in ln(1 + V/0.12): with 15 a wave of 0.6 m/s is out of reach
     /// at 1 m/s, with 22 nothing comes nearer to the truth.
     pub speed_nodes: usize,
-    /// Coefficients of the surface along torque, about. Default 17: as fine as the usual steps of a campaign; between steps there are no data.
+    /// Coefficients of the surface along torque, about. Default 17: as fine as the usual steps of a campaign; between them are no data.
     pub torque_nodes: usize,
     /// Time after a step of the effective torque that the surface does not use [s]. Default 0: dead time and lag explain it, cells that are
-    /// only passed through after a step have no other data, and a cut there parts the run, with which most of what tells the delays is lost.
+    /// only passed through after a step have no other data, and a cut there splits the run and loses most of the information on the delays.
     pub transient_s: f64,
-    /// Most iterations on a sample of the data with noise and encoder free, then on everything. Default 6 and 8; on everything two or three are
-    /// usual.
+    /// Most iterations on a sample of the data with noise and encoder free, then on everything. Default 6 and 8; on everything two or three
+    /// are usual.
     pub iterations: [usize; 2],
     /// Speed breaks of the table [m/s]; by default every 0.05 from 0 to the fastest measured.
     pub speed_breaks_mps: Option<Vec<f64>>,
@@ -28,7 +28,7 @@ pub struct FitSettings {
     /// Share of the table's cells between the measured extremes that must be measured or interpolated; below it the fit is rejected.
     /// Default 0.3.
     pub least_coverage: f64,
-    /// Delays and encoder calibration known from runs at other wheel angles of the same logs; default none. Not a setting that a file tells.
+    /// Delays and encoder calibration known from runs at other wheel angles of the same logs; default none. Not a setting of a file.
     #[serde(skip)]
     pub known: Option<KnownCalibration>,
 }

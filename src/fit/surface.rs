@@ -1,4 +1,4 @@
-//! The acceleration surface a(v, τ): B-splines, the lattice of their coefficients, and the physics form with what is left beyond it.
+//! The acceleration surface a(v, τ): B-splines, the lattice of their coefficients, and the physics form with the deviations from it.
 
 pub(crate) mod design;
 pub(crate) mod lattice;

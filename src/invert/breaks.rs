@@ -1,11 +1,11 @@
-//! Where the breaks of Table 2 go.
+//! Positions of the breaks of Table 2.
 
 use crate::invert::inverse::Inverse;
 
 /// Spacing of the default acceleration breaks [m/s²].
 const ACCEL_STEP_MPS2: f64 = 0.1;
 
-/// Every 0.1 m/s² over what torques within `range_nm` reach at any of `speeds`, rounded outward.
+/// Every 0.1 m/s² over the accelerations by torques within `range_nm` at any of `speeds`, rounded outward.
 pub(crate) fn accel_breaks(inverse: &Inverse, speeds: &[f64], range_nm: [f64; 2]) -> Vec<f64> {
     let reach = |u: f64| speeds.iter().map(move |v| inverse.accel_mps2(*v, u));
     let low = reach(range_nm[0]).fold(f64::INFINITY, f64::min).min(0.0);

@@ -3,7 +3,7 @@
 use crate::invert::{Error, Result};
 use crate::map::{AccelTable, Gear};
 
-/// The fine surface, ready to be inverted: at a speed, acceleration is piecewise linear in torque.
+/// The fine surface, ready for inversion: at a speed, acceleration is piecewise linear in torque.
 #[derive(Debug, Clone)]
 pub(crate) struct Inverse {
     table: AccelTable,

@@ -1,4 +1,4 @@
-//! Nodes of a bilinear table with the least squared torque error between them, too (Garcia & Gupta 2009, lattice regression).
+//! Nodes of a bilinear table with the least squared torque error, at and between them (Garcia & Gupta 2009, lattice regression).
 //!
 //! Minimises Σ (T(v, a) − τ(v, a))² over a dense cloud of reachable (v, a), plus 1e-3 × the same toward the exact nodes, subject to
 //! T rising in a and |T| ≤ τ_max.
@@ -18,7 +18,7 @@ const LEAST_RISE: f64 = 1e-3;
 
 /// The nodes, row-major by speed; `None` when the programme does not finish.
 ///
-/// `range_nm` bounds the torque of the cloud (what was tested), `limit_nm` what the table may hold.
+/// `range_nm` bounds the torque of the cloud (the tested range), `limit_nm` that of the table.
 pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm: [f64; 2], limit_nm: f64) -> Option<Vec<f64>> {
     let columns = accels.len();
     let n = speeds.len() * columns;
@@ -80,7 +80,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
         return None;
     }
     let mut nodes: Vec<f64> = solver.solution.x.iter().map(|t| t.clamp(-limit_nm, limit_nm)).collect();
-    // the solver meets its constraints to a tolerance: what rises by less than nothing is levelled
+    // the solver meets its constraints only to a tolerance: falling values are made level
     for row in nodes.chunks_exact_mut(columns) {
         for j in 1..columns {
             row[j] = row[j].max(row[j - 1]);
@@ -89,8 +89,8 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     Some(nodes)
 }
 
-/// T_j − T_{j+1} + s = −rise within each speed, then ±T + s = limit; s ≥ 0. Where the limits bind neighbours may be equal, so that the rise
-/// is asked for by rows and softened to zero by the number of breaks that fit below the limit.
+/// T_j − T_{j+1} + s = −rise within each speed, then ±T + s = limit; s ≥ 0. Where the limits bind, neighbours may be equal. So the rise is
+/// required by rows, and is softened to zero by the number of breaks that fit below the limit.
 fn constraints(rows: usize, columns: usize, rise: f64, limit_nm: f64) -> (CscMatrix<f64>, Vec<f64>) {
     let n = rows * columns;
     let differences = rows * (columns - 1);

@@ -1,4 +1,4 @@
-//! What an inversion gives: `table2.json` and its CSVs.
+//! The result of an inversion: `table2.json` and its CSVs.
 
 use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
@@ -159,7 +159,8 @@ fn axes(inverse: &Inverse, map: &AccelMap, tested: [f64; 2], settings: &InvertSe
     (speeds, accels)
 }
 
-/// Torques that leave a resting wheel at rest: its breakaway torque, and backward that of the other gear, or the same where it was not tested.
+/// Torques that leave a resting wheel at rest: up to its breakaway torque, and backward to that of the other gear, or to the same if the
+/// other gear was not tested.
 fn dead_band(map: &AccelMap, other: Option<&AccelMap>) -> DeadBand {
     let own = &map.breakaway;
     let back = other.map_or(own.torque_nm, |o| o.breakaway.torque_nm);

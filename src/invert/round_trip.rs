@@ -1,4 +1,4 @@
-//! The round trip A(v, T(v, a)) − a: what the grid of Table 2 costs.
+//! The round trip A(v, T(v, a)) − a: the error of the grid of Table 2.
 
 use crate::invert::inverse::Inverse;
 use crate::map::{CellStatus, GridPoint, RoundTripErrors, TorqueTable};
@@ -6,7 +6,7 @@ use crate::map::{CellStatus, GridPoint, RoundTripErrors, TorqueTable};
 /// Dense points per interval of each axis.
 const PER_INTERVAL: usize = 5;
 
-/// Over the nodes and between them, wherever `measured` says that the torque was tested at the speed.
+/// Over the nodes and between them, wherever `measured` holds, that is, the torque was tested at the speed.
 pub(crate) fn round_trip(
     inverse: &Inverse,
     table: &TorqueTable,

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 pub struct InvertSettings {
     /// Speed breaks [m/s]; by default those of Table 1.
     pub speed_breaks_mps: Option<Vec<f64>>,
-    /// Breaks of the desired acceleration [m/s²]; by default every 0.1 over what the tested torques reach, rounded outward.
+    /// Breaks of the desired acceleration [m/s²]; by default every 0.1 over the range of the tested torques, rounded outward.
     pub accel_breaks_mps2: Option<Vec<f64>>,
-    /// Places this many breaks on each axis where they serve best, instead of evenly.
+    /// Number of breaks per axis to be placed where they reduce the error most, instead of evenly.
     pub place: Option<usize>,
-    /// What the row at speed 0 holds.
+    /// Values of the row at speed 0.
     pub zero_row: ZeroRow,
     /// Exact at the nodes instead of best over the whole. Default false: exact nodes cost more than the estimation error.
     pub node_exact: bool,

@@ -1,11 +1,11 @@
-//! What can be wrong with a table or its file.
+//! Errors of a table or its file.
 
 use std::path::PathBuf;
 
 /// Result of this room.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can be wrong with a table or its file. Rows and columns in messages count from 1, as a spreadsheet does, the header included.
+/// Errors of a table or its file. Rows and columns in messages count from 1, as in a spreadsheet, with the header included.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
@@ -39,7 +39,7 @@ pub enum Error {
     #[error("this is not a {expected} file: its \"format\" is {found:?}")]
     WrongFormat { found: String, expected: &'static str },
     #[error(
-        "format version {found} is not known to this program, which reads version {known}; use the pivot-cal that wrote the file, or make it anew"
+        "format version {found} is not known to this program, which reads version {known}; use the pivot-cal that wrote the file, or make it again"
     )]
     UnknownVersion { found: u64, known: u32 },
     #[error("families.inertia is {m0} and {m1}; it must be positive straight ahead and at 90°")]

@@ -1,7 +1,7 @@
 //! The files that hold a map, and the folder that holds the files.
 //!
 //! In: JSON and CSV text, or a folder. Out: [`Table1File`], [`Table2File`] and the files beside them, checked field by field, and
-//! [`MapFolder`], which says of every file whether it is the one that the others describe.
+//! [`MapFolder`], which checks whether each file is the one that the others describe.
 
 mod csv_name;
 mod fit_traces;

@@ -1,4 +1,4 @@
-//! The numbers: axes, tables, what changes with gear and wheel angle, and the look-up.
+//! The numbers: axes, tables, changes with gear and wheel angle, and the look-up.
 //!
 //! In: arrays of numbers. Out: [`AccelTable`] and [`TorqueTable`], whose constructors have checked axis order, finiteness and shape.
 //! [`lookup`], [`angle_lookup`] and [`Gear`] are those of the controller.

@@ -1,9 +1,9 @@
-//! What the map must know of the vehicle.
+//! The map's data of the vehicle.
 
 use crate::map::{Error, Result, WheelAngle};
 use serde::{Deserialize, Serialize};
 
-/// Geometry of a vehicle with one steered, driven front wheel, and the angle that its map belongs to.
+/// Geometry of a vehicle with one steered, driven front wheel, and the wheel angle of its map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vehicle {
@@ -37,7 +37,7 @@ impl Vehicle {
     /// Checks that every number is finite and possible.
     ///
     /// # Errors
-    /// The first field that is not, with what is allowed.
+    /// The first field that is not, with the allowed range.
     pub fn checked(self) -> Result<Self> {
         let check = |field, value: f64, allowed, good: bool| {
             if good { Ok(()) } else { Err(Error::BadVehicle { field, value, allowed }) }

@@ -1,4 +1,4 @@
-//! Runs that could be driven, simulated along the fitted surface as `record` drives them.
+//! Runs that could be driven, simulated on the fitted surface as `record` drives them.
 
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::LaggedCommand;
@@ -14,39 +14,39 @@ const STEP_S: f64 = 5e-3;
 const STEPS_PER_READING: u32 = 4;
 /// Time between two readings [s].
 pub(crate) const READING_S: f64 = STEP_S * STEPS_PER_READING as f64;
-/// Steps by which the speed that the driver sees is old: half a reading's time and its way through the vehicle.
+/// Age of the speed that the driver sees, in steps: half a reading's time and its way through the vehicle.
 const SEEN_LATE: usize = 3;
-/// Time from a speed that is reached to the command that answers, in the mean [s].
+/// Mean time from reaching a speed to the command that answers [s].
 const ANSWER_S: f64 = SEEN_LATE as f64 * STEP_S + 0.5 * READING_S;
-/// Longest time at a level [s], as a campaign usually has it; and longer, for levels that hardly change the speed.
+/// Longest time at a level [s], as in most campaigns; and longer, for levels that hardly change the speed.
 const HOLDS_S: [f64; 2] = [2.5, 6.0];
 /// A level at which the wheel rests ends after this time [s].
 pub(crate) const STALL_S: f64 = 1.0;
-/// Pause at rest after a run [s]: settling is rest enough.
+/// Pause at rest after a run [s]; settling is rest enough.
 pub(crate) const PAUSE_S: f64 = 0.0;
 /// A level after a spin-up ends below this speed [m/s].
 const END_MPS: f64 = 0.03;
 /// The wheel is seen to rest below this speed [m/s].
 const AT_REST_MPS: f64 = 0.035;
-/// What settling at rest and at the wheel angle takes around a run, beside the pause [s]: twice 0.3, and the driver's cycles.
+/// Time to settle at rest and at the wheel angle around a run, besides the pause [s]: twice 0.3, and the driver's cycles.
 const SETTLE_S: f64 = 0.63;
-/// A spin-up that takes longer is no good [s].
+/// Longest spin-up [s].
 const LONGEST_SPIN_UP_S: f64 = 5.0;
 /// Longest coast [s].
 const LONGEST_COAST_S: f64 = 10.0;
-/// Scatter of the delay of the messages that carry a step, root mean square [s]: a usual bus.
+/// Scatter of the delay of the messages that carry a step, root mean square [s]: of a usual bus.
 const STEPS_LATE_S: f64 = 1e-3;
-/// A level that slows down is not ended by speed: noise and what the surface does not know stay below this [m/s].
+/// Margin of the speed limit of a level that slows down, above noise and the surface's error [m/s].
 const SPEED_MARGIN_MPS: f64 = 0.2;
-/// Below this speed the fit takes the wheel as coming to rest [m/s].
+/// Below this speed the fit treats the wheel as coming to rest [m/s].
 const SLOWEST_MPS: f64 = 0.02;
-/// Standard deviations of the speed at breakaway [m/s] and of the time at which a step takes effect [s], as the fit takes them.
+/// Standard deviations of the speed at breakaway [m/s] and of the time at which a step takes effect [s], as in the fit.
 const ANCHOR_MPS: f64 = 3e-3;
 const STEP_TIMING_S: f64 = 2e-3;
 /// Fewest readings of a stretch.
 const FEWEST_READINGS: usize = 8;
 
-/// A stretch of a run: readings without noise, the command behind them.
+/// A stretch of a run: readings without noise, and the command.
 pub(crate) struct DrivenPart {
     pub(crate) segment: Segment,
     pub(crate) speed_mps: Vec<f64>,
@@ -60,7 +60,7 @@ pub(crate) struct Driven {
     pub(crate) parts: Vec<DrivenPart>,
 }
 
-/// The vehicle in one gear, as the fit knows it. All numbers are in the gear's frame.
+/// The vehicle in one gear, as fitted. All numbers are in the gear's frame.
 pub(crate) struct PlannedVehicle {
     pub(crate) gear: Gear,
     pub(crate) surface: AccelTable,
@@ -72,7 +72,7 @@ pub(crate) struct PlannedVehicle {
 }
 
 impl PlannedVehicle {
-    /// A(V, U), going on linearly beyond the torques of the surface.
+    /// A(V, U), extended linearly beyond the torques of the surface.
     pub(crate) fn accel_mps2(&self, speed_mps: f64, torque_nm: f64) -> f64 {
         let at = |u: f64| self.surface.accel_from_torque_clamped(speed_mps, u).unwrap_or(0.0);
         let breaks = self.surface.torque_nm().breaks();
@@ -85,8 +85,8 @@ impl PlannedVehicle {
         at(end) + (torque_nm - end) * (at(end) - at(inner)) / (end - inner)
     }
 
-    /// Every level from rest to the full speed and to half of it, and after spin-ups of several torques to several speeds; a level that
-    /// brakes hard ends before the wheel turns back. None is faster than the vehicle was driven.
+    /// Every level from rest to the full speed and to half of it, and after spin-ups of several torques to several speeds. A level that
+    /// brakes hard ends before the wheel turns back. No run is faster than the vehicle was driven.
     pub(crate) fn candidates(&self, levels_nm: &[f64]) -> Vec<PlannedRun> {
         // to a millimetre per second: a sum of speeds is written into a campaign
         let top = (1e3 * self.fastest_mps).round() / 1e3;
@@ -111,7 +111,7 @@ impl PlannedVehicle {
             }
             for &spin_up_nm in driving.iter().rev().step_by(2).filter(|u| (*u - torque_nm).abs() > 1e-9) {
                 for share in [0.3, 0.6, 1.0] {
-                    // the spin-up goes on while the drive answers late
+                    // the spin-up continues while the drive answers late
                     let start_speed_mps = rounded(share * top - late_s * self.accel_mps2(share * top, spin_up_nm).max(0.0));
                     let slows = self.accel_mps2(start_speed_mps, torque_nm) < 0.0;
                     let speed_limit_mps = if slows { rounded(share * top + SPEED_MARGIN_MPS) } else { top };
@@ -119,7 +119,7 @@ impl PlannedVehicle {
                     if start_speed_mps < 0.1 {
                         continue;
                     }
-                    // braking that goes on past the stop would drive the wheel back
+                    // braking past the stop would drive the wheel back
                     let early = (-self.accel_mps2(0.0, torque_nm) * late_s * 100.0).round() / 100.0;
                     let turns = torque_nm < -self.breakaway_nm;
                     if !turns || early < 0.5 * start_speed_mps {
@@ -164,7 +164,7 @@ impl PlannedVehicle {
         Some(Driven { seconds, parts: way.parts() })
     }
 
-    /// A stretch that was driven: `torque_nm` held for `seconds` from `start_speed_mps`.
+    /// A driven stretch: `torque_nm` held for `seconds` from `start_speed_mps`.
     pub(crate) fn driven(&self, torque_nm: f64, start_speed_mps: f64, seconds: f64) -> Vec<DrivenPart> {
         let from_rest = start_speed_mps < 0.05 && torque_nm > 0.0;
         let mut way = if from_rest { SimulatedWay::new(self, 0.0, 0.0) } else { SimulatedWay::new(self, start_speed_mps, torque_nm) };
@@ -177,7 +177,7 @@ impl PlannedVehicle {
     }
 }
 
-/// A vehicle on its way.
+/// A driving vehicle.
 struct SimulatedWay<'a> {
     vehicle: &'a PlannedVehicle,
     command: Series,
@@ -234,7 +234,7 @@ impl<'a> SimulatedWay<'a> {
         }
     }
 
-    /// Speed after one step [m/s]; backward where braking goes on after the stop.
+    /// Speed after one step [m/s]; backward if braking continues after the stop.
     fn moved(&self) -> f64 {
         let (v, torque_nm) = (self.speed_mps, self.torque_nm);
         let forward = if v == 0.0 { torque_nm > 0.0 } else { v > 0.0 };
@@ -249,14 +249,14 @@ impl<'a> SimulatedWay<'a> {
         self.recent_mps[SEEN_LATE - 1]
     }
 
-    /// On to the driver's next decision.
+    /// Advances to the driver's next decision.
     fn decide(&mut self) {
         for _ in 0..STEPS_PER_READING {
             self.step();
         }
     }
 
-    /// The stretches that the fit would use: moving, without what follows a step.
+    /// The stretches that the fit would use: moving, without the time after a step.
     fn parts(&self) -> Vec<DrivenPart> {
         let lagged = EffectiveTorque::Lagged(LaggedCommand::new(&self.command, self.vehicle.lag_s));
         let moved = |r: &&(f64, f64)| r.1 > 0.0;
@@ -274,7 +274,7 @@ impl<'a> SimulatedWay<'a> {
         let mut close = |part: Option<DrivenPart>| {
             if let Some(mut part) = part.filter(|p| p.segment.readings.len() >= FEWEST_READINGS) {
                 let drive = (1.0, dead, self.vehicle.lag_s);
-                timing.tell(&mut part.segment.readings, part.segment.start_s, drive, |v, u| self.vehicle.accel_mps2(v, u));
+                timing.add_to(&mut part.segment.readings, part.segment.start_s, drive, |v, u| self.vehicle.accel_mps2(v, u));
                 parts.push(part);
             }
         };

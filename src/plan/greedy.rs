@@ -1,9 +1,9 @@
-//! One run after the other, each the one that takes most off the cells' mean variance per second.
+//! One run after the other, each the one that most reduces the cells' mean variance per second.
 //!
-//! With W the posterior covariance, R the rows of a run and M the sum of kᵀk over the cells' contrasts k, a run takes
-//! tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] off the sum of the variances (Woodbury). All is written in coordinates in which the covariance before the
-//! plan is the identity, as many as it takes: what the data so far leave open is far less than the design has coefficients. R·W and R·W·F of
-//! all runs, with F·Fᵀ = M, are kept, and follow each choice by an update of low rank.
+//! With W the posterior covariance, R the rows of a run and M the sum of kᵀk over the cells' contrasts k, a run reduces the sum of the
+//! variances by tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] (Woodbury). The coordinates are those in which the covariance before the plan is the
+//! identity, as many as needed: fewer than the design has coefficients. R·W and R·W·F of all runs, with F·Fᵀ = M, are kept, and updated at
+//! low rank after each choice.
 
 use crate::map::PlannedRun;
 use crate::plan::information::{Information, Model, TorqueCell, pivoted_root};
@@ -49,7 +49,7 @@ fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
 impl Greedy {
     pub(crate) fn new(model: &Model, covariance: &Mat<f64>, candidates: &[(PlannedRun, f64, Information)], cells: &[TorqueCell]) -> Self {
         let q = model.size();
-        // coordinates: the rows of L with LᵀL = C, coefficients measured by what they give the surface
+        // coordinates: the rows of L with LᵀL = C, coefficients measured by their effect on the surface
         let unit: Vec<f64> = model.unit_mps2();
         let scaled = Mat::from_fn(q, q, |a, b| unit[a] * covariance[(a, b)] * unit[b]);
         let root = pivoted_root(&scaled, q, LEFT_OUT);
@@ -97,7 +97,7 @@ impl Greedy {
         Some(inner.llt(faer::Side::Lower).ok()?.solve(right))
     }
 
-    /// What a run takes off the sum of the variances [(N·m)²].
+    /// Reduction of the sum of the variances by a run [(N·m)²].
     fn decrease(&self, run: &CandidateRun) -> f64 {
         let n = run.rows.len();
         let reach = self.reach.subrows(run.rows.start, n);
@@ -117,7 +117,7 @@ impl Greedy {
         best.map(|(k, _)| k)
     }
 
-    /// What a run takes off each cell's variance [(N·m)²].
+    /// Reduction of each cell's variance by a run [(N·m)²].
     fn decreases(&self, run: &CandidateRun) -> Vec<f64> {
         let n = run.rows.len();
         let by_cell = product(self.spread.subrows(run.rows.start, n), self.contrasts.as_ref());
@@ -137,7 +137,7 @@ impl Greedy {
         matmul(self.reach.as_mut(), Accum::Add, cross.as_ref(), by_reach.as_ref(), -1.0, Par::Seq);
     }
 
-    /// The cells that gain most from a run, and how well they are known now.
+    /// The cells that gain most from a run, and their standard error now.
     pub(crate) fn reason(&self, index: usize, cells: &[TorqueCell]) -> String {
         let decreases = self.decreases(&self.runs[index]);
         let most = decreases.iter().fold(0.0f64, |m, d| m.max(*d));

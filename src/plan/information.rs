@@ -1,4 +1,4 @@
-//! What runs say about the surface's coefficients.
+//! Information of runs on the surface's coefficients.
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::regressors::{Free, whitened_sums};
@@ -15,23 +15,23 @@ use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of a stretch's information are added until so little of its trace is left: fewer make long stretches that pass many speeds and torques
-/// say too little.
+/// Rows of a stretch's information are added until this share of its trace is left: with fewer rows, long stretches that pass many speeds
+/// and torques lose too much.
 const LEFT_OUT: f64 = 1e-3;
-/// Standard deviation that a block of the physics form may at least add to the surface [m/s², root mean square over the lattice]: what the data
-/// so far did not ask for is not thereby known to be nothing.
+/// Least standard deviation that a block of the physics form may add to the surface [m/s², root mean square over the lattice]: a term that
+/// the data so far did not need is not known to be zero.
 const UNSEEN_PHYSICS_MPS2: f64 = 0.01;
-/// The same of a block beyond it: where runs left out ask for nothing of the surface, and where they ask for all of it.
+/// The same for a block beyond it: if runs left out ask for none of the surface, and if they ask for all of it.
 const UNSEEN_BEYOND_MPS2: [f64; 2] = [0.0003, 0.003];
-/// The lag, and the dead times of the log driven before and of the one to come.
+/// The lag, and the dead times of the log driven before and of the next one.
 const DELAYS: usize = 3;
-/// What a standard error of a delay counts as beside coefficients, which are measured by what they give the surface [m/s²].
+/// Weight of a standard error of a delay against coefficients, which are measured by their effect on the surface [m/s²].
 const DELAY_UNIT_MPS2: f64 = 0.01;
-/// A delay that the data hardly determine has at most this standard error [s].
+/// Largest standard error of a delay that the data hardly determine [s].
 const MOST_DELAY_STD_S: f64 = 5e-3;
 /// Usual rates of an encoder and of a yaw rate [Hz].
 const RATE_HZ: [f64; 2] = [50.0, 100.0];
-/// How much faster than the cells runs go where cells were asked for [m/s].
+/// How much faster than the requested cells the runs go [m/s].
 const BEYOND_MPS: f64 = 0.1;
 /// Most speeds of a gear's cells.
 const MOST_SPEEDS: usize = 40;
@@ -39,7 +39,7 @@ const MOST_SPEEDS: usize = 40;
 /// A matrix R of few rows with RᵀR the information on the coefficients of the design.
 pub(crate) type Information = Mat<f64>;
 
-/// A cell whose torque is to be known.
+/// A cell whose torque is to be estimated.
 pub(crate) struct TorqueCell {
     pub(crate) gear: Gear,
     pub(crate) speed_mps: f64,
@@ -80,7 +80,7 @@ impl Model {
         if used.is_empty() || fastest <= 0.0 {
             return Err(Error::NothingToPlan);
         }
-        // a level that ends at a speed overshoots it by some 0.04 m/s
+        // a level that ends at a speed overshoots it by about 0.04 m/s
         let reached = used.iter().fold(0.0f64, |m, r| m.max(r.start_speed_mps).max(r.end_speed_mps)).min(fastest);
         let reached = ((reached - 0.04) * 20.0).floor().max(1.0) / 20.0;
         let speeds = match &asked.speed_breaks_mps {
@@ -92,7 +92,7 @@ impl Model {
         let Some(&fastest_wanted) = speeds.last().filter(|_| high > low && high > 0.0) else {
             return Err(Error::NoCells { low_nm: low, high_nm: high });
         };
-        // cells are known best from both sides
+        // cells are most certain when runs pass on both sides
         let fastest_mps = if asked.speed_breaks_mps.is_some() { fastest_wanted + BEYOND_MPS } else { reached };
         let fastest = fastest.max(fastest_mps);
         let lattice = Lattice::new(fastest, low, high, settings.speed_nodes.clamp(4, 40), settings.torque_nodes.clamp(6, 60));
@@ -129,7 +129,7 @@ impl Model {
         let levels_nm = (first..=last).map(|k| k as f64 * step).collect();
         let every = speeds.len().div_ceil(MOST_SPEEDS).max(1);
         let speeds = speeds.into_iter().step_by(every).collect();
-        // the slopes in torque, driving and braking, are all that delays ask of the surface
+        // delays need only the slopes in torque, driving and braking
         let theta = {
             let vehicle = &vehicles[0];
             let slope = |u: f64| vehicle.accel_mps2(0.3 * fastest_mps, u) - vehicle.accel_mps2(0.3 * fastest_mps, 0.0);
@@ -149,7 +149,7 @@ impl Model {
         })
     }
 
-    /// The information of stretches of a gear, in the log driven before (0) or the one to come (1).
+    /// The information of stretches of a gear, in the log driven before (0) or the next one (1).
     pub(crate) fn information(&self, gear: Gear, parts: &[DrivenPart], log: usize) -> Information {
         let t = self.design.transform(gear);
         let (q, base) = (t.ncols(), t.nrows());
@@ -187,7 +187,7 @@ impl Model {
         all
     }
 
-    /// Standard error of what a nuisance column of the estimator stands for [s]; the speed itself and what is not a delay count nothing.
+    /// Standard error of the delay of a nuisance column of the estimator [s]; 0 for the speed itself and for columns that are no delay.
     fn delay_std_s(&self, nuisance: usize) -> f64 {
         match nuisance {
             nuisance::LAG => self.lag_std_s,
@@ -227,13 +227,13 @@ impl Model {
         self.design.coefficients() + DELAYS
     }
 
-    /// The variance that unit coefficients of a block give the surface, mean over the lattice [m²/s⁴].
+    /// Variance that unit coefficients of a block give the surface, mean over the lattice [m²/s⁴].
     fn unit_variance(&self, columns: &Range<usize>) -> f64 {
         let t = self.design.transform(Gear::Forward);
         columns.clone().map(|c| (0..t.nrows()).map(|r| t[(r, c)].powi(2)).sum::<f64>()).sum::<f64>() / t.nrows() as f64
     }
 
-    /// What a unit of each coefficient gives the surface, root mean square over its block and the lattice [m/s²].
+    /// Effect of a unit of each coefficient on the surface, root mean square over its block and the lattice [m/s²].
     pub(crate) fn unit_mps2(&self) -> Vec<f64> {
         let mut unit = vec![DELAY_UNIT_MPS2; self.size()];
         for block in &self.design.blocks {
@@ -242,7 +242,7 @@ impl Model {
         unit
     }
 
-    /// The diagonal of Λ: what the fit chose, yet no tighter than [`UNSEEN_PHYSICS_MPS2`] and [`UNSEEN_BEYOND_MPS2`] allow.
+    /// The diagonal of Λ: the fit's choice, but no tighter than [`UNSEEN_PHYSICS_MPS2`] and [`UNSEEN_BEYOND_MPS2`] allow.
     fn ridge(&self, file: &Table1File) -> Vec<f64> {
         let chosen = |name: &str| {
             let blocks = file.report.diagnostics.get("blocks")?.as_array()?;
@@ -268,7 +268,7 @@ impl Model {
         ridge
     }
 
-    /// The cells of both gears whose torque is to be known.
+    /// The cells of both gears whose torque is to be estimated.
     pub(crate) fn cells(&self) -> Vec<TorqueCell> {
         let mut cells = Vec::new();
         let (speeds, torques) = &self.breaks;
@@ -280,7 +280,7 @@ impl Model {
             let t = self.design.transform(vehicle.gear);
             for &torque_nm in torques {
                 for &speed_mps in speeds {
-                    // where the surface is nearly level its slope is not known well enough to weigh a cell by
+                    // where the surface is nearly level, its slope is too uncertain to weight a cell by
                     let slope = slope_at(speed_mps, torque_nm).max(0.3 * mean.abs()).max(1e-9);
                     let spot = self.surface.lattice.spot(speed_mps, torque_nm);
                     let mut contrast: Vec<f64> = (0..t.ncols())
@@ -320,9 +320,9 @@ pub(crate) fn pivoted_root(gram: &Mat<f64>, size: usize, left_out: f64) -> Mat<f
 mod tests {
     use super::*;
 
-    /// A stretch that passes through many cells carries information on each: no cap on the rows may cut that.
+    /// A stretch that passes through many cells has information on each: a cap on the rows must not cut it.
     #[test]
-    fn rows_of_a_root_tell_all_but_the_share_that_may_be_left_out() {
+    fn rows_of_a_root_keep_all_but_the_share_that_may_be_left_out() {
         let size = 40;
         // smooth in the distance of two cells, as neighbours on a lattice are
         let gram = Mat::from_fn(size, size, |a, b| 3.0 * (-(a as f64 - b as f64).powi(2) / 4.0).exp() + if a == b { 0.01 } else { 0.0 });

@@ -1,14 +1,14 @@
-//! What a plan may spend.
+//! Settings of a plan.
 
 use serde::Serialize;
 
-/// What a plan may spend.
+/// Settings of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlanSettings {
     /// Time of driving [s], with turning the wheel to its angle, spin-ups and stops. Default 300.
     pub budget_s: f64,
-    /// Speeds of the cells whose torque is to be known [m/s], rising; by default those of Table 1 that were driven. Runs go a little faster
-    /// than the last. A speed of 0 is left out: no reading lies there.
+    /// Speeds of the cells whose torque is to be estimated [m/s], rising; by default those of Table 1 that were driven. Runs go a little
+    /// faster than the last. A speed of 0 is skipped: it has no readings.
     pub speed_breaks_mps: Option<Vec<f64>>,
     /// Torques of these cells [N·m], rising; by default those of Table 1. Levels lie between the first and the last, none above the
     /// vehicle's limit.

@@ -3,7 +3,7 @@
 
 use crate::check::foreign::{CommandPoint, CommandPoints, Misread, MisreadKind};
 
-/// Reads every `calibration { … }` message, wherever it is nested; other messages are passed over.
+/// Reads every `calibration { … }` message, at any depth; other messages are skipped.
 pub fn points_of_apollo(text: &str) -> (CommandPoints, Vec<Misread>) {
     let (mut points, mut misread) = (CommandPoints { command: "command".to_owned(), ..CommandPoints::default() }, Vec::new());
     let mut bad = |kind, line, what: String| misread.push(Misread { kind, line, column: 0, what });
@@ -54,7 +54,7 @@ pub fn points_of_apollo(text: &str) -> (CommandPoints, Vec<Misread>) {
     (points, misread)
 }
 
-/// Words, numbers and the signs `{`, `}`, `:` with their lines; comments from `#` to the end of the line are left out.
+/// Words, numbers and the signs `{`, `}`, `:` with their lines; comments from `#` to the end of the line are skipped.
 fn tokens(text: &str) -> Vec<(u64, &str)> {
     let mut tokens = Vec::new();
     for (k, line) in text.lines().enumerate() {
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_entry_is_told_and_the_others_are_read() {
+    fn a_broken_entry_is_reported_and_the_others_are_read() {
         let text = "calibration { speed: x acceleration: 1 command: 2 }\ncalibration { speed: 1 acceleration: 1 }\ncalibration { speed: 1 acceleration: 2 command: 3 }\ncalibration { speed: 2";
         let (points, misread) = points_of_apollo(text);
         assert_eq!(points.points.len(), 1);

@@ -9,8 +9,8 @@ pub struct CsvLine {
     pub texts: Vec<String>,
 }
 
-/// The lines of `text` that are not blank. As in the loaders of most controllers there are no quotes, and a separator at the end of a line
-/// does not begin another cell.
+/// The lines of `text` that are not blank. As in the loaders of most controllers, there are no quotes, and a separator at the end of a line
+/// begins no further cell.
 pub fn cells_of_csv(text: &str) -> Vec<CsvLine> {
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
     lines

@@ -2,7 +2,7 @@
 
 use crate::check::foreign::CsvLine;
 
-/// What could not be read, and where.
+/// A part that could not be read, and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Misread {
     /// What is wrong.
@@ -11,11 +11,11 @@ pub struct Misread {
     pub line: u64,
     /// CsvLine of the line, counted from 1; 0 for the whole line.
     pub column: usize,
-    /// What stands there, and what should.
+    /// The text there, and what it should be.
     pub what: String,
 }
 
-/// What kind of thing could not be read.
+/// Kind of an unreadable part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MisreadKind {
     /// Nothing, or less than a table.
@@ -103,7 +103,7 @@ mod tests {
     use crate::check::foreign::cells_of_csv;
 
     #[test]
-    fn every_unreadable_cell_is_told_and_the_others_are_kept() {
+    fn every_unreadable_cell_is_reported_and_the_others_are_kept() {
         let (grid, misread) = CellGrid::of_cells(&cells_of_csv("v,0,5\n0,1,x\n1,2\n2,nan,4\n"));
         let found: Vec<_> = misread.iter().map(|m| (m.kind, m.line, m.column)).collect();
         let expected = [(MisreadKind::NotANumber, 2, 3), (MisreadKind::Ragged, 3, 0), (MisreadKind::NotANumber, 4, 2)];

@@ -21,7 +21,7 @@ pub fn says_long_form(header: &CsvLine) -> bool {
     [SPEED, ACCEL, COMMAND].into_iter().all(|names| column(header, names).is_some())
 }
 
-/// The points, each line by itself: a line that cannot be read is reported and left out.
+/// The points, line by line: a line that cannot be read is reported and skipped.
 pub fn points_of_long_csv(cells: &[CsvLine]) -> (CommandPoints, Vec<Misread>) {
     let mut misread = Vec::new();
     let Some((header, rows)) = cells.split_first() else { return (CommandPoints::default(), misread) };

@@ -18,7 +18,7 @@ pub struct CommandPoint {
 pub struct CommandPoints {
     /// The points.
     pub points: Vec<CommandPoint>,
-    /// What the command is called.
+    /// Name of the command.
     pub command: String,
 }
 

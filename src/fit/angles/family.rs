@@ -1,15 +1,15 @@
-//! What the maps of one gear have in common over the wheel angle.
+//! The common part of one gear's maps over the wheel angle.
 //!
 //! In: Table 1 of one gear and side at two or more angles. Out: an [`AngleFamily`]. The equation of motion in torques is
 //!
 //! M(δ)·A(V, U, δ) = H(V, U) − F(V, δ)
 //!
-//! with H, what the drive makes of its torque, the same at every angle, H(V, 0) = 0 and of slope 1 where it drives. Over a grid of speeds and
-//! torques that the maps covered, weighted by their standard errors, H, one inertia per angle and one friction per angle and speed are the
-//! least squares solution, each in turn from the others. The inertias are then M = m₀ + m₁·sin²δ, and the frictions at every speed
-//! f₀ + f₁·sin²δ. From four angles on a further term f₂·|sin δ| is taken where angles left out ask for it.
+//! H is the drive's response to its torque, the same at every angle, with H(V, 0) = 0 and slope 1 where it drives. The grid is the speeds
+//! and torques that the maps cover, weighted by their standard errors. H, one inertia per angle, and one friction per angle and speed are
+//! the least squares solution, each in turn from the others. The inertias are then M = m₀ + m₁·sin²δ, and the frictions at every speed f₀ +
+//! f₁·sin²δ. From four angles on, a further term f₂·|sin δ| is used if the angles left out ask for it.
 //!
-//! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
+//! The error of such a family is measured: each angle between two others is left out, predicted by the rest, and compared with its own map.
 
 use crate::fit::Result;
 use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, DepartureFrom, Gear, LeftOutAngle, Side};
@@ -19,27 +19,27 @@ use crate::units::RAD_PER_DEG;
 const SPEED_STEP_MPS: f64 = 0.05;
 /// Torques compared, about.
 const TORQUES: usize = 24;
-/// Standard errors below this say nothing of how angles differ [m/s²].
+/// Least standard error when angles are compared [m/s²].
 const LEAST_STD_ERR_MPS2: f64 = 2e-3;
-/// Rounds of the least squares, and the relative change of an inertia at which it is done.
+/// Rounds of the least squares, and the relative change of an inertia at which they have converged.
 const ROUNDS: usize = 2000;
 const STILL: f64 = 1e-9;
-/// Angles from which on friction may have a third term, and how much less the misses of angles left out must be with it: two or three
-/// misses do not tell a smaller gain from chance.
+/// Fewest angles for a third term of friction, and the largest ratio of the misses of angles left out with and without it: with two or
+/// three misses, a smaller gain may be chance.
 const ANGLES_FOR_THIRD: usize = 4;
 const GAIN_OF_THIRD: f64 = 1.25;
-/// Where no angle lies between two others: the part of the change of friction between neighbours that its shape over the angle may hide.
-/// The largest distance of sin²δ from a straight line over 30° is a sixteenth of its range; this is four times as much.
+/// If no angle lies between two others: the part of the change of friction between neighbours that its shape over the angle may hide. The
+/// largest distance of sin²δ from a straight line over 30° is a sixteenth of its range; this is four times as much.
 const ASSUMED_SHARE: f64 = 0.25;
 
-/// A family with what only the fit needs of it.
+/// A family with the data that only the fit needs.
 #[derive(Debug, Clone)]
 pub(crate) struct Family {
-    /// What files tell.
-    pub(crate) told: AngleFamily,
+    /// The part written into files.
+    pub(crate) reported: AngleFamily,
     /// Number of terms of the friction.
     pub(crate) terms: usize,
-    /// τ, the standard deviation of the departures of measured angles from the family [N·m]; absent where angles are too few to tell.
+    /// τ, the standard deviation of the departures of measured angles from the family [N·m]; absent with too few angles.
     pub(crate) spread_nm: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn families(maps: &[AccelMap]) -> Result<Vec<Family>> {
             own.sort_by(|a, b| a.wheel_angle_deg.abs().total_cmp(&b.wheel_angle_deg.abs()));
             let plain = family(gear, side, &own, 2)?;
             let bent = if own.len() >= ANGLES_FOR_THIRD { family(gear, side, &own, 3)? } else { None };
-            let miss = |f: &Family| f.told.left_out.iter().map(|l| l.rms_nm.powi(2)).sum::<f64>().sqrt();
+            let miss = |f: &Family| f.reported.left_out.iter().map(|l| l.rms_nm.powi(2)).sum::<f64>().sqrt();
             found.extend(match (plain, bent) {
                 (Some(plain), Some(bent)) if miss(&bent) * GAIN_OF_THIRD < miss(&plain) => Some(bent),
                 (plain, _) => plain,
@@ -62,52 +62,52 @@ pub(crate) fn families(maps: &[AccelMap]) -> Result<Vec<Family>> {
     Ok(found)
 }
 
-/// The family of maps of one gear and side, with what its angles left out say of it; `None` with fewer than two angles, and where the angles
+/// The family of maps of one gear and side, with the errors at its angles left out. `None` with fewer than two angles, and if the angles
 /// have nothing in common to compare.
 fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Option<Family>> {
     let Some(mut family) = shape(gear, side, maps, terms)? else { return Ok(None) };
-    let told = &mut family.told;
+    let reported = &mut family.reported;
     let (mut squares, mut count) = (0.0, 0);
     for k in 1..maps.len().saturating_sub(1) {
         let others: Vec<&AccelMap> = maps.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, m)| *m).collect();
         let Some(rest) = shape(gear, side, &others, terms)? else { continue };
-        let Some(miss) = left_out(maps[k], &others, &rest.told)? else { continue };
+        let Some(miss) = left_out(maps[k], &others, &rest.reported)? else { continue };
         let (low, high) = (maps[k - 1].wheel_angle_deg, maps[k + 1].wheel_angle_deg);
         let share = (maps[k].wheel_angle_deg - low) / (high - low);
         squares += (miss.rms_nm.powi(2) - miss.expected_nm.powi(2)).max(0.0) / (4.0 * share * (1.0 - share));
         count += 1;
-        told.left_out.push(miss);
+        reported.left_out.push(miss);
     }
     if count > 0 {
         let departure_nm = (squares / f64::from(count)).sqrt().max(family.spread_nm.unwrap_or(0.0));
-        told.departure_nm = round6(departure_nm);
-        told.departure_from = DepartureFrom::AnglesLeftOut;
+        reported.departure_nm = round6(departure_nm);
+        reported.departure_from = DepartureFrom::AnglesLeftOut;
     } else {
         let mut widest: f64 = 0.0;
         for pair in maps.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|m| (m.wheel_angle_deg * RAD_PER_DEG).sin());
-            for v in &told.speed_mps {
-                widest = widest.max((told.terms().friction_nm(*v, b) - told.terms().friction_nm(*v, a)).abs());
+            for v in &reported.speed_mps {
+                widest = widest.max((reported.terms().friction_nm(*v, b) - reported.terms().friction_nm(*v, a)).abs());
             }
         }
-        told.departure_nm = round6(ASSUMED_SHARE * widest);
-        told.departure_from = DepartureFrom::Assumed;
+        reported.departure_nm = round6(ASSUMED_SHARE * widest);
+        reported.departure_from = DepartureFrom::Assumed;
     }
     Ok(Some(family))
 }
 
-/// A point of the grid as one map tells it.
+/// One map at a point of the grid.
 #[derive(Debug, Clone, Copy)]
-struct Told {
+struct GridPoint {
     accel_mps2: f64,
     weight: f64,
 }
 
-/// The maps over a common grid: `told[angle][speed][torque]`.
+/// The maps over a common grid: `points[angle][speed][torque]`.
 struct FamilyGrid {
     speed_mps: Vec<f64>,
     torque_nm: Vec<f64>,
-    told: Vec<Vec<Vec<Option<Told>>>>,
+    points: Vec<Vec<Vec<Option<GridPoint>>>>,
 }
 
 impl FamilyGrid {
@@ -119,7 +119,7 @@ impl FamilyGrid {
         let speed_mps: Vec<f64> = (0..=(fastest / SPEED_STEP_MPS + 1e-6) as usize).map(|k| k as f64 * SPEED_STEP_MPS).collect();
         let torque_nm: Vec<f64> =
             ((low / step_nm).ceil() as i64..=(high / step_nm + 1e-6).floor() as i64).map(|k| k as f64 * step_nm).collect();
-        let mut told = Vec::new();
+        let mut points = Vec::new();
         for map in maps {
             let (table, all) = (map.table()?, AccelMaps::new([*map], &[])?);
             let at = |v: f64, u: f64| {
@@ -128,11 +128,11 @@ impl FamilyGrid {
                 let found = all.accel(map.gear, v, u, map.wheel_angle_deg)?;
                 let error = found.std_err_mps2.max(LEAST_STD_ERR_MPS2);
                 (covered && status != CellStatus::Extrapolated)
-                    .then(|| Told { accel_mps2: found.accel_mps2, weight: 1.0 / (error * error) })
+                    .then(|| GridPoint { accel_mps2: found.accel_mps2, weight: 1.0 / (error * error) })
             };
-            told.push(speed_mps.iter().map(|v| torque_nm.iter().map(|u| at(*v, *u)).collect()).collect());
+            points.push(speed_mps.iter().map(|v| torque_nm.iter().map(|u| at(*v, *u)).collect()).collect());
         }
-        Ok(Self { speed_mps, torque_nm, told })
+        Ok(Self { speed_mps, torque_nm, points })
     }
 }
 
@@ -144,17 +144,17 @@ struct Split {
 
 /// Alternating least squares; `None` where an angle shows no rise of acceleration with torque.
 fn split(grid: &FamilyGrid) -> Option<Split> {
-    let (angles, speeds, torques) = (grid.told.len(), grid.speed_mps.len(), grid.torque_nm.len());
+    let (angles, speeds, torques) = (grid.points.len(), grid.speed_mps.len(), grid.torque_nm.len());
     let mut drive: Vec<Vec<f64>> = vec![grid.torque_nm.clone(); speeds];
     let mut found = Split { inertia: vec![1.0; angles], friction_nm: vec![vec![None; speeds]; angles] };
     let unloaded = (0..torques).min_by(|a, b| grid.torque_nm[*a].abs().total_cmp(&grid.torque_nm[*b].abs()))?;
     for _ in 0..ROUNDS {
         let mut moved: f64 = 0.0;
-        for (k, told) in grid.told.iter().enumerate() {
+        for (k, points) in grid.points.iter().enumerate() {
             // per speed the weighted means; over all of them the slope
             let (mut rise, mut along) = (0.0, 0.0);
             let mut means = vec![None; speeds];
-            for (i, row) in told.iter().enumerate() {
+            for (i, row) in points.iter().enumerate() {
                 let cells = || row.iter().enumerate().filter_map(|(j, t)| t.map(|t| (j, t)));
                 let weight: f64 = cells().map(|(_, t)| t.weight).sum();
                 if cells().count() < 2 {
@@ -184,7 +184,7 @@ fn split(grid: &FamilyGrid) -> Option<Split> {
             for j in (0..torques).filter(|j| *j != unloaded) {
                 let (mut sum, mut weights) = (0.0, 0.0);
                 for k in 0..angles {
-                    if let (Some(t), Some(friction)) = (grid.told[k][i][j], found.friction_nm[k][i]) {
+                    if let (Some(t), Some(friction)) = (grid.points[k][i][j], found.friction_nm[k][i]) {
                         let weight = t.weight / found.inertia[k].powi(2);
                         sum += weight * (found.inertia[k] * t.accel_mps2 + friction);
                         weights += weight;
@@ -205,7 +205,7 @@ fn split(grid: &FamilyGrid) -> Option<Split> {
     Some(found)
 }
 
-/// The family with `terms` terms of friction, two or three, without what angles left out say of it.
+/// The family with two or three `terms` of friction, without the errors at angles left out.
 fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Option<Family>> {
     if maps.len() < terms {
         return Ok(None);
@@ -216,7 +216,7 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Opt
     let basis = |k: usize| [1.0, sines[k] * sines[k], sines[k]];
     let all: Vec<([f64; 3], f64)> = split.inertia.iter().enumerate().map(|(k, m)| (basis(k), *m)).collect();
     let Some(inertia) = least_squares::<2>(&all) else { return Ok(None) };
-    let mut told = AngleFamily {
+    let mut reported = AngleFamily {
         gear,
         side,
         wheel_angle_deg: maps.iter().map(|m| m.wheel_angle_deg).collect(),
@@ -233,49 +233,49 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Opt
         };
         let solved = if terms == 3 { least_squares::<3>(&rows) } else { least_squares::<2>(&rows).map(|[a, b]| [a, b, 0.0]) };
         if let Some(solved) = solved {
-            told.speed_mps.push(round6(*v));
-            for (list, term) in told.friction_nm.iter_mut().zip(solved).take(terms) {
+            reported.speed_mps.push(round6(*v));
+            for (list, term) in reported.friction_nm.iter_mut().zip(solved).take(terms) {
                 list.push(round6(term));
             }
         }
     }
-    if told.check().is_err() {
+    if reported.check().is_err() {
         return Ok(None);
     }
-    let spread_nm = spread(&grid, &told, &sines, terms);
-    Ok(Some(Family { told, terms, spread_nm }))
+    let spread_nm = spread(&grid, &reported, &sines, terms);
+    Ok(Some(Family { reported, terms, spread_nm }))
 }
 
-/// τ from what the maps' drive torques y_k = M·A_k + F differ by at the same speed and torque, beyond their standard errors. Errors at one
-/// speed go together, and the friction's terms take up as many of the angles: of m angles m − terms tell something.
+/// τ from the differences of the maps' drive torques y_k = M·A_k + F at the same speed and torque, beyond their standard errors. Errors at
+/// one speed are correlated, and the friction's terms use up as many of the angles: m angles leave m − terms degrees of freedom.
 fn spread(grid: &FamilyGrid, family: &AngleFamily, sines: &[f64], terms: usize) -> Option<f64> {
     let (mut squares, mut free, mut variance, mut count) = (0.0, 0.0, 0.0, 0.0);
     for (i, v) in grid.speed_mps.iter().enumerate() {
         for j in 0..grid.torque_nm.len() {
-            let told: Vec<(f64, f64)> = grid
-                .told
+            let torques: Vec<(f64, f64)> = grid
+                .points
                 .iter()
                 .zip(sines)
-                .filter_map(|(told, sin)| {
-                    let (point, inertia) = (told[i][j]?, family.terms().inertia(*sin));
+                .filter_map(|(points, sin)| {
+                    let (point, inertia) = (points[i][j]?, family.terms().inertia(*sin));
                     Some((inertia * point.accel_mps2 + family.terms().friction_nm(*v, *sin), inertia * inertia / point.weight))
                 })
                 .collect();
-            if told.len() <= terms {
+            if torques.len() <= terms {
                 continue;
             }
-            let weights: f64 = told.iter().map(|(_, s2)| 1.0 / s2).sum();
-            let mean = told.iter().map(|(y, s2)| y / s2).sum::<f64>() / weights;
-            squares += told.iter().map(|(y, _)| (y - mean).powi(2)).sum::<f64>();
-            free += (told.len() - terms) as f64;
-            variance += told.iter().map(|(_, s2)| s2).sum::<f64>();
-            count += told.len() as f64;
+            let weights: f64 = torques.iter().map(|(_, s2)| 1.0 / s2).sum();
+            let mean = torques.iter().map(|(y, s2)| y / s2).sum::<f64>() / weights;
+            squares += torques.iter().map(|(y, _)| (y - mean).powi(2)).sum::<f64>();
+            free += (torques.len() - terms) as f64;
+            variance += torques.iter().map(|(_, s2)| s2).sum::<f64>();
+            count += torques.len() as f64;
         }
     }
     (free > 0.0).then(|| (squares / free - variance / count).max(0.0).sqrt())
 }
 
-/// Least squares of the values on the first `N` of three terms; `None` where they do not tell them apart.
+/// Least squares of the values on the first `N` of three terms; `None` if they do not determine them.
 fn least_squares<const N: usize>(rows: &[([f64; 3], f64)]) -> Option<[f64; N]> {
     let mut normal = [[0.0; N]; N];
     let mut right = [0.0; N];
@@ -309,17 +309,17 @@ fn least_squares<const N: usize>(rows: &[([f64; 3], f64)]) -> Option<[f64; N]> {
     Some(solution)
 }
 
-/// What `others` tell of `map`, over its covered cells; `None` where they cover none of them.
+/// Prediction of `map` by `others`, over its covered cells; `None` if they cover none of them.
 fn left_out(map: &AccelMap, others: &[&AccelMap], family: &AngleFamily) -> Result<Option<LeftOutAngle>> {
     let all = AccelMaps::new(others.iter().copied(), std::slice::from_ref(family))?;
     let inertia = family.terms().inertia((map.wheel_angle_deg * RAD_PER_DEG).sin());
     let (mut squares, mut expected, mut count) = (0.0, 0.0, 0.0);
     for (i, u) in map.torque_nm.iter().enumerate() {
         for (j, v) in map.speed_mps.iter().enumerate().filter(|(j, _)| map.status[i][*j] != CellStatus::Extrapolated) {
-            // the family as it stands knows no departure: what is left is the error of the maps
-            if let Some(told) = all.accel(map.gear, *v, *u, map.wheel_angle_deg) {
-                squares += (inertia * (told.accel_mps2 - map.accel_mps2[i][j])).powi(2);
-                expected += (inertia * told.std_err_mps2.hypot(map.std_err_mps2[i][j])).powi(2);
+            // the family has no departure yet: the rest is the error of the maps
+            if let Some(found) = all.accel(map.gear, *v, *u, map.wheel_angle_deg) {
+                squares += (inertia * (found.accel_mps2 - map.accel_mps2[i][j])).powi(2);
+                expected += (inertia * found.std_err_mps2.hypot(map.std_err_mps2[i][j])).powi(2);
                 count += 1.0;
             }
         }

@@ -1,4 +1,4 @@
-//! What a report shows of a fit, for all angles.
+//! The traces of a fit for a report, for all angles.
 
 use crate::campaign::SampleVerdict;
 use crate::fit::Result;
@@ -9,7 +9,7 @@ use crate::fit::table1::traces::AngleTraces;
 use crate::map::{CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, sha256_hex};
 
 impl FittedAngles<'_> {
-    /// The traces of all angles, thinned out; cells and delays of the test angle.
+    /// The thinned traces of all angles; cells and delays of the test angle.
     ///
     /// # Errors
     /// No fit at the test angle.

@@ -1,8 +1,8 @@
 //! The fits at all wheel angles of a campaign; one angle is a list of one.
 //!
-//! Drive and encoder are the same at every angle, and so are dead times, lag and encoder calibration (`shared_delays`). With those held, every
-//! angle is fitted by itself. Angles never share samples: friction and inertia are each angle's own. What the finished maps have in common is
-//! found from them, and draws them together as far as their standard errors allow (`family`, `shrink_together`).
+//! Drive and encoder are the same at every angle, and so are dead times, lag and encoder calibration (`shared_delays`). With those held,
+//! every angle is fitted by itself. Angles never share samples: each has its own friction and inertia. The common part of the finished maps
+//! is then estimated, and draws them together as far as their standard errors allow (`family`, `shrink_together`).
 
 use crate::campaign::{AngleGroup, Grouped, Survey};
 use crate::fit::angles::shared_delays::{Pooled, Shared};
@@ -13,11 +13,11 @@ use crate::fit::{Error, FitSettings, Result};
 use crate::map::{LogRef, SAME_ANGLE_DEG};
 use std::collections::BTreeMap;
 
-/// What is fitted.
+/// The task of a fit.
 pub(crate) struct Task<'a> {
     pub(crate) grouped: &'a Grouped,
-    /// Whether the angles were asked for by name: one that is left out, or whose table is not sound, makes the fit not sound. Otherwise angles
-    /// were only found in the logs, and one without a sound table is left out: a drive across the yard spoils no campaign.
+    /// Whether the angles were asked for by name: one that is skipped, or whose table is not sound, makes the fit not sound. Otherwise
+    /// angles were only found in the logs, and one without a sound table is skipped: a drive across the yard spoils no campaign.
     pub(crate) asked: bool,
     /// The angle of the plain file names [°].
     pub(crate) test_angle_deg: f64,
@@ -32,7 +32,7 @@ pub(crate) struct FittedAngles<'a> {
     pub(crate) angles: Vec<AngleFit<'a>>,
     /// Delays that the angles share; absent with one angle, whose delays are its own.
     shared: Option<Pooled>,
-    /// Angles that are left out, by rising angle, with the reason.
+    /// Angles that are skipped, by rising angle, with the reason.
     pub(crate) left_out: Vec<(f64, String)>,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Task<'a> {
         (wheel_angle_deg - self.test_angle_deg).abs() < SAME_ANGLE_DEG
     }
 
-    /// Fits every angle. One that cannot be fitted is left out; at the test angle it is an error.
+    /// Fits every angle. One that cannot be fitted is skipped; at the test angle it is an error.
     ///
     /// # Errors
     /// As of a fit at one angle; no group at the test angle; logs of different vehicles.
@@ -92,7 +92,7 @@ impl<'a> Task<'a> {
 }
 
 impl FittedAngles<'_> {
-    /// Whether there is more than one wheel angle, or was before some were left out.
+    /// Whether there is more than one wheel angle, or was before some were skipped.
     pub(crate) fn are_several(&self) -> bool {
         self.shared.is_some()
     }

@@ -1,8 +1,8 @@
-//! What the wheel angles of a campaign share: dead times (one per log), lag, and the encoder's calibration.
+//! Delays that the wheel angles of a campaign share: dead times (one per log), lag, and the encoder's calibration.
 //!
-//! Each angle with a yaw rate is fitted by itself first; its delays are pooled by their standard errors, and the encoder's scale and delay come
-//! from the angle with the largest |sin δ|, where the yaw rate shows speeds best. Angles without a yaw rate then give the dead times of logs that
-//! no other angle shares.
+//! Each angle with a yaw rate is first fitted by itself. Its delays are pooled by their standard errors. The encoder's scale and delay come
+//! from the angle with the largest |sin δ|, where the yaw rate shows speeds best. Angles without a yaw rate then give the dead times of
+//! logs that no other angle shares.
 
 use crate::campaign::AngleGroup;
 use crate::fit::drive::torque_input::TorqueChoice;
@@ -13,10 +13,10 @@ use crate::map::LogRef;
 use crate::units::RAD_PER_DEG;
 use std::collections::BTreeMap;
 
-/// A standard error below this is not believed when estimates are pooled [s].
+/// Least standard error when estimates are pooled [s].
 const LEAST_DELAY_STD_ERR_S: f64 = 1e-4;
 
-/// What the angles share, and the angles that cannot be fitted.
+/// The shared values, and the angles that cannot be fitted.
 #[derive(Debug)]
 pub(crate) struct Shared {
     pub(crate) known: KnownCalibration,
@@ -25,7 +25,7 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// Fits each angle for its delays, those with a yaw rate first.
+    /// Fits the delays of each angle, those with a yaw rate first.
     pub(crate) fn new(groups: &[AngleGroup], choice: &TorqueChoice, settings: &FitSettings) -> Self {
         let has_yaw = |g: &&AngleGroup| g.surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
         let mut pooled = Pooled::default();
@@ -113,7 +113,7 @@ impl Pooled {
         }
     }
 
-    /// Delays of `logs`; a log whose only angle could not be fitted has those of the test angle's first log.
+    /// Delays of `logs`. A log whose only angle could not be fitted gets those of the test angle's first log.
     pub(crate) fn delays(&self, logs: &[LogRef], test: &Estimate) -> Delays {
         let of_log = |log: &LogRef| {
             let own = self.dead_time_s.get(&log.sha256).and_then(|p| p.mean());

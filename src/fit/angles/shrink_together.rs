@@ -1,10 +1,10 @@
-//! The maps of a family drawn together, each as far as its standard errors allow.
+//! Draws the maps of a family together, each as far as its standard errors allow.
 //!
-//! At a point (V, U) every map k of a family tells the drive's torque there, y_k = M(δ_k)·A_k + F(V, δ_k), with standard error σ_k = M(δ_k)·s_k;
-//! the angles differ by departures of standard deviation τ that the family does not know. For map i the others are evidence with mean
-//! ȳ = Σ w_k·y_k / Σ w_k, w_k = 1/(τ² + σ_k²), and variance P = τ² + 1/Σ w_k + h·σ_i², the last for the share h of map i in its own friction.
-//! The better of both is λ·y_i + (1 − λ)·ȳ with λ = P/(P + σ_i²), of variance λ·σ_i². Where the others saw nothing a map stays as it is, and
-//! with departures much larger than its errors, too.
+//! At a point (V, U) every map k of a family gives the drive's torque, y_k = M(δ_k)·A_k + F(V, δ_k), with standard error σ_k = M(δ_k)·s_k.
+//! The angles differ by departures of standard deviation τ from the family. For map i the others are evidence with mean ȳ = Σ w_k·y_k / Σ
+//! w_k, w_k = 1/(τ² + σ_k²), and variance P = τ² + 1/Σ w_k + h·σ_i², where h is the share of map i in its own friction. The best
+//! combination is λ·y_i + (1 − λ)·ȳ with λ = P/(P + σ_i²), of variance λ·σ_i². A map stays as it is where the others have no samples, or
+//! where the departures are much larger than its errors.
 //!
 //! Source: Morris 1983, *Parametric empirical Bayes inference*.
 
@@ -15,12 +15,12 @@ use crate::map::{AccelMap, AccelTable, Axis, CellStatus, Side, sha256_hex};
 use crate::signal::median;
 use crate::units::RAD_PER_DEG;
 
-/// Cells that no sample is near: their errors count this much more in variance.
+/// Factor on the variance of cells without a sample near them.
 const UNSEEN: f64 = 10.0;
 /// Least slope of a surface along torque, relative to the median one.
 const LEAST_SLOPE: f64 = 0.02;
 
-/// What one map tells of the drive's torque.
+/// One map's estimate of the drive's torque.
 struct MapEvidence {
     inertia: f64,
     sin: f64,
@@ -39,7 +39,7 @@ impl MapEvidence {
         };
         let seen = map.status.iter().flatten().map(|s| if *s == CellStatus::Extrapolated { 0.0 } else { 1.0 }).collect();
         Ok(Self {
-            inertia: family.told.terms().inertia(sin),
+            inertia: family.reported.terms().inertia(sin),
             sin,
             surface: map.surface.table()?,
             std_err: over_cells(map.std_err_mps2.concat())?,
@@ -47,24 +47,24 @@ impl MapEvidence {
         })
     }
 
-    /// The drive's torque, its variance, and how far it was seen; `None` outside the surface.
-    fn told(&self, family: &Family, v: f64, u: f64) -> Option<(f64, f64, f64)> {
+    /// The drive's torque, its variance, and the share measured or interpolated; `None` outside the surface.
+    fn drive_torque(&self, family: &Family, v: f64, u: f64) -> Option<(f64, f64, f64)> {
         let accel = self.surface.accel_from_torque(v, u)?;
         let sigma = self.inertia * self.std_err.accel_from_torque_clamped(v, u)?;
         let seen = self.seen.accel_from_torque(v, u).unwrap_or(0.0);
-        Some((self.inertia * accel + family.told.terms().friction_nm(v, self.sin), sigma * sigma, seen))
+        Some((self.inertia * accel + family.reported.terms().friction_nm(v, self.sin), sigma * sigma, seen))
     }
 }
 
-/// Draws the maps of every family together: cells, standard errors, fine surfaces, breakaway torques and the CSVs' hashes. A map that
-/// belongs to two families, straight ahead, goes by the one with more angles.
+/// Draws the maps of every family together: cells, standard errors, fine surfaces, breakaway torques and the CSVs' hashes. A map of two
+/// families (straight ahead) uses the one with more angles.
 pub(crate) fn draw_together(maps: &mut [AccelMap], families: &[Family]) -> Result<()> {
     let before = maps.to_vec();
     for map in maps {
-        let belongs = |f: &&Family| f.told.gear == map.gear && f.told.side.holds(map.wheel_angle_deg) && f.spread_nm.is_some();
-        let most = families.iter().filter(belongs).max_by_key(|f| (f.told.wheel_angle_deg.len(), f.told.side == Side::Left));
+        let belongs = |f: &&Family| f.reported.gear == map.gear && f.reported.side.holds(map.wheel_angle_deg) && f.spread_nm.is_some();
+        let most = families.iter().filter(belongs).max_by_key(|f| (f.reported.wheel_angle_deg.len(), f.reported.side == Side::Left));
         let Some((family, spread_nm)) = most.and_then(|f| Some((f, f.spread_nm?))) else { continue };
-        let of_family = |m: &&AccelMap| m.gear == family.told.gear && family.told.side.holds(m.wheel_angle_deg);
+        let of_family = |m: &&AccelMap| m.gear == family.reported.gear && family.reported.side.holds(m.wheel_angle_deg);
         let others: Vec<MapEvidence> = before
             .iter()
             .filter(of_family)
@@ -72,13 +72,13 @@ pub(crate) fn draw_together(maps: &mut [AccelMap], families: &[Family]) -> Resul
             .map(|m| MapEvidence::new(m, family))
             .collect::<Result<_>>()?;
         let own = MapEvidence::new(map, family)?;
-        let leverage = family.terms as f64 / family.told.wheel_angle_deg.len() as f64;
+        let leverage = family.terms as f64 / family.reported.wheel_angle_deg.len() as f64;
         let better = |v: f64, u: f64, accel: f64| -> Option<(f64, f64)> {
-            let (_, variance, seen) = own.told(family, v, u)?;
-            let friction = family.told.terms().friction_nm(v, own.sin);
+            let (_, variance, seen) = own.drive_torque(family, v, u)?;
+            let friction = family.reported.terms().friction_nm(v, own.sin);
             let variance = variance * (1.0 + (UNSEEN - 1.0) * (1.0 - seen));
             let (mut weights, mut sum) = (0.0, 0.0);
-            for (torque, sigma2, seen) in others.iter().filter_map(|w| w.told(family, v, u)) {
+            for (torque, sigma2, seen) in others.iter().filter_map(|w| w.drive_torque(family, v, u)) {
                 let weight = seen / (spread_nm * spread_nm + sigma2).max(1e-12);
                 weights += weight;
                 sum += weight * torque;
@@ -115,7 +115,7 @@ pub(crate) fn draw_together(maps: &mut [AccelMap], families: &[Family]) -> Resul
     Ok(())
 }
 
-/// Makes every column rise with torque: what is mixed of two rising surfaces by shares that differ from point to point may not.
+/// Makes every column rise with torque: two rising surfaces mixed by shares that differ from point to point may not.
 fn rise(torque_nm: &[f64], accel: &mut [Vec<f64>]) {
     let slope = |i: usize, j: usize, accel: &[Vec<f64>]| (accel[i + 1][j] - accel[i][j]) / (torque_nm[i + 1] - torque_nm[i]);
     let columns = accel.first().map_or(0, Vec::len);
@@ -132,7 +132,7 @@ fn rise(torque_nm: &[f64], accel: &mut [Vec<f64>]) {
     }
 }
 
-/// The breakaway torque of the new surface: where it crosses zero at standstill, within what the starts from rest showed.
+/// The breakaway torque of the new surface: its zero at standstill, within the bounds from the starts from rest.
 fn breakaway(map: &mut AccelMap) -> Result<()> {
     let surface = &map.surface;
     let at = |i: usize| surface.accel_mps2[i][0];

@@ -7,7 +7,7 @@ use crate::fit::angles::fitted_angles::FittedAngles;
 use crate::fit::angles::shrink_together::draw_together;
 use crate::fit::table1::actuator::actuator;
 use crate::fit::table1::angle_fit::AngleFit;
-use crate::fit::table1::diagnostics::{diagnostics, plant_noise, witnesses};
+use crate::fit::table1::diagnostics::{diagnostics, plant_noise, speed_readings};
 use crate::fit::table1::runs::{residual_rms_mps2, round};
 use crate::fit::table1::soundness::coverage;
 use crate::map::{AccelMap, FORMAT_VERSION, LogRef, RunRow, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle};
@@ -21,8 +21,8 @@ pub struct Fit {
     pub csvs: Vec<(String, String)>,
     /// The final verdict on every encoder sample, per log in the order of `file.logs`.
     pub verdicts: Vec<Vec<SampleVerdict>>,
-    /// Whether the table may be trusted: enough of it measured or interpolated, torque varied, no log against another. The report's notes
-    /// say what is missing.
+    /// Whether the table may be trusted: enough of it is measured or interpolated, the torque varied, and no log contradicts another. The
+    /// report's notes give the reasons against.
     pub sound: bool,
 }
 
@@ -58,10 +58,10 @@ impl FittedAngles<'_> {
             logs: logs.into_iter().cloned().collect(),
             settings: serde_json::to_value(self.task.settings).map_err(crate::map::Error::from)?,
             actuator: actuator(&self.delays()?, &surveys, &self.task.choice, self.task.settings),
-            witnesses: witnesses(&test.estimate),
+            witnesses: speed_readings(&test.estimate),
             noise: plant_noise(&test.estimate),
             maps,
-            families: found.into_iter().map(|f| f.told).collect(),
+            families: found.into_iter().map(|f| f.reported).collect(),
             report,
         };
         let sound = self.angles.iter().all(|fit| fit.objections.is_empty()) && (self.left_out.is_empty() || !self.task.asked);
@@ -76,7 +76,7 @@ impl FittedAngles<'_> {
         Vehicle { test_angle_deg: self.task.test_angle_deg, torque_limit_nm: vehicle.torque_limit_nm.or(Some(commanded)), ..vehicle }
     }
 
-    /// One verdict per sample and log: that of the angle at which the wheel was, else *wheel not at angle*.
+    /// One verdict per sample and log: that of the sample's wheel angle, otherwise *wheel not at angle*.
     fn verdicts(&self) -> Vec<Vec<SampleVerdict>> {
         let of_log = |(log, survey): (&LogRef, &crate::campaign::Survey)| {
             let mut merged = vec![SampleVerdict::WheelNotAtAngle; survey.verdicts.len()];
@@ -116,7 +116,7 @@ impl FittedAngles<'_> {
         (squares / used.max(1) as f64).sqrt()
     }
 
-    /// What a reader should know: of the angles, of the logs' signals, of the torque input, then of each fit.
+    /// Notes for the reader: of the angles, of the logs' signals, of the torque input, then of each fit.
     fn notes(&self) -> Vec<String> {
         let mut notes = self.task.grouped.notes.clone();
         notes.extend(self.left_out.iter().map(|(angle, reason)| format!("{angle}° is left out: {reason}")));
@@ -127,7 +127,7 @@ impl FittedAngles<'_> {
         notes.extend(of_logs.iter().cloned());
         notes.extend(self.task.choice.note());
         for fit in &self.angles {
-            // what a log says of its signals is mostly the same at every angle
+            // most notes of a log's signals are the same at every angle
             let own = fit.estimate.data.logs.iter().flat_map(|l| of_track(l.survey)).filter(|note| !of_logs.contains(note));
             let all = own.chain(fit.notes());
             if self.are_several() {

@@ -1,9 +1,9 @@
-//! The effective torque of one log, whichever way it is known: the command through dead time and lag, or the drive's own feedback.
+//! The effective torque of one log from either source: the command through dead time and lag, or the drive's own feedback.
 
 use crate::fit::drive::lagged_command::{LaggedCommand, LaggedCursor, Share, Torque};
 use crate::fit::drive::measured_torque::{MeasuredCursor, MeasuredTorque};
 
-/// The effective torque of one log, ready to be asked for any time less the dead time.
+/// The effective torque of one log, for look-ups at any time minus the dead time.
 #[derive(Debug, Clone)]
 pub(crate) enum EffectiveTorque {
     /// The command through a first-order lag.
@@ -12,7 +12,7 @@ pub(crate) enum EffectiveTorque {
     Measured(MeasuredTorque),
 }
 
-/// A place in an effective torque that moves along with time: a question near the last one is answered without a search.
+/// A position in an effective torque that moves along with time: a look-up near the last one needs no search.
 #[derive(Debug, Clone)]
 pub(crate) enum TorqueCursor<'a> {
     /// In a lagged command.
@@ -30,7 +30,7 @@ impl TorqueCursor<'_> {
         }
     }
 
-    /// Whether the torque moves by more than `share` of the largest between two times, the first not after the second.
+    /// Whether the torque moves by more than `share` of the largest between two times, in order.
     pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
         match self {
             Self::Lagged(cursor) => cursor.moves(from_s, to_s, share),
@@ -40,7 +40,7 @@ impl TorqueCursor<'_> {
 }
 
 impl EffectiveTorque {
-    /// Effective torque at `t_s`, the dead time already taken off: pass t − T_d.
+    /// Effective torque at `t_s`. The dead time is already subtracted: pass t − T_d.
     pub(crate) fn at(&self, t_s: f64) -> Torque {
         match self {
             Self::Lagged(lagged) => lagged.at(t_s),
@@ -64,7 +64,7 @@ impl EffectiveTorque {
         }
     }
 
-    /// Times at which a change of the command by more than `least_nm` begins to act, but for the dead time [s].
+    /// Times at which a change of the command by more than `least_nm` begins to act, without the dead time [s].
     pub(crate) fn steps(&self, least_nm: f64) -> Vec<f64> {
         match self {
             Self::Lagged(lagged) => lagged.steps(least_nm),

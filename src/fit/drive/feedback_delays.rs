@@ -1,12 +1,12 @@
-//! The torque feedback as a witness of the drive: command → feedback shows dead time and lag without any clock of the speed sensors, so
-//! that a clock offset between command and speed can be told from dead time; and whether a first-order lag explains the drive at all.
+//! Delays of the drive by its torque feedback. Command → feedback shows dead time and lag without a clock of the speed sensors. So it
+//! separates dead time from a clock offset between command and speed, and shows whether a first-order lag explains the drive.
 
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::settled_holds::settled;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::signal::Series;
 
-/// Dead time and lag of one log as its torque feedback shows them.
+/// Dead time and lag of one log by its torque feedback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FeedbackDelays {
     pub(crate) dead_time_s: f64,
@@ -15,15 +15,15 @@ pub(crate) struct FeedbackDelays {
     pub(crate) lag_std_err_s: f64,
     /// Standard deviation of the feedback about the lagged command [N·m].
     pub(crate) residual_nm: f64,
-    /// Feedback less lagged command in the 0.3 s after steps.
+    /// Feedback minus lagged command in the 0.3 s after steps.
     pub(crate) after_steps: Squares,
     /// The same where the drive has settled.
     pub(crate) settled: Squares,
-    /// The steps themselves, one for each reading in the 0.3 s after them.
+    /// The steps, one for each reading in the 0.3 s after them.
     pub(crate) steps: Squares,
 }
 
-/// A sum of squares that grows with what is pooled.
+/// A sum of squares that can be pooled.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Squares {
     sum: f64,
@@ -49,41 +49,39 @@ impl std::iter::Sum for Squares {
 
 /// A first-order lag explains the drive up to this ratio of the feedback's residual after steps to that elsewhere.
 const LAG_EXPLAINS: f64 = 2.5;
-/// A residual after steps, beyond what is left elsewhere, smaller than this share of the steps is no reason to doubt the lag: stamps that are
-/// some milliseconds unsure leave 2 %. (Behind 800 N·m/s, 5 % are left, and the feedback is 4 times better than the command; behind
-/// 1200 N·m/s, 2.4 %.)
+/// The lag is not doubted for a residual after steps, beyond that elsewhere, below this share of the steps: stamps with an error of some
+/// milliseconds leave 2 %. (Behind 800 N·m/s, 5 % are left, and the feedback is 4 times better than the command; behind 1200 N·m/s, 2.4 %.)
 const LEAST_MISFIT: f64 = 0.03;
 
 impl FeedbackDelays {
-    /// How much more than its noise the residual after steps is, 1 at least: what the standard errors of a drive that is not of first order
-    /// grow by.
+    /// Ratio of the residual after steps to its noise, at least 1: the factor on the standard errors of a drive that is not of first order.
     pub(crate) fn misfit(&self) -> f64 {
         (self.after_steps.rms() / self.residual_nm.max(1e-9)).max(1.0)
     }
 }
 
-/// The residual after steps over that where the drive has settled, all logs together: near 1 where a first-order lag explains the drive.
+/// The residual after steps over that where the drive has settled, for all logs: near 1 where a first-order lag explains the drive.
 pub(crate) fn after_step_ratio<'a>(logs: impl Iterator<Item = &'a FeedbackDelays> + Clone) -> f64 {
     let after: Squares = logs.clone().map(|f| f.after_steps).sum();
     let settled: Squares = logs.map(|f| f.settled).sum();
     after.rms() / settled.rms().max(1e-9)
 }
 
-/// Whether a first-order lag explains what the feedback of all these logs shows.
+/// Whether a first-order lag explains the feedback of all these logs.
 pub(crate) fn lag_explains<'a>(logs: impl Iterator<Item = &'a FeedbackDelays> + Clone) -> bool {
     let pooled = |of: fn(&FeedbackDelays) -> Squares| logs.clone().map(of).sum::<Squares>().rms();
     let (after, settled, steps) = (pooled(|f| f.after_steps), pooled(|f| f.settled), pooled(|f| f.steps));
     after_step_ratio(logs) < LAG_EXPLAINS || after * after - settled * settled < (LEAST_MISFIT * steps).powi(2)
 }
 
-/// Fits u(t − T_d; T_c) to the feedback by Gauss-Newton, from a coarse search. `None` where the command has no step.
+/// Fits u(t − T_d; T_c) to the feedback by Gauss-Newton, after a coarse search. `None` if the command has no step.
 pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f64>) -> Option<FeedbackDelays> {
     let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let steps = LaggedCommand::new(command, 0.05).steps(0.1 * largest);
     if steps.is_empty() || largest <= 0.0 {
         return None;
     }
-    // only readings near steps tell of delays
+    // only readings near steps show delays
     let near: Vec<usize> = (0..feedback.len())
         .filter(|&i| {
             let t = feedback.t_s[i];
@@ -145,15 +143,15 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
     }
     let lagged = LaggedCommand::new(command, lag);
     let residual = |i: usize| feedback.value[i] - lagged.at(feedback.t_s[i] - dead).torque_nm;
-    // each reading soon after a step, with the step's size; one that was told late, for messages that are missing, tells nothing of the drive
+    // each reading soon after a step, with the step's size; a step whose message is late, after missing ones, says nothing of the drive
     let timing = StepTiming::new(command);
     let after: Vec<(usize, f64)> = near
         .iter()
         .filter_map(|&i| {
             let t = feedback.t_s[i] - dead;
             let k = steps.partition_point(|s| *s <= t).checked_sub(1)?;
-            let told = |t: f64| command.held(t).unwrap_or(0.0);
-            (t - steps[k] < 0.3 && !timing.follows_a_gap(steps[k])).then(|| (i, told(steps[k]) - told(steps[k] - 1e-6)))
+            let command_at = |t: f64| command.held(t).unwrap_or(0.0);
+            (t - steps[k] < 0.3 && !timing.follows_a_gap(steps[k])).then(|| (i, command_at(steps[k]) - command_at(steps[k] - 1e-6)))
         })
         .collect();
     Some(FeedbackDelays {

@@ -6,7 +6,7 @@
 
 use crate::signal::Series;
 
-/// The lagged command of one log, ready to be asked for any time.
+/// The lagged command of one log, for look-ups at any time.
 #[derive(Debug, Clone)]
 pub(crate) struct LaggedCommand {
     change_s: Vec<f64>,
@@ -21,11 +21,11 @@ pub(crate) struct LaggedCommand {
     ln_largest: f64,
 }
 
-/// A place in a lagged command that moves along with time: a question near the last one is answered without a search.
+/// A position in a lagged command that moves along with time: a look-up near the last one needs no search.
 #[derive(Debug, Clone)]
 pub(crate) struct LaggedCursor<'a> {
     lagged: &'a LaggedCommand,
-    /// Number of changes at or before the last question's time.
+    /// Number of changes at or before the time of the last look-up.
     passed: usize,
 }
 
@@ -47,7 +47,7 @@ impl LaggedCursor<'_> {
         self.lagged.after(self.passed, t_s)
     }
 
-    /// Whether the torque moves by more than `share` of the largest commanded between two times, the first not after the second.
+    /// Whether the torque moves by more than `share` of the largest commanded between two times, in order.
     pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
         self.move_to(from_s);
         let LaggedCommand { change_s, ln_away, lag_s, ln_largest, .. } = self.lagged;
@@ -82,11 +82,11 @@ impl Share {
     }
 }
 
-/// Below this a lag is no lag [s].
+/// A shorter lag counts as none [s].
 const LEAST_LAG_S: f64 = 1e-4;
 
 impl LaggedCommand {
-    /// From the command, settled at its first value before it begins.
+    /// From the command, which is settled at its first value before it begins.
     pub(crate) fn new(command: &Series, lag_s: f64) -> Self {
         let mut lagged = Self {
             change_s: Vec::new(),
@@ -114,7 +114,7 @@ impl LaggedCommand {
         lagged
     }
 
-    /// Effective torque at `t_s` on the command's clock, the dead time already taken off: pass t − T_d.
+    /// Effective torque at `t_s` on the command's clock. The dead time is already subtracted: pass t − T_d.
     pub(crate) fn at(&self, t_s: f64) -> Torque {
         self.after(self.change_s.partition_point(|&t| t <= t_s), t_s)
     }
@@ -124,13 +124,13 @@ impl LaggedCommand {
         LaggedCursor { lagged: self, passed: 0 }
     }
 
-    /// Effective torque at a time that `k` changes precede.
+    /// Effective torque at a time after `k` changes.
     fn after(&self, k: usize, t_s: f64) -> Torque {
         if k == 0 {
             return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
         }
         let (since, c, u0, w0) = (t_s - self.change_s[k - 1], self.command_nm[k - 1], self.torque_nm[k - 1], self.by_lag[k - 1]);
-        // e⁻¹⁶ of a step, 10⁻⁷, is nothing
+        // e⁻¹⁶ of a step, 10⁻⁷, is negligible
         if self.lag_s < LEAST_LAG_S || since > 16.0 * self.lag_s {
             return Torque { torque_nm: c, by_dead_time: 0.0, by_lag: 0.0 };
         }

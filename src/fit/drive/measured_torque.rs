@@ -1,18 +1,18 @@
-//! The effective torque as the drive's own feedback tells it.
+//! The effective torque by the drive's own feedback.
 //!
-//! Piecewise linear between the readings, which are taken as they are: the integral along the way averages their noise, and means over
+//! Piecewise linear between the readings, which are not smoothed: the integral along the way averages their noise, and means over
 //! neighbours round the corners off. (Means of three left 2 to 6 times the torque error at 25 Hz behind a limit of 150 or 300 N·m/s, and
-//! were no better at 100 Hz.) The dead time is what is left between feedback and speed, and ∂u/∂T_d = −u̇.
+//! were no better at 100 Hz.) The dead time is the delay from feedback to speed, and ∂u/∂T_d = −u̇.
 
 use crate::fit::drive::lagged_command::{LaggedCommand, Share, Torque};
 use crate::signal::Series;
 
-/// Readings further apart than this leave the torque between them unknown [s]: a lost reading or two are bridged.
+/// Between readings further apart than this the torque is unknown [s]: one or two lost readings are bridged.
 const LONGEST_GAP_S: f64 = 0.13;
-/// Share of the largest torque from which on the torque counts as moving between two readings: more than noise makes of it.
+/// The torque moves between two readings when it changes by more than this share of the largest torque: more than noise does.
 const MOVING: f64 = 0.01;
 
-/// The torque feedback of one log, ready to be asked for any time.
+/// The torque feedback of one log, for look-ups at any time.
 #[derive(Debug, Clone)]
 pub(crate) struct MeasuredTorque {
     t_s: Vec<f64>,
@@ -23,11 +23,11 @@ pub(crate) struct MeasuredTorque {
     late_s: f64,
 }
 
-/// A place in a measured torque that moves along with time.
+/// A position in a measured torque that moves along with time.
 #[derive(Debug, Clone)]
 pub(crate) struct MeasuredCursor<'a> {
     measured: &'a MeasuredTorque,
-    /// Number of readings at or before the last question's time.
+    /// Number of readings at or before the time of the last look-up.
     passed: usize,
 }
 
@@ -44,8 +44,7 @@ impl MeasuredCursor<'_> {
         self.measured.after(self.passed, t_s)
     }
 
-    /// Whether the torque moves by more than `share` of the largest, and more than its noise, between two times, the first not after the
-    /// second.
+    /// Whether the torque moves by more than `share` of the largest, and more than its noise, between two times, in order.
     pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
         let from = self.at(from_s);
         let mut ahead = self.clone();
@@ -54,7 +53,7 @@ impl MeasuredCursor<'_> {
 }
 
 impl MeasuredTorque {
-    /// From a feedback with a reading at least; `late_s` is how much later than the command it shows a step.
+    /// From a feedback with at least one reading; it shows a step `late_s` later than the command.
     pub(crate) fn new(command: &Series, feedback: &Series, late_s: f64) -> Self {
         Self {
             torque_nm: feedback.value.clone(),
@@ -75,7 +74,7 @@ impl MeasuredTorque {
         MeasuredCursor { measured: self, passed: 0 }
     }
 
-    /// Torque at a time that `k` readings precede.
+    /// Torque at a time after `k` readings.
     fn after(&self, k: usize, t_s: f64) -> Torque {
         if k == 0 || k == self.t_s.len() {
             let end = self.torque_nm.get(k.saturating_sub(1)).copied().unwrap_or(0.0);
@@ -102,7 +101,7 @@ impl MeasuredTorque {
     }
 }
 
-/// Times without a reading, in order, the first and the last without bound.
+/// Times without a reading, in order; the first and the last are unbounded.
 pub(crate) fn gaps(feedback: &Series) -> Vec<(f64, f64)> {
     let (Some(first), Some(last)) = (feedback.t_s.first(), feedback.t_s.last()) else { return vec![(f64::NEG_INFINITY, f64::INFINITY)] };
     let within = feedback.t_s.windows(2).filter(|t| t[1] - t[0] > LONGEST_GAP_S).map(|t| (t[0], t[1]));
@@ -134,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_those_of_the_command_when_the_feedback_shows_them_and_gaps_are_told() {
+    fn steps_are_those_of_the_command_when_the_feedback_shows_them_and_gaps_are_reported() {
         assert_eq!(measured().steps(1.0), [1.1]);
         let gaps = measured().gaps().to_vec();
         assert!(gaps.len() == 3 && (gaps[1].0 - 1.56).abs() < 1e-9 && (gaps[1].1 - 1.92).abs() < 1e-9, "{gaps:?}");

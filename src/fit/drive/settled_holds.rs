@@ -2,9 +2,9 @@
 
 use crate::signal::{Series, median, noise_std};
 
-/// A hold shorter than this is not believed to settle [s].
+/// Shortest hold that counts as settling [s].
 const SHORTEST_HOLD_S: f64 = 0.8;
-/// The end of a hold that is looked at [s]: from half a second after the step on.
+/// The end of a hold that is used [s]: from half a second after the step.
 const WINDOW_S: f64 = 0.3;
 /// Fewest readings in each half of it.
 const FEWEST_OF_HALF: usize = 2;
@@ -21,7 +21,7 @@ pub(crate) struct Settled {
     pub(crate) readings: std::ops::Range<usize>,
 }
 
-/// The settled ends of the command's holds. `early_s` is how much earlier than the command the feedback is stamped, 0 when it is late.
+/// The settled ends of the command's holds. `early_s`: how much earlier than the command the feedback is stamped; 0 when it is late.
 pub(crate) fn settled(command: &Series, feedback: &Series, early_s: f64) -> Vec<Settled> {
     let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let noise = noise_std(&feedback.value);
@@ -32,7 +32,7 @@ pub(crate) fn settled(command: &Series, feedback: &Series, early_s: f64) -> Vec<
         if k < command.len() && command.value[k] == command.value[from] {
             continue;
         }
-        // the last time at which this value was told, or the next one's where it was held until then
+        // the last message with this value, or the first with the next one if it was held until then
         let to_s = command.t_s[k.min(command.len() - 1)];
         if to_s - command.t_s[from] >= SHORTEST_HOLD_S {
             let end_s = to_s - early_s;
@@ -53,29 +53,29 @@ pub(crate) fn settled(command: &Series, feedback: &Series, early_s: f64) -> Vec<
     found
 }
 
-/// How the feedback reads the settled command.
+/// The feedback as a function of the settled command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FeedbackReading {
     /// Feedback over command.
     pub(crate) scale: f64,
-    /// Feedback at no command [N·m].
+    /// Feedback at zero command [N·m].
     pub(crate) offset_nm: f64,
     /// Share of the holds that settle further than 4 % of the largest torque from the command.
-    pub(crate) astray: f64,
-    /// A command that was held twice or more and that most of its holds miss by as much, with what they settle at [N·m]: a limited torque.
+    pub(crate) share_off: f64,
+    /// A command held at least twice that most of its holds miss by as much, with their settled feedback [N·m]: a limited torque.
     pub(crate) missed: Option<(f64, f64)>,
 }
 
-/// A hold settles astray from here on, in shares of the largest torque: scale and offset may take 2 % each.
-const ASTRAY: f64 = 0.04;
+/// A hold is off from this share of the largest torque: scale and offset may take 2 % each.
+const OFF: f64 = 0.04;
 
-/// Holds that are enough to draw a line through.
+/// Fewest holds for a line.
 const ENOUGH_HOLDS: usize = 200;
-/// Torques nearer than this share of the largest tell no slope.
+/// Torques nearer than this share of the largest give no slope.
 const APART: f64 = 0.2;
 
-/// The line through the settled holds: the median of the slopes between any two (Theil & Sen), so that a limit that some of them meet does
-/// not bend it. `None` with fewer than three holds, or where they are all at one torque.
+/// The line through the settled holds, by the median of all pairwise slopes (Theil & Sen), so that a limit met by some of them does not
+/// bend it. `None` with fewer than three holds, or if all are at one torque.
 pub(crate) fn reading(holds: &[Settled], largest_nm: f64) -> Option<FeedbackReading> {
     if holds.len() < 3 {
         return None;
@@ -95,14 +95,14 @@ pub(crate) fn reading(holds: &[Settled], largest_nm: f64) -> Option<FeedbackRead
     }
     let scale = median(&slopes);
     let offset_nm = median(&holds.iter().map(|h| h.feedback_nm - scale * h.command_nm).collect::<Vec<_>>());
-    let is_astray = |h: &&Settled| (h.feedback_nm - h.command_nm).abs() > ASTRAY * largest_nm;
-    let missed = holds.iter().filter(is_astray).find_map(|hold| {
+    let is_off = |h: &&Settled| (h.feedback_nm - h.command_nm).abs() > OFF * largest_nm;
+    let missed = holds.iter().filter(is_off).find_map(|hold| {
         let level: Vec<&Settled> = holds.iter().filter(|h| h.command_nm == hold.command_nm).collect();
-        let astray: Vec<f64> = level.iter().copied().filter(is_astray).map(|h| h.feedback_nm).collect();
-        (astray.len() >= 2 && 2 * astray.len() > level.len()).then(|| (hold.command_nm, median(&astray)))
+        let off: Vec<f64> = level.iter().copied().filter(is_off).map(|h| h.feedback_nm).collect();
+        (off.len() >= 2 && 2 * off.len() > level.len()).then(|| (hold.command_nm, median(&off)))
     });
-    let astray = holds.iter().filter(is_astray).count();
-    Some(FeedbackReading { scale, offset_nm, astray: astray as f64 / holds.len() as f64, missed })
+    let off = holds.iter().filter(is_off).count();
+    Some(FeedbackReading { scale, offset_nm, share_off: off as f64 / holds.len() as f64, missed })
 }
 
 #[cfg(test)]
@@ -110,7 +110,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Steps every 2 s, and a drive that ramps at 20 N·m/s: the last hold of each six ends before its ramp, the zero after it is too short.
+    /// Steps every 2 s, and a drive that ramps at 20 N·m/s: the last hold of each six ends before its ramp; the zero after it is too short.
     fn driven(read: impl Fn(f64) -> f64) -> (Series, Series) {
         let (mut command, mut feedback) = (Series::default(), Series::default());
         let mut torque = 0.0f64;
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn scale_and_offset_are_found_and_a_limited_torque_is_astray() {
+    fn scale_and_offset_are_found_and_a_limited_torque_is_off() {
         let found = |read: fn(f64) -> f64| {
             let (command, feedback) = driven(read);
             reading(&settled(&command, &feedback, 0.0), 20.0).unwrap()
@@ -145,10 +145,10 @@ mod tests {
         assert!((high.scale - 1.1).abs() < 1e-6 && (high.offset_nm + 0.3).abs() < 1e-6, "{high:?}");
         let limited = found(|u| u.min(13.0));
         assert!(
-            limited.astray > 0.15 && (limited.scale - 1.0).abs() < 1e-6 && limited.missed.is_some_and(|m| m.0 == 20.0 && m.1 < 13.1),
+            limited.share_off > 0.15 && (limited.scale - 1.0).abs() < 1e-6 && limited.missed.is_some_and(|m| m.0 == 20.0 && m.1 < 13.1),
             "{limited:?}"
         );
         let sound = found(|u| u);
-        assert!(sound.astray == 0.0 && sound.missed.is_none(), "{sound:?}");
+        assert!(sound.share_off == 0.0 && sound.missed.is_none(), "{sound:?}");
     }
 }

@@ -1,32 +1,34 @@
-//! When the torque really stepped. A log tells a change of the command by the first message after it: late by a sampling phase, which the dead
-//! time holds, and by what differs from message to message, their jitter; and where messages were lost, by up to as many periods more.
+//! The time at which the torque really stepped. A log shows a change of the command by the first message after it. That message is late by
+//! the sampling phase, which is part of the dead time, and by its jitter; where messages were lost, it is late by up to as many periods
+//! more.
 //!
-//! A step of the acceleration by Δa that comes δ late leaves the speed off by δ·Δa for good. That is a random step of the speed, unfolding
-//! as the drive's lag does, and no disturbance that fades: without it a single lost message bends the surface and the offsets of a whole
-//! run. The filter takes it as noise that enters while the torque moves, (δ·Δa)²·(1 − e^(−x/T_c))² after a time x. How large δ usually is, the
-//! messages' own intervals tell. (The likelihood does not: given leave, it takes what the surface does not hold of a power limit for δ.)
+//! A step of the acceleration by Δa that is δ late leaves a permanent speed error δ·Δa. That is a random step of the speed, which builds up
+//! as the drive's lag does, and not a disturbance that fades: if it is ignored, a single lost message bends the surface and the offsets of
+//! a whole run. The filter treats it as noise that enters while the torque moves, (δ·Δa)²·(1 − e^(−x/T_c))² after a time x. The messages'
+//! own intervals give the usual size of δ. (The likelihood does not: left free, it assigns to δ the part of a power limit that the surface
+//! does not hold.)
 
 use crate::fit::noise::model::Reading;
 use crate::signal::{Series, median};
 use std::f64::consts::SQRT_2;
 
-/// A command is periodic when so many of its intervals lie within half a period of their median.
+/// A command is periodic when this share of its intervals lies within half a period of their median.
 const PERIODIC_SHARE: f64 = 0.8;
-/// Time constants of the lag after which a step is over.
+/// A step is over after this many time constants of the lag.
 const OVER: f64 = 6.0;
-/// Changes smaller than this share of the largest command are none.
+/// Changes smaller than this share of the largest command are ignored.
 const LEAST_SHARE: f64 = 1e-3;
 
 /// A change of the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Change {
-    /// When it may have happened first [s]: a period after the message before.
+    /// Earliest time of the change [s]: a period after the message before.
     from_s: f64,
     from_nm: f64,
     to_nm: f64,
-    /// By how much the message that tells it may be late, for messages that are missing [s].
+    /// Largest delay of the message that shows it, when messages are missing [s].
     most_s: f64,
-    /// Mean square by which it is late, beyond what all are [s²].
+    /// Mean square delay beyond that of all messages [s²].
     late_s2: f64,
 }
 
@@ -37,30 +39,30 @@ pub(crate) struct StepTiming {
 }
 
 impl StepTiming {
-    /// Of a command. Where messages come as it changes only, they are taken to be in time, and none can be seen to be missing.
+    /// From a command. If messages come only when it changes, they count as in time, and none can be seen to be missing.
     pub(crate) fn new(command: &Series) -> Self {
         let t = &command.t_s;
         let period_s = command.median_period_s();
         let regular = t.windows(2).filter(|w| (w[1] - w[0] - period_s).abs() <= 0.5 * period_s).count();
         let periodic = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
-        // an interval holds the jitter of both its ends
+        // an interval has the jitter of both its ends
         let strays: Vec<f64> = t.windows(2).map(|w| (w[1] - w[0] - period_s).abs()).collect();
         let jitter_s = if periodic { 1.4826 * median(&strays) / SQRT_2 } else { 0.0 };
         let late = |k: usize| {
             let periods = if periodic { ((t[k] - t[k - 1]) / period_s).round().max(1.0) } else { 1.0 };
-            // as likely in any of the periods: late by none, by one, ... by all but one
+            // equally likely in any of the periods: late by none, by one, ... by all but one
             let late_s2 = jitter_s * jitter_s + period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
             ((periods - 1.0) * period_s, late_s2)
         };
         Self::of_changes(command, late)
     }
 
-    /// Of a command each change of which is told late by so much [s], in the root mean square.
+    /// From a command whose changes are all shown late by this root mean square [s].
     pub(crate) fn late(command: &Series, late_s: f64) -> Self {
         Self::of_changes(command, |_| (0.0, late_s * late_s))
     }
 
-    /// `late` tells of a sample by how much it may be late at most and in the mean square [s, s²].
+    /// `late` gives the largest and the mean square delay of a sample [s, s²].
     fn of_changes(Series { t_s, value }: &Series, late: impl Fn(usize) -> (f64, f64)) -> Self {
         let least_nm = LEAST_SHARE * value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let change = |k: usize| {
@@ -70,16 +72,16 @@ impl StepTiming {
         Self { changes: (1..t_s.len()).filter(|&k| (value[k] - value[k - 1]).abs() > least_nm).map(change).collect() }
     }
 
-    /// Whether messages are missing before the one at `t_s` that tells a change.
+    /// Whether messages are missing before the one at `t_s` that shows a change.
     pub(crate) fn follows_a_gap(&self, t_s: f64) -> bool {
         let at = |c: &&Change| (c.from_s + c.most_s - t_s).abs() < 1e-6;
         let near = self.changes.partition_point(|c| c.from_s < t_s + 1e-6);
         self.changes[..near].iter().rev().take(2).find(at).is_some_and(|c| c.most_s > 0.0)
     }
 
-    /// Tells `readings`, in the order of their time and first reached from `start_s`, what steps leave unsure of their speed. `sign` turns a
+    /// Adds to `readings`, in order of time and first reached from `start_s`, the variance of the speed due to the steps. `sign` turns a
     /// command into the gear's frame; `accel_mps2` is the acceleration at a speed and a torque.
-    pub(crate) fn tell(
+    pub(crate) fn add_to(
         &self,
         readings: &mut [Reading],
         start_s: f64,
@@ -91,7 +93,7 @@ impl StepTiming {
         let first = self.changes.partition_point(|c| c.from_s + dead_time_s + over_s < start_s);
         for change in self.changes[first..].iter().take_while(|c| c.from_s + dead_time_s < last_s) {
             let from_s = change.from_s + dead_time_s;
-            // share of the step's speed that has come about
+            // share of the step's speed that has built up
             let come = |t: f64| if lag_s > 1e-4 { 1.0 - (-(t - from_s).max(0.0) / lag_s).exp() } else { f64::from(t > from_s) };
             let k = readings.partition_point(|r| r.t_s <= from_s);
             let mut before = come(if k > 0 { readings[k - 1].t_s } else { start_s });
@@ -111,7 +113,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Every 20 ms and up to `jitter_s` more or less, evenly, 10 N·m from 1 s on, without the messages whose number `lost` names.
+    /// Every 20 ms and up to `jitter_s` more or less, uniform, 10 N·m from 1 s on, without the messages numbered in `lost`.
     fn command(jitter_s: f64, lost: &[usize]) -> Series {
         let kept = (0..100).filter(|k| !lost.contains(k));
         kept.fold(Series::default(), |mut series, k| {
@@ -121,10 +123,10 @@ mod tests {
         })
     }
 
-    fn told(command: &Series, start_s: f64) -> Vec<Reading> {
+    fn timed(command: &Series, start_s: f64) -> Vec<Reading> {
         let mut readings: Vec<Reading> = (0..200u32).map(|k| Reading::single(0.5 + 0.01 * f64::from(k), 0.2, 0, k)).collect();
         readings.retain(|r| r.t_s > start_s);
-        StepTiming::new(command).tell(&mut readings, start_s, (1.0, 0.05, 0.04), |_, u| 0.03 * u);
+        StepTiming::new(command).add_to(&mut readings, start_s, (1.0, 0.05, 0.04), |_, u| 0.03 * u);
         readings
     }
 
@@ -133,32 +135,32 @@ mod tests {
     }
 
     #[test]
-    fn a_step_leaves_the_speed_unsure_while_the_torque_moves_and_only_then() {
-        let readings = told(&command(2e-3, &[]), 0.5);
+    fn a_step_makes_the_speed_uncertain_while_the_torque_moves_and_only_then() {
+        let readings = timed(&command(2e-3, &[]), 0.5);
         let whole = sum(&readings);
-        // an even spread of ±2 ms has a standard deviation of 2 ms/√3; a median deviation, taken for that of a normal one, is not far from it
+        // a uniform spread of ±2 ms has a standard deviation of 2 ms/√3; a median deviation, scaled as for a normal one, is close to it
         let jitter_s = (whole / 0.09).sqrt();
         assert!((0.9e-3..1.5e-3).contains(&jitter_s), "{jitter_s}");
         let moves = |r: &&Reading| r.shaken_mps_2 > 0.0;
         let (first, last) = (readings.iter().find(moves).unwrap(), readings.iter().rfind(moves).unwrap());
         assert!((first.t_s - 1.05).abs() < 0.0121 && last.t_s < 1.05 + 6.0 * 0.04 + 0.01, "{} {}", first.t_s, last.t_s);
-        // what came before the start is part of the start
-        let share = sum(&told(&command(2e-3, &[]), 1.09)) / whole;
+        // the part before the start belongs to the start
+        let share = sum(&timed(&command(2e-3, &[]), 1.09)) / whole;
         assert!((share - (1.0 - (1.0 - (-1.0f64).exp()).powi(2))).abs() < 0.05, "{share}");
     }
 
     #[test]
-    fn a_lost_message_leaves_the_step_unsure_by_a_period() {
-        let shaken = |lost: &[usize]| sum(&told(&command(0.0, lost), 0.5));
-        // none or one period late: half of 20 ms squared
+    fn a_lost_message_makes_the_step_uncertain_by_a_period() {
+        let shaken = |lost: &[usize]| sum(&timed(&command(0.0, lost), 0.5));
+        // zero or one period late: half of 20 ms squared
         assert!((shaken(&[50]) - 0.09 * 0.5 * 0.02f64.powi(2)).abs() < 1e-7);
         assert!((shaken(&[49, 50]) - 0.09 * 5.0 / 3.0 * 0.02f64.powi(2)).abs() < 3e-7);
         assert!(shaken(&[30, 60]) < 1e-12);
         let late = |lost: &[usize], t_s: f64| StepTiming::new(&command(0.0, lost)).follows_a_gap(t_s);
         assert!(late(&[50], 1.02) && !late(&[50], 1.0) && !late(&[30], 1.0) && !late(&[], 1.0));
-        // messages that come with changes only
+        // messages only at changes
         let sparse = Series { t_s: vec![0.0, 1.0, 5.0], value: vec![0.0, 10.0, 0.0] };
-        assert!(sum(&told(&sparse, 0.5)) == 0.0);
+        assert!(sum(&timed(&sparse, 0.5)) == 0.0);
         assert_eq!(StepTiming::new(&Series::default()), StepTiming::default());
     }
 }

@@ -1,9 +1,9 @@
-//! Which torque the fit goes by: the command through dead time and a first-order lag, or the drive's own feedback.
+//! Which torque the fit uses: the command through dead time and a first-order lag, or the drive's own feedback.
 //!
-//! Decided once, for all logs together. An ordinary drive is modelled better than a noisy feedback tells it. A drive that a first-order lag
-//! does not explain (a slew limit, say) is followed by its feedback, on three conditions: every log has one, it is dense enough, and where
-//! the drive has settled it reads as the command does. The torques of the map are commands, and a feedback of another scale would change
-//! them unseen.
+//! One choice is made for all logs. The model of an ordinary drive is more accurate than a noisy feedback. If a first-order lag does not
+//! explain the drive (a slew limit, for example), the fit uses the feedback, on three conditions: every log has one, it is dense enough,
+//! and it agrees with the command where the drive has settled. The torques of the map are commands; a feedback on another scale would
+//! change them unnoticed.
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
@@ -16,22 +16,22 @@ use crate::map::{ActuatorInput, InputSource, LogRef};
 use crate::signal::{Series, Track};
 use std::collections::BTreeMap;
 
-/// Largest departure of the feedback from the command where the drive has settled: of its scale, and of its offset as a share of the largest
-/// torque.
+/// Largest departure of the feedback from the command where the drive has settled: of the scale, and of the offset as a share of the
+/// largest torque.
 const AGREES: f64 = 0.02;
-/// Share of the settled holds that may be astray.
-const MOST_ASTRAY: f64 = 0.1;
-/// A feedback with longer times between its readings does not follow what a drive does after a step [s].
+/// Largest share of the settled holds whose feedback may be off.
+const MOST_OFF: f64 = 0.1;
+/// A feedback with a longer time between readings cannot follow the drive after a step [s].
 const LONGEST_PERIOD_S: f64 = 0.05;
-/// Share of the usable time that gaps of the feedback may take.
+/// Largest share of the usable time that gaps of the feedback may take.
 const MOST_MISSING: f64 = 0.05;
 
-/// Where the effective torque of a log comes from.
+/// Source of a log's effective torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TorqueInput {
-    /// The command, through a dead time and a first-order lag that are estimated.
+    /// The command, through an estimated dead time and first-order lag.
     Command,
-    /// The feedback, which shows a step `late_s` after the command; the dead time that is estimated is what is left until the speed shows it.
+    /// The feedback, which shows a step `late_s` after the command. The estimated dead time is the rest, from feedback to speed.
     Feedback {
         /// Dead time between command and feedback [s].
         late_s: f64,
@@ -49,7 +49,7 @@ impl TorqueInput {
         }
     }
 
-    /// Dead time that lies before the one that is estimated [s].
+    /// The part of the dead time that is not estimated here, from command to feedback [s].
     pub(crate) fn late_s(self) -> f64 {
         match self {
             Self::Command => 0.0,
@@ -58,19 +58,19 @@ impl TorqueInput {
     }
 }
 
-/// The decision for all logs, and what it rests on.
+/// The choice for all logs, and its reasons.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TorqueChoice {
     feedback: bool,
-    /// Why, where it is not plain that the command is modelled.
+    /// The reason, unless the command is the obvious choice.
     reason: Option<String>,
-    /// How the drive's residual after steps compares with that elsewhere.
+    /// Ratio of the drive's residual after steps to that elsewhere.
     ratio: f64,
     delays: BTreeMap<LogRef, FeedbackDelays>,
 }
 
 impl TorqueChoice {
-    /// From the logs of one fit. A log may come several times, with the runs of one wheel angle each.
+    /// From the logs of one fit. A log may occur several times, with the runs of one wheel angle each.
     pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &FitSettings) -> Self {
         let surveys: Vec<&Survey> = surveys.into_iter().collect();
         let tracks: BTreeMap<&LogRef, &Track> = surveys.iter().map(|s| (&s.track.source, &s.track)).collect();
@@ -88,18 +88,19 @@ impl TorqueChoice {
                 (false, Some("dead time or lag are given, and the feedback does not follow them".to_owned()))
             }
             Some(disagreement) => {
-                let hindrance = hindrance(&surveys, &delays);
-                let hindrance = hindrance.or_else(|| disagreement.unwrap_or_else(|| Some("is nowhere seen settled".to_owned())));
-                match hindrance {
+                let objection = objection(&surveys, &delays);
+                let objection =
+                    objection.or_else(|| disagreement.unwrap_or_else(|| Some("has too few settled holds to compare".to_owned())));
+                match objection {
                     Some(reason) => (false, Some(format!("the feedback does not follow a first-order lag, but {reason}"))),
-                    None => (true, Some("it does not follow the command by a first-order lag".to_owned())),
+                    None => (true, Some("it does not follow the command through a first-order lag".to_owned())),
                 }
             }
         };
         Self { feedback, reason, ratio, delays }
     }
 
-    /// Where the effective torque of a log comes from.
+    /// Source of a log's effective torque.
     pub(crate) fn of(&self, log: &LogRef) -> TorqueInput {
         match self.delays.get(log).filter(|_| self.feedback) {
             Some(found) => TorqueInput::Feedback { late_s: found.dead_time_s },
@@ -112,23 +113,23 @@ impl TorqueChoice {
         self.feedback
     }
 
-    /// What the feedback of a log shows of the drive.
+    /// Delays of the drive by the feedback of one log.
     pub(crate) fn delays(&self, log: &LogRef) -> Option<&FeedbackDelays> {
         self.delays.get(log)
     }
 
-    /// What the feedback of all logs shows of the drive.
+    /// Delays of the drive by the feedback of all logs.
     pub(crate) fn all_delays(&self) -> impl ExactSizeIterator<Item = &FeedbackDelays> {
         self.delays.values()
     }
 
-    /// The input by name, with the reason where there is one.
-    pub(crate) fn told(&self) -> ActuatorInput {
+    /// The input's name, with the reason if there is one.
+    pub(crate) fn named(&self) -> ActuatorInput {
         let source = if self.feedback { InputSource::TorqueFeedback } else { InputSource::TorqueCommand };
         ActuatorInput { source, reason: self.reason.clone() }
     }
 
-    /// What a reader should know of it.
+    /// The note for the report.
     pub(crate) fn note(&self) -> Option<String> {
         let reason = self.reason.as_ref()?;
         Some(if self.feedback {
@@ -143,10 +144,10 @@ impl TorqueChoice {
     }
 }
 
-/// What, beside its scale, speaks against the feedback of a drive that is not of first order.
-fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<String> {
+/// Reason against the feedback of a drive that is not of first order, other than its scale.
+fn objection(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<String> {
     if surveys.iter().any(|s| !delays.contains_key(&s.track.source)) {
-        return Some("not every log has one that tells of it".to_owned());
+        return Some("not every log has one that shows its delays".to_owned());
     }
     let feedbacks = || surveys.iter().filter_map(|s| Some((*s, s.track.feedback_nm.as_ref()?)));
     let period_s = feedbacks().map(|(_, f)| f.median_period_s()).fold(0.0, f64::max);
@@ -164,8 +165,7 @@ fn hindrance(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> 
     (missing_s > MOST_MISSING * usable_s).then(|| format!("is missing in {:.0} % of the usable time", 100.0 * missing_s / usable_s))
 }
 
-/// How the feedback reads otherwise than the command where the drive has settled: `None` inside where it does not, `None` outside where
-/// nothing tells.
+/// How the feedback differs from the command where the drive has settled. The inner `None`: it does not. The outer `None`: no data.
 #[allow(clippy::option_option)] // agreement and ignorance are not the same
 fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<Option<String>> {
     let mut holds: Vec<Settled> = Vec::new();
@@ -175,7 +175,7 @@ fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, Fe
         largest_nm = track.command_nm.value.iter().fold(largest_nm, |m, v| m.max(v.abs()));
         holds.extend(settled(&track.command_nm, feedback, (-found.dead_time_s).max(0.0)));
     }
-    let FeedbackReading { scale, offset_nm, astray, missed } = reading(&holds, largest_nm)?;
+    let FeedbackReading { scale, offset_nm, share_off, missed } = reading(&holds, largest_nm)?;
     let side = |value: f64| if value > 0.0 { "high" } else { "low" };
     Some(if scale < 0.0 {
         Some("has the other sign than the command".to_owned())
@@ -185,8 +185,8 @@ fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, Fe
         Some(format!("reads {:.1} N·m {}", offset_nm.abs(), side(offset_nm)))
     } else if let Some((command_nm, feedback_nm)) = missed {
         Some(format!("settles at {feedback_nm:.1} instead of {command_nm:.1} N·m"))
-    } else if astray > MOST_ASTRAY {
-        Some(format!("settles elsewhere than at the command in {:.0} % of the holds", 100.0 * astray))
+    } else if share_off > MOST_OFF {
+        Some(format!("does not settle at the command in {:.0} % of the holds", 100.0 * share_off))
     } else {
         None
     })

@@ -1,7 +1,7 @@
 //! A segment with the effective torque along it, ready to be integrated with any speeds and any surface.
 //!
-//! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms while its last twentieth is to come, 20 ms
-//! while it stands, and never across a reading.
+//! ∫f(V̂(t), u(t))dt by the midpoint rule: steps of at most 5 ms while the torque moves, 10 ms during its last twentieth, 20 ms while it is
+//! constant, and never across a reading.
 
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
@@ -12,9 +12,9 @@ use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
 use rayon::prelude::*;
 
-/// Share of the largest torque that is still to come down to which a step of the integration may have this length at most [s].
+/// Share of the largest torque still to come, with the longest step of the integration until then [s].
 const LONGEST_STEP: [(f64, f64); 2] = [(0.05, 5e-3), (1e-3, 10e-3)];
-/// Longest step while the torque stands [s].
+/// Longest step while the torque is constant [s].
 const LONGEST_STANDING_S: f64 = 20e-3;
 
 /// One step of the integration.
@@ -73,8 +73,8 @@ impl<'a> Course<'a> {
         &self.steps[from..self.ends[row] as usize]
     }
 
-    /// The steps that lead to a reading, each with its speed: linear from what the reading before has told to what is expected at this one, 0
-    /// at an anchored start, never negative [m/s].
+    /// The steps that lead to a reading, each with its speed [m/s]: linear from the filtered speed at the reading before to the expected
+    /// speed at this one, 0 at an anchored start, never negative.
     pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, &'b IntegrationStep)> + 'b {
         let from = if row > 0 {
             speeds.after[row - 1]

@@ -1,4 +1,4 @@
-//! One log as the estimator sees it, and what is left out of it.
+//! One log as the estimator sees it, and the data that it ignores.
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
@@ -10,12 +10,12 @@ use crate::map::Gear;
 use crate::signal::Series;
 use std::collections::BTreeSet;
 
-/// What is left out of one log.
+/// Data of one log that are ignored.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Cuts {
     /// Intervals [s], each with its verdict.
     pub(crate) intervals: Vec<(f64, f64, SampleVerdict)>,
-    /// Single readings: (witness, sample).
+    /// Single readings: (source, sample).
     pub(crate) readings: BTreeSet<(u8, u32)>,
 }
 
@@ -25,16 +25,16 @@ pub(crate) struct LogData<'a> {
     pub(crate) survey: &'a Survey,
     /// The command [N·m], where it changes.
     pub(crate) command: Series,
-    /// Where its effective torque comes from.
+    /// Source of its effective torque.
     pub(crate) input: TorqueInput,
-    /// How well the steps of its command are known in time.
+    /// Timing errors of the steps of its command.
     pub(crate) timing: StepTiming,
     /// Outliers among the yaw readings.
     pub(crate) yaw_outliers: Vec<bool>,
     pub(crate) cuts: Cuts,
     /// Whether a start from rest may be taken as v = 0 at breakaway.
     pub(crate) may_anchor: bool,
-    /// Which of the survey's stretches take part.
+    /// Which of the survey's stretches are used.
     pub(crate) chosen: Vec<bool>,
 }
 
@@ -62,8 +62,8 @@ impl LogData<'_> {
                 Reading::single(yaw.t_s[k], speed_mps, 1, k as u32)
             }));
         }
-        readings.retain(|r| !self.cuts.readings.contains(&(r.witness, r.sample)));
-        readings.sort_by(|a, b| a.t_s.total_cmp(&b.t_s).then(a.witness.cmp(&b.witness)));
+        readings.retain(|r| !self.cuts.readings.contains(&(r.source, r.sample)));
+        readings.sort_by(|a, b| a.t_s.total_cmp(&b.t_s).then(a.source.cmp(&b.source)));
         readings
     }
 

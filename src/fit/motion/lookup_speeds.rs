@@ -1,17 +1,17 @@
 //! Speeds along a segment at which the surface is looked up.
 //!
-//! On the way to a reading the surface is looked up from where the readings so far have put the speed to where they and the surface let it be
-//! expected, never to where the reading itself puts it then: what a reading predicts may depend on earlier ones only (Ljung, *System
-//! Identification*). A look-up that leans towards the reading holds a part of the very innovation that it is to explain, in proportion to
-//! how steeply the surface changes with speed. That is little at each reading and the same at all of them: in an hour of a campaign whose
-//! surface bends it tilted the surface by twice the standard error.
+//! On the way to a reading, the surface is looked up from the filtered speed at the reading before to the expected speed at this one, never
+//! to the filtered one there: the prediction of a reading may depend on earlier readings only (Ljung, *System Identification*). A look-up
+//! that leans towards the reading holds a part of the innovation that it must explain, in proportion to the slope of the surface along
+//! speed. The effect is small and the same at every reading: in an hour of a campaign whose surface bends it tilted the surface by twice
+//! the standard error.
 
 /// Speeds along a segment, one of each per reading [m/s].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Speeds {
-    /// As expected when the reading comes.
+    /// Expected before the reading.
     pub(crate) before: Vec<f64>,
-    /// As told by the reading as well.
+    /// Filtered, with the reading.
     pub(crate) after: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ impl Speeds {
 }
 
 impl From<Vec<f64>> for Speeds {
-    /// Speeds that are known whatever is read.
+    /// Speeds that are known whatever the readings are.
     fn from(known: Vec<f64>) -> Self {
         Self { before: known.clone(), after: known }
     }

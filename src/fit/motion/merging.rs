@@ -1,8 +1,8 @@
-//! Readings that enter as one: their mean, weighted by precision, at their mean time.
+//! Readings merged into one: their mean, weighted by precision, at their mean time.
 //!
-//! While the torque stands still, the speed is as good as straight over 25 ms, and what is lost is what the readings' differences tell of the
-//! acceleration: over a quarter of a second a hundredth, (25 ms / 250 ms)², of what all of them tell. Within some three lags after a step
-//! of the torque readings stay apart. (45 ms cost 5 % of the accuracy in campaigns of 15 and 60 minutes.)
+//! While the torque is constant, the speed is nearly linear over 25 ms. Only the information on the acceleration in the readings'
+//! differences is lost: over a quarter of a second a hundredth, (25 ms / 250 ms)², of the whole. For about three lags after a step of the
+//! torque, readings are not merged. (45 ms cost 5 % of the accuracy in campaigns of 15 and 60 minutes.)
 
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
@@ -13,12 +13,12 @@ use rayon::prelude::*;
 
 /// Readings within this time are merged [s].
 const WITHIN_S: f64 = 0.025;
-/// Share of the largest torque that may still be to come for the torque to stand.
+/// The torque counts as constant when at most this share of the largest is still to come.
 const STANDS: f64 = 0.05;
 
 /// The segments with merged readings, one for each; `lagged` holds the torque of each log.
 pub(crate) fn merged(segments: &[Segment], lagged: &[EffectiveTorque], calibration: &Calibration, noise: &Noise) -> Vec<Segment> {
-    let precision = [0, 1].map(|witness| noise.reading_mps[witness].powi(-2));
+    let precision = [0, 1].map(|source| noise.reading_mps[source].powi(-2));
     segments
         .par_iter()
         .map(|segment| {
@@ -45,12 +45,12 @@ fn merge(readings: &[Reading], mut cursor: TorqueCursor, dead_time_s: f64, preci
         let (mut weights, mut time, mut speed, mut of) = (0.0, 0.0, 0.0, [0u8; 2]);
         let mut shaken_mps_2 = 0.0;
         for reading in group {
-            let witness = usize::from(reading.witness);
-            weights += precision[witness];
-            time += precision[witness] * (reading.t_s - first.t_s);
-            speed += precision[witness] * (reading.speed_mps - first.speed_mps);
+            let source = usize::from(reading.source);
+            weights += precision[source];
+            time += precision[source] * (reading.t_s - first.t_s);
+            speed += precision[source] * (reading.speed_mps - first.speed_mps);
             shaken_mps_2 += reading.shaken_mps_2;
-            of[witness] = of[witness].saturating_add(1);
+            of[source] = of[source].saturating_add(1);
             from += 1;
         }
         let (t_s, speed_mps) = (first.t_s + time / weights, first.speed_mps + speed / weights);
@@ -59,7 +59,7 @@ fn merge(readings: &[Reading], mut cursor: TorqueCursor, dead_time_s: f64, preci
     merged
 }
 
-/// Values at merged readings, taken to the readings they came from: linear between them, level beyond.
+/// Values at merged readings, mapped back to the single readings: linear between them, constant beyond.
 pub(crate) fn spread(values: &[f64], merged: &[Reading], readings: &[Reading]) -> Vec<f64> {
     let mut next = 0;
     readings

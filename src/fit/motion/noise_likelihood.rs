@@ -7,13 +7,13 @@ use rayon::prelude::*;
 
 /// Bounds of the parameters, in SI.
 const MOST_DISTURBANCE_MPS2: f64 = 2.0;
-/// Least disturbance, as a share of the accelerations that the torque commands: nearer no surface comes to a vehicle. A filter that believes
-/// in it more takes its speeds from the surface instead of the readings, and the rounds overshoot.
+/// Least disturbance, as a share of the accelerations that the torque commands: no surface is nearer to a vehicle. A filter that trusts the
+/// surface more takes its speeds from it instead of the readings, and the rounds overshoot.
 const LEAST_DISTURBANCE_SHARE: f64 = 2e-3;
 const DISTURBANCE_TIME_S: (f64, f64) = (0.03, 1.0);
 const READING_MPS: (f64, f64) = (2e-4, 0.2);
 const LEAST_OFFSET_MPS2: f64 = 1e-4;
-/// Starts that are thought less sure than they are follow the noise of the first readings, and the look-ups with them.
+/// If starts are taken as less certain than they are, they follow the noise of the first readings, and so do the look-ups.
 const START_SCALE: (f64, f64) = (0.1, 3.0);
 
 /// The estimate, and the bounds that it met.
@@ -23,13 +23,13 @@ pub(crate) struct NoiseEstimate {
     pub(crate) at_bounds: Vec<&'static str>,
 }
 
-/// Readings beyond which more do not sharpen six parameters; segments are then taken evenly.
+/// More readings than this do not sharpen six parameters; segments are then sampled evenly.
 const ENOUGH_READINGS: usize = 15_000;
 
 /// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
 ///
-/// Weak log-normal priors (a factor of 20) centred on the start hold parameters that the data do not tell. `offset_bound_mps2` bounds σ_b by
-/// what the runs' spread can be, `range_mps2` is the range of accelerations that the torque commands.
+/// Weak log-normal priors (a factor of 20) centred on the start hold parameters that the data do not determine. `offset_bound_mps2` bounds
+/// σ_b by the possible spread of the runs, `range_mps2` is the range of accelerations that the torque commands.
 pub(crate) fn estimate(
     segments: &[Segment],
     residuals: &[Vec<f64>],
@@ -40,7 +40,7 @@ pub(crate) fn estimate(
     let total: usize = segments.iter().map(|s| s.readings.len()).sum();
     let stride = total.div_ceil(ENOUGH_READINGS).max(1);
     let chosen: Vec<(&Segment, &Vec<f64>)> = segments.iter().zip(residuals).step_by(stride).collect();
-    let has_yaw = segments.iter().any(|s| s.readings.iter().any(|r| r.witness == 1));
+    let has_yaw = segments.iter().any(|s| s.readings.iter().any(|r| r.source == 1));
     let bounds = [
         ((LEAST_DISTURBANCE_SHARE * range_mps2).clamp(1e-3, 0.1), MOST_DISTURBANCE_MPS2),
         DISTURBANCE_TIME_S,
@@ -98,7 +98,7 @@ pub(crate) fn estimate(
     let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise", "starts from rest"];
     let at_bounds = (0..6)
         .filter(|&k| (k != 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
-        // an offset or a disturbance that vanishes is no trouble, nor are starts that are sure
+        // an offset or a disturbance that vanishes is no trouble, nor are exact starts
         .filter(|&k| ![0, 2, 5].contains(&k) || x[k] >= bounds[k].1 * 0.999)
         .map(|k| names[k])
         .collect();
@@ -120,7 +120,7 @@ pub(crate) fn well_explained(
     (kept.iter().map(|k| segments[*k].clone()).collect(), kept.iter().map(|k| residuals[*k].clone()).collect())
 }
 
-/// Spread of the runs' offsets [m/s²]: what σ_b cannot exceed.
+/// Spread of the runs' offsets [m/s²]: the upper bound of σ_b.
 pub(crate) fn offset_spread(segments: &[Segment], residuals: &[Vec<f64>], noise: &Noise) -> f64 {
     let loose = Noise { offset_mps2: 1.0, ..*noise };
     let offsets: Vec<f64> = segments

@@ -1,8 +1,7 @@
 //! Passes over all segments: speeds along them, residuals, and the sums of the normal equations.
 //!
-//! The speeds at which the surface is looked up are filtered, not smoothed: smoothed ones hold a part of the very disturbance that the
-//! innovations are to tell, and runs that are ended by their speed then bias surface and lag by several standard errors in an hour of data
-//! (`speeds.rs`).
+//! The surface is looked up at filtered speeds, not at smoothed ones. Smoothed speeds hold a part of the disturbance that the innovations
+//! must show. Runs that end at a given speed then bias surface and lag by several standard errors in an hour of data (`lookup_speeds.rs`).
 
 use crate::fit::motion::integration::{Course, surface_of};
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -15,9 +14,9 @@ use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
 use rayon::prelude::*;
 
-/// Noise that lets the speed go where the readings say: for the first smoothing, before there is a surface.
+/// Noise with which the speed follows the readings: for the first smoothing, before there is a surface.
 const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01], start_scale: 1.0 };
-/// Segments added up together, one after another, while they are near; these sums are merged in their order.
+/// Neighbouring segments added up together, one after another; these sums are merged in their order.
 const TOGETHER: usize = 32;
 /// Such sums handled at once.
 const AT_ONCE: usize = 8;
@@ -42,7 +41,7 @@ pub(crate) fn smoothed_speeds(segments: &[Segment], residuals: &[Vec<f64>], nois
     segments.par_iter().zip(residuals).map(of).collect()
 }
 
-/// What a pass goes by.
+/// Inputs of a pass.
 #[derive(Clone, Copy)]
 pub(crate) struct Pass<'a> {
     pub(crate) courses: &'a [Course<'a>],
@@ -51,12 +50,12 @@ pub(crate) struct Pass<'a> {
     pub(crate) noise: &'a Noise,
 }
 
-/// What a pass finds along each segment, one entry per reading.
+/// Results of a pass along the segments, one entry per reading.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PassResult {
     /// Filtered.
     pub(crate) speeds: Vec<Speeds>,
-    /// Readings less what the surface predicts [m/s].
+    /// Readings minus the surface's prediction [m/s].
     pub(crate) residuals: Vec<Vec<f64>>,
     /// The same, whitened.
     pub(crate) white: Vec<Vec<f64>>,
@@ -74,7 +73,7 @@ pub(crate) struct SegmentResult {
     offset_mps2: f64,
 }
 
-/// What a pass finds along one segment, the surface looked up at the given speeds.
+/// Results of a pass along one segment, with the surface looked up at the given speeds.
 pub(crate) fn along_one(course: &Course, surface: &LatticeSurface, noise: &Noise, speeds: &Speeds) -> SegmentResult {
     let s = course.segment;
     let model = course.predicted(speeds, surface);
@@ -211,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Speeds that settle: each look goes by what the last one has filtered.
+    /// Converged speeds: each look-up uses the last filtered speeds.
     fn settled(course: &Course, surface: &LatticeSurface) -> SegmentResult {
         let mut found = along_one(course, surface, &NOISE, &wide_speed(course.segment).into());
         for _ in 0..20 {
@@ -236,8 +235,8 @@ mod tests {
         assert!(after_wrong - after > 1e-3);
     }
 
-    /// Innovations say nothing of how steep the surface is along speed, where they are those of the true one: their product with what a
-    /// steeper surface would have foretold is zero on average. It was not as long as look-ups leaned towards the reading.
+    /// Innovations of the true surface are uncorrelated with the extra prediction of a steeper surface: their product is
+    /// zero on average. It was not while look-ups leaned towards the reading.
     #[test]
     fn innovations_of_the_true_surface_do_not_lean_towards_a_steeper_one() {
         let (torque, surface) = (torque(13.0), surface(1.0));
@@ -258,10 +257,10 @@ mod tests {
             let course = Course::new(&segment, &torque, 0.0);
             let found = settled(&course, &surface);
             let lean = |speeds: &Speeds| {
-                let mut foretold = 0.0;
+                let mut predicted = 0.0;
                 let way = |row| {
-                    foretold += course.along(speeds, row).map(|(v, step)| v * step.length_s).sum::<f64>();
-                    foretold
+                    predicted += course.along(speeds, row).map(|(v, step)| v * step.length_s).sum::<f64>();
+                    predicted
                 };
                 let mut steeper: Vec<f64> = (0..course.rows()).map(way).collect();
                 whiten(&mut steeper, 1, &segment.readings, segment.start_s, &NOISE, segment.start_std(&NOISE));
@@ -283,7 +282,7 @@ mod tests {
     #[test]
     fn a_segment_ends_before_the_stop_whatever_the_last_readings_say() {
         let (torque, surface) = (torque(-10.0), surface(0.0));
-        // v̇ = −1 m/s² from 0.5 m/s: the wheel stands from 0.5 s on
+        // v̇ = −1 m/s² from 0.5 m/s: the wheel is at rest from 0.5 s on
         let true_mps: Vec<f64> = (1..=80).map(|k| (0.5 - PERIOD_S * f64::from(k)).max(0.0)).collect();
         let end = |readings_mps: &[f64]| {
             let segment = segment(readings_mps, false);
@@ -296,7 +295,7 @@ mod tests {
             readings_mps[first..].iter_mut().for_each(|v| *v += error_mps);
             assert_eq!(end(&readings_mps), Some(first));
         }
-        // what speeds up has none before it
+        // a wheel that speeds up has no stop before it
         let faster: Vec<f64> = (1..=80).map(|k| PERIOD_S * 0.5 * f64::from(k)).collect();
         let segment = segment(&faster, false);
         assert_eq!(

@@ -1,7 +1,7 @@
 //! The regressors of one segment: integrals of the surface's columns along the way, never derivatives.
 //!
-//! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Beside them what the delays and the encoder's calibration would
-//! change: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
+//! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Further columns give the effect of the delays and of the encoder's
+//! calibration: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -11,45 +11,45 @@ use crate::fit::nuisance;
 use crate::fit::solve::normal_equations::LocalGram;
 use crate::fit::surface::lattice::{LatticeSurface, Spot};
 
-/// What is free beside the surface.
+/// Unknowns besides the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Free {
     /// The surface alone.
     Surface,
     /// Dead times and lag too.
     Delays,
-    /// The encoder's scale and delay as well; readings must not be merged then: what two witnesses of one moment tell differently is what
-    /// calibrates one by the other.
+    /// The encoder's scale and delay as well. Readings must not be merged then: the difference between two speed sources at one moment
+    /// calibrates the encoder.
     DelaysAndEncoder,
 }
 
 impl Free {
-    /// Nuisance columns beside the surface's for so many logs.
+    /// Nuisance columns besides the surface's for this many logs.
     pub(crate) fn nuisances(self, logs: usize) -> usize {
         if self == Self::Surface { 0 } else { nuisance::DEAD_TIME + logs }
     }
 }
 
-/// Rows that are whitened and added up at once: few enough to stay in the nearest cache meanwhile.
+/// Rows that are whitened and added up at once: few enough to stay in the nearest cache.
 const PANEL_ROWS: usize = 32;
 
-/// The sums over the whitened rows of one segment. The surface gives the slopes of the nuisance columns, where something else is free.
+/// The sums over the whitened rows of one segment. The surface gives the slopes of the nuisance columns, if any are free.
 ///
-/// A column of the surface is zero until the segment comes by. So the columns are put in the order in which panels of rows first touch them,
-/// and each panel is only as wide as what was touched up to its end.
+/// A column of the surface is zero until the segment reaches it. So the columns are ordered by the first panel of rows that touches them,
+/// and each panel is only as wide as the columns touched up to its end.
 pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, free: Free) -> LocalGram {
     let with_nuisance = free != Free::Surface;
     let segment = course.segment;
     let lattice = &surface.lattice;
     let base = lattice.columns();
-    // the speed, then what is not of the surface
+    // the speed, then the nuisance columns
     let mut columns: Vec<u32> = vec![u32::MAX];
     if with_nuisance {
         let shared = [nuisance::LAG, nuisance::ENCODER_SCALE, nuisance::ENCODER_DELAY].map(|c| (base + c) as u32);
         columns.extend(shared);
         columns.push((base + nuisance::DEAD_TIME + segment.log) as u32);
     }
-    // what each step of the integration touches
+    // the columns that each step of the integration touches
     let mut places = vec![u32::MAX; base];
     let mut widths: Vec<usize> = Vec::with_capacity(course.rows().div_ceil(PANEL_ROWS));
     let mut spots: Vec<Spot> = Vec::with_capacity(2 * course.rows());
@@ -93,7 +93,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
                         sums[*place as usize] += by_speed * by_torque;
                     }
                 }
-                // a torque that stands has no delay
+                // a constant torque has no delay
                 if with_nuisance && (step.torque.by_lag != 0.0 || step.torque.by_dead_time != 0.0) {
                     let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
                     sums[1 + nuisance::LAG] += slope * step.torque.by_lag;
@@ -103,7 +103,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
             let reading = segment.readings[row];
             sums[0] = reading.speed_mps;
             if free == Free::DelaysAndEncoder {
-                let [scale, delay] = if reading.witness == 0 {
+                let [scale, delay] = if reading.source == 0 {
                     let v = speeds.before[row].max(0.0);
                     let torque_nm = course.steps(row).last().map_or(0.0, |s| s.torque.torque_nm);
                     [v, -surface.accel_mps2(v, torque_nm)]
@@ -122,7 +122,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
 }
 
 /// The score Xᵀe of one segment, e its whitened `residual` and X the whitened columns of surface and delays, added to `score` over those
-/// columns; the encoder's stay as they are. X is not formed: whitening transposed takes e to what each step of the way counts.
+/// columns; the encoder's stay as they are. X is not formed: transposed whitening turns e into a weight per step.
 pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, score: &mut [f64]) {
     let segment = course.segment;
     let lattice = &surface.lattice;

@@ -21,7 +21,7 @@ pub(crate) struct Segment {
 }
 
 impl Segment {
-    /// Standard deviation of the speed at the start [m/s]: where it starts from rest, as unsure as starts have turned out to be.
+    /// Standard deviation of the speed at the start [m/s]; at a start from rest, as estimated.
     pub(crate) fn start_std(&self, noise: &Noise) -> f64 {
         if self.anchored { noise.start_scale * self.start_std_mps } else { self.start_std_mps }
     }

@@ -1,5 +1,5 @@
-//! From the stretches of a survey to segments of readings: where a resting wheel breaks away, where it comes to rest again, and what is cut
-//! out between.
+//! From the stretches of a survey to segments of readings: where a resting wheel breaks away, where it comes to rest again, and the cuts
+//! between.
 
 use crate::campaign::Stretch;
 use crate::fit::calibration::Calibration;
@@ -31,7 +31,7 @@ impl<'a> SoFar<'a> {
 const FEWEST_READINGS: usize = 8;
 /// Shortest segment [s].
 const SHORTEST_S: f64 = 0.08;
-/// Speed at breakaway above which a start is not believed to start from 0 [m/s].
+/// Largest speed at breakaway at which a start counts as a start from 0 [m/s].
 const BELIEVABLE_START_MPS: f64 = 0.03;
 /// Standard deviation of the speed at breakaway [m/s].
 const ANCHOR_MPS: f64 = 3e-3;
@@ -40,8 +40,8 @@ const STEP_TIMING_S: f64 = 2e-3;
 
 /// The segments of all logs.
 ///
-/// What was found so far says when a resting wheel breaks away and when it comes to rest; without it starts are not anchored, and stops are
-/// where the survey has them. `transients` are left out, unless the stretch starts from rest there.
+/// The results so far determine when a resting wheel breaks away and when it comes to rest. Without them starts are not anchored, and stops
+/// are those of the survey. `transients` are skipped, unless the stretch starts from rest there.
 pub(crate) fn all_segments(
     logs: &[LogData],
     calibration: &Calibration,
@@ -80,7 +80,7 @@ impl OfLog<'_> {
             self.end_at_the_stop(&mut whole, stretch);
             let mut cuts: Vec<(f64, f64)> = near(&condemned, whole.start_s, to_s).to_vec();
             cuts.extend(near(&gaps, whole.start_s, to_s));
-            // what follows the first step of a start from rest is anchored, and worth keeping
+            // the time after the first step of a start from rest is anchored, and worth keeping
             cuts.extend(near(transients, whole.start_s, to_s).iter().filter(|c| !(whole.anchored && c.0 <= whole.start_s + 0.02)));
             let readings = std::mem::take(&mut whole.readings);
             split(&readings, &cuts, &whole, &mut segments);
@@ -98,7 +98,7 @@ impl OfLog<'_> {
         intervals
     }
 
-    /// Where the effective torque is not known, on the clock of the readings.
+    /// Where the effective torque is unknown, on the clock of the readings.
     fn gaps(&self) -> Vec<(f64, f64)> {
         let dead_time_s = self.dead_time_s();
         self.lagged.gaps().iter().map(|gap| (gap.0 + dead_time_s, gap.1 + dead_time_s)).collect()
@@ -108,8 +108,8 @@ impl OfLog<'_> {
         self.calibration.dead_time_s[self.number]
     }
 
-    /// When a wheel at rest breaks away: as the torque passes what holds it; `None` where the stretch does not start from rest or nothing
-    /// says when.
+    /// When a wheel at rest breaks away: when the torque passes the holding torque. `None` if the stretch does not start from rest or the
+    /// time is unknown.
     fn breakaway(&self, stretch: &Stretch, gaps: &[(f64, f64)], cursor: &mut TorqueCursor) -> Option<StartFromRest> {
         let surface = self.so_far?.surface(stretch.gear);
         if !stretch.from_rest || !self.log.may_anchor {
@@ -136,16 +136,16 @@ impl OfLog<'_> {
         {
             let surface = so_far.surface(stretch.gear);
             let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.lag_s);
-            self.log.timing.tell(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
+            self.log.timing.add_to(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
         }
         Segment { log: self.number, run, gear: stretch.gear, start_s, anchored: breakaway.is_some(), start_std_mps, readings }
     }
 
-    /// Leaves out what follows the stop, where the stretch comes to rest.
+    /// Removes the readings after the stop, if the stretch comes to rest.
     fn end_at_the_stop(&self, whole: &mut Segment, stretch: &Stretch) {
         let Some(so_far) = self.so_far.filter(|_| stretch.stopped_s.is_some()) else { return };
         let course = Course::new(whole, self.lagged, self.dead_time_s());
-        // where a surface that is wrong expects none, the survey's stop stands
+        // where a wrong surface expects no stop, the survey's stop counts
         let before = readings_before_stop(&course, so_far.surface(stretch.gear), so_far.noise, FEWEST_READINGS);
         let surveyed = whole.readings.partition_point(|r| r.t_s <= stretch.to_s);
         whole.readings.truncate(before.unwrap_or(surveyed));
@@ -174,7 +174,7 @@ fn first_crossing(from_s: f64, to_s: f64, threshold: f64, mut torque: impl FnMut
     None
 }
 
-/// Splits readings at cuts and gaps into segments like `model`; what follows a cut is not anchored.
+/// Splits readings at cuts and gaps into segments like `model`; the part after a cut is not anchored.
 fn split(readings: &[Reading], cuts: &[(f64, f64)], model: &Segment, segments: &mut Vec<Segment>) {
     let inside = |t: f64| cuts.iter().any(|(from, to)| t >= *from && t <= *to);
     let between = |a: f64, b: f64| cuts.iter().any(|(from, to)| *from > a && *to < b);

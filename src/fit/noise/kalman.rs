@@ -1,4 +1,4 @@
-//! The Kalman filter of the noise model: one forward recursion, and what is read off it: gains, likelihood, filtered and smoothed speeds.
+//! The Kalman filter of the noise model: one forward recursion, which gives gains, likelihood, filtered and smoothed speeds.
 
 use crate::fit::noise::model::{Noise, Reading};
 
@@ -11,7 +11,7 @@ pub(crate) struct Gains {
     pub(crate) dt: f64,
     /// Decay of d over the step.
     pub(crate) decay: f64,
-    /// K: what an innovation adds to v, d and b.
+    /// K: the change of v, d and b per innovation.
     pub(crate) gain: [f64; 3],
     /// 1/S.
     pub(crate) over_s: f64,
@@ -140,7 +140,7 @@ pub(crate) struct Deviation {
     pub(crate) offset_mps2: f64,
 }
 
-/// What the filter makes of a residual sequence, one entry per reading.
+/// The filter's results for a residual sequence, one entry per reading.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Filtered {
     /// v as expected from the readings before [m/s], and its standard deviation.

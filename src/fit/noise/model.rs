@@ -1,8 +1,8 @@
-//! What is random: a disturbance, an offset per stretch, noise in every reading.
+//! The random part of the model: a disturbance, an offset per stretch, noise in every reading.
 //!
-//! State [v, d, b]: v̇ = d + b, with v the part of the speed that the surface does not explain, d an Ornstein-Uhlenbeck acceleration (standard
-//! deviation σ_d, time constant τ_d), and b a constant acceleration of the stretch (σ_b). v jumps a little where a step of the torque comes early
-//! or late (`drive::step_timing`), and a reading is v plus white noise.
+//! State [v, d, b]: v̇ = d + b. v is the part of the speed that the surface does not explain, d an Ornstein-Uhlenbeck acceleration
+//! (standard deviation σ_d, time constant τ_d), and b a constant acceleration of the stretch (σ_b). v jumps a little where a step of the
+//! torque comes early or late (`drive::step_timing`). A reading is v plus white noise.
 
 /// The random part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub(crate) struct Noise {
     pub(crate) offset_mps2: f64,
     /// Standard deviation of a reading of each speed source [m/s]: encoder, yaw rate.
     pub(crate) reading_mps: [f64; 2],
-    /// Standard deviation of the speed where a stretch starts from rest, over what is assumed before
+    /// Standard deviation of the speed where a stretch starts from rest, over its prior
     /// ([`Segment::start_std`](crate::fit::motion::segment::Segment)).
     pub(crate) start_scale: f64,
 }
@@ -38,7 +38,7 @@ pub(crate) struct Reading {
     /// Speed in the gear's frame, scale and bias taken out [m/s].
     pub(crate) speed_mps: f64,
     /// 0 encoder, 1 yaw rate; of several readings, that of the first.
-    pub(crate) witness: u8,
+    pub(crate) source: u8,
     /// Index of the sample in its source's series; of several, of the first.
     pub(crate) sample: u32,
     /// How many readings of each source it is the mean of.
@@ -49,9 +49,9 @@ pub(crate) struct Reading {
 
 impl Reading {
     /// One reading of one source.
-    pub(crate) fn single(t_s: f64, speed_mps: f64, witness: u8, sample: u32) -> Self {
-        let of = if witness == 0 { [1, 0] } else { [0, 1] };
-        Self { t_s, speed_mps, witness, sample, of, shaken_mps_2: 0.0 }
+    pub(crate) fn single(t_s: f64, speed_mps: f64, source: u8, sample: u32) -> Self {
+        let of = if source == 0 { [1, 0] } else { [0, 1] };
+        Self { t_s, speed_mps, source, sample, of, shaken_mps_2: 0.0 }
     }
 
     /// Its variance [m²/s²], given 1/σ² of a reading of each speed source.

@@ -4,7 +4,7 @@ use crate::fit::noise::model::{Noise, Reading};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// What is simulated.
+/// The simulated signal.
 pub(crate) const NOISE: Noise =
     Noise { disturbance_mps2: 0.1, disturbance_time_s: 0.3, offset_mps2: 0.02, reading_mps: [0.006, 0.008], start_scale: 1.0 };
 

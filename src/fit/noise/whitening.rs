@@ -7,7 +7,7 @@ use crate::fit::noise::kalman::{Gains, Recursion};
 use crate::fit::noise::model::{Noise, Reading};
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
-/// What whitening needs of one reading.
+/// The filter's values at one reading.
 #[derive(Debug, Clone, Copy)]
 struct WhiteningStep {
     gains: Gains,
@@ -15,7 +15,7 @@ struct WhiteningStep {
     inverse_root: f64,
 }
 
-/// The filter over one stretch: its gains do not depend on the data.
+/// The filter over one stretch. Its gains do not depend on the data.
 #[derive(Debug, Clone)]
 pub(crate) struct Filter {
     steps: Vec<WhiteningStep>,
@@ -38,12 +38,14 @@ impl Filter {
         self.whiten_from(0, matrix, columns, &mut States::new(columns));
     }
 
-    /// The same for the rows from measurement `from` on, `states` being what the rows before have left: zero for a column that was zero there.
+    /// The same for the rows from measurement `from` on. `states` holds the states after the rows before: zero for a column that is zero
+    /// there.
     pub(crate) fn whiten_from(&self, from: usize, matrix: &mut [f64], columns: usize, states: &mut States) {
         Arch::new().dispatch(Rows { steps: &self.steps[from..], matrix, columns, states });
     }
 
-    /// The transpose of whitening one column, applied to `white`: its inner product with any column is that of `white` with the whitened column.
+    /// The transpose of whitening one column, applied to `white`: its inner product with a column is that of `white` with the whitened
+    /// column.
     pub(crate) fn whiten_transposed(&self, white: &[f64]) -> Vec<f64> {
         let mut transposed = vec![0.0; white.len()];
         let (mut v, mut d, mut b) = (0.0, 0.0, 0.0);
@@ -66,13 +68,14 @@ pub(crate) struct States {
 }
 
 impl States {
-    /// Zeros for at most so many columns.
+    /// Zeros for up to this many columns.
     pub(crate) fn new(columns: usize) -> Self {
         Self { v: vec![0.0; columns], d: vec![0.0; columns], b: vec![0.0; columns] }
     }
 }
 
-/// The loop over rows and columns, compiled for the vectors of the machine. Columns do not mix, so their width does not change a bit.
+/// The loop over rows and columns, compiled for the machine's vector instructions. Columns do not mix, so their width does not change any
+/// bit.
 struct Rows<'a> {
     steps: &'a [WhiteningStep],
     matrix: &'a mut [f64],

@@ -10,11 +10,11 @@ use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
 
 /// Largest step of a delay in one round [s].
 const DELAY_STEP_S: f64 = 0.02;
-/// Prior standard deviation of what is known.
+/// Prior standard deviation of known values.
 const FIXED_STD: f64 = 1e-9;
 
 impl State<'_> {
-    /// Prior standard deviations of the nuisance columns; what is known from outside does not move.
+    /// Prior standard deviations of the nuisance columns; values known from outside do not move.
     pub(crate) fn nuisance_prior(&self, free: Free) -> Vec<f64> {
         if free == Free::Surface {
             return Vec::new();
@@ -38,7 +38,7 @@ impl State<'_> {
         prior
     }
 
-    /// Makes the step of delays and encoder calibration that `solution` asks for, and takes over their standard errors. Returns the largest
+    /// Makes the step of delays and encoder calibration that `solution` asks for, and stores their standard errors. Returns the largest
     /// step of a delay over its standard error.
     pub(crate) fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
         let q = self.design.coefficients();

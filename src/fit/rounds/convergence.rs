@@ -1,4 +1,4 @@
-//! How far to go in a round, and how far there is still to go.
+//! The length of a round's steps, and the distance left.
 
 /// Movement of the surface below which it has converged [m/s², root mean square].
 pub(crate) const STILL_MPS2: f64 = 2e-4;
@@ -19,8 +19,8 @@ pub(crate) struct DelayStep {
 impl DelayStep {
     /// The step that is made when the equations ask for `asked_s`, given the last one.
     ///
-    /// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
-    /// each step overshoots by as much as it was asked for. The secant of the last two then says how far to go; never further than asked.
+    /// The equations hold the look-up speeds fixed, but these follow the delays, and the more so the smaller the disturbance. In the limit
+    /// each step overshoots by as much as was asked for. The secant of the last two steps then gives the length, never more than asked.
     pub(crate) fn damped(asked_s: f64, last: Option<&Self>) -> Self {
         let secant = last.map(|last| last.made_s / (last.asked_s - asked_s));
         let share = secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0));
@@ -28,13 +28,13 @@ impl DelayStep {
     }
 }
 
-/// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
+/// Distance left of a linearly convergent iteration: the sum of all later steps if each shrinks by the factor of the last two.
 fn to_come(before: f64, last: f64) -> f64 {
     let factor = last / before.max(1e-300);
     if factor < 1.0 { last * factor / (1.0 - factor) } else { f64::INFINITY }
 }
 
-/// How far a round went.
+/// Movements of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Moved {
     /// The surface [m/s², root mean square].
@@ -43,14 +43,14 @@ pub(crate) struct Moved {
     pub(crate) delays: f64,
 }
 
-/// Whether the rounds have converged: what moved in the last one is small, or what is still to come is.
+/// Whether the rounds have converged: the last movement is small, or the distance left is.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Convergence {
     last: Option<Moved>,
 }
 
 impl Convergence {
-    /// Whether they have, after a round that moved so much.
+    /// Whether they have, after a round with this movement.
     pub(crate) fn reached(&mut self, moved: Moved) -> bool {
         let small = |now: f64, before: Option<f64>, still: f64| now < still || before.is_some_and(|before| to_come(before, now) < still);
         let surface = small(moved.surface_mps2, self.last.map(|l| l.surface_mps2), STILL_MPS2);

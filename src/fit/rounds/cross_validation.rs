@@ -1,16 +1,16 @@
-//! Cross-validation blocked by run: what the surface tells about runs that it has not seen, and how much of it is taken.
+//! Cross-validation blocked by run: how well the surface predicts runs that were not fitted, and how much of the surface is used.
 //!
 //! Whole runs are dealt into five folds. The whitened normal equations are sums over segments, so the equations without a fold are the
-//! whole ones minus the fold's; they are solved at the final noise for the surface and its delays, with penalties chosen anew: those of the
-//! whole have seen the runs left out, and keep the waves that all runs share by chance. Two models tell the runs left out: the physics form
-//! alone, by whitened errors e, and the whole surface by e − Δ, Δ the difference of what the two predict. With a share w of the surface's
-//! deviations the errors are e − wΔ, and least for ŵ = ΣeΔ/ΣΔ² (stacking: Wolpert 1992, *Stacked generalization*; Breiman 1996, *Stacked
-//! regressions*), from 0 to 1.
+//! whole ones minus the fold's. They are solved at the final noise for the surface and its delays. The penalties are chosen again: those of
+//! the whole fit have seen the runs left out, and keep the waves that all runs share by chance. Two models predict the runs left out: the
+//! physics form alone, with whitened errors e, and the whole surface, with e − Δ, where Δ is the difference of the two predictions. With a
+//! share w of the surface's deviations the errors are e − wΔ, and least for ŵ = ΣeΔ/ΣΔ² (stacking: Wolpert 1992, *Stacked generalization*;
+//! Breiman 1996, *Stacked regressions*), from 0 to 1.
 //!
-//! Were the physics form right, ΣeΔ would be zero but for its standard error √(φΣΔ²), since neither Δ nor the form was fitted to the runs
-//! left out; φ is the errors' variance, 1 when the noise model is right. With z = ΣeΔ in its standard errors, ŵ is known to ŵ/z, and what it
-//! is to be worth is shrunk by that: w = ŵ·(1 − 1/z²), none below z = 1. So the surface comes in as the data ask for it: taken or left as a
-//! whole, beyond some number of standard errors, maps of two drives of one vehicle would differ by which side of it they fell.
+//! If the physics form were right, ΣeΔ would be zero but for its standard error √(φΣΔ²), since neither Δ nor the form was fitted to the
+//! runs left out; φ is the errors' variance, 1 when the noise model is right. With z = ΣeΔ in its standard errors, ŵ is known to ŵ/z and is
+//! shrunk accordingly: w = ŵ·(1 − 1/z²), and 0 below z = 1. So the surface is used as far as the data ask for it. With an all-or-nothing
+//! threshold, maps of two drives of one vehicle would differ by the side of the threshold on which they fell.
 
 use crate::fit::motion::integration::{Course, surface_of};
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -29,22 +29,22 @@ use std::collections::BTreeMap;
 
 /// Number of folds, when there are as many runs.
 const FOLDS: usize = 5;
-/// Fewest runs that are worth comparing.
+/// Fewest runs for a comparison.
 const FEWEST_RUNS: usize = 10;
 
 /// Surfaces of both gears: forward, reverse.
 pub(crate) type Surfaces = [LatticeSurface; 2];
 
-/// What the comparison found.
+/// Results of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ModelComparison {
-    /// How much less the whole surface's whitened squared error is on runs left out than that of the physics form.
+    /// By how much the whole surface reduces the whitened squared error of the physics form, on runs left out.
     pub(crate) gain: f64,
-    /// ΣeΔ in its standard errors: what speaks for the surface.
+    /// ΣeΔ in its standard errors: the evidence for the surface.
     pub(crate) in_std_errs: f64,
     /// Number of runs compared.
     pub(crate) runs: usize,
-    /// w: the share of the surface's deviations from the physics form that is taken, 0 to 1.
+    /// w: the share of the surface's deviations from the physics form that is used, 0 to 1.
     pub(crate) surface_share: f64,
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct ModelComparison {
 pub(crate) struct Validation {
     /// The fold of each segment.
     pub(crate) fold: Vec<usize>,
-    /// The surfaces fitted without each fold, with the share that was found.
+    /// The surfaces fitted without each fold, with the share w.
     pub(crate) without: Vec<Surfaces>,
     /// The comparison.
     pub(crate) comparison: ModelComparison,
@@ -77,7 +77,7 @@ fn deal_runs(run_of: &[(usize, usize)]) -> (Vec<usize>, usize) {
     (run_of.iter().map(|run| fold[run]).collect(), count)
 }
 
-/// What runs are left out of, fold by fold, and what they are compared with.
+/// Inputs of the comparison, fold by fold.
 pub(crate) struct HeldOut<'a> {
     /// The fold of each segment.
     pub(crate) fold: &'a [usize],
@@ -92,7 +92,7 @@ pub(crate) struct HeldOut<'a> {
     pub(crate) noise: &'a Noise,
 }
 
-/// Cross-validates. `None` with fewer than two folds, or when a fold's runs are all that holds some information.
+/// Cross-validates. `None` with fewer than two folds, or if only the runs of one fold hold some information.
 pub(crate) fn validate(design: &Design, lattice: &Lattice, gears: &[Gear], held_out: &HeldOut) -> Option<Validation> {
     let HeldOut { fold, folds, whole, prior, .. } = *held_out;
     if folds.len() < 2 {
@@ -117,13 +117,13 @@ pub(crate) fn validate(design: &Design, lattice: &Lattice, gears: &[Gear], held_
     Some(Validation { fold: fold.to_vec(), without: mixed, comparison })
 }
 
-/// What was fitted without a fold: surfaces, and changes of the nuisance columns.
+/// The fit without a fold: surfaces, and changes of the nuisance columns.
 struct Fitted {
     surfaces: Surfaces,
     delays_s: Vec<f64>,
 }
 
-/// What both models were fitted to without a fold.
+/// The fits of both models without a fold.
 struct Without {
     physics: Fitted,
     surface: Fitted,
@@ -148,7 +148,7 @@ struct Sums {
     count: f64,
 }
 
-/// The sums over all runs, each against what was fitted without its fold.
+/// The sums over all runs, each compared with the fit without its fold.
 fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
     let of_segments: Vec<Sums> = held_out
         .courses
@@ -185,7 +185,7 @@ fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
     })
 }
 
-/// How much of the surface is taken; all of it where there are too few runs to tell.
+/// The share of the surface that is used: all of it with too few runs to decide.
 fn compare(sums: Sums, runs: usize) -> ModelComparison {
     let Sums { squared, with_difference, difference_squared, count } = sums;
     let gain = 2.0 * with_difference - difference_squared;
@@ -224,12 +224,12 @@ mod tests {
         let share = |with_difference: f64, difference_squared: f64, runs: usize| {
             compare(Sums { squared: 1000.0, with_difference, difference_squared, count: 1000.0 }, runs).surface_share
         };
-        // nothing speaks for it; less than a standard error; against it; nearly all; half of it, well known; too few runs to tell
+        // no evidence; less than a standard error; against it; nearly all; half of it, well known; too few runs to decide
         assert!(share(0.0, 9.0, 20) <= 0.0 && share(2.0, 9.0, 20) <= 0.0 && share(-9.0, 9.0, 20) <= 0.0);
         assert!((0.97..1.0).contains(&share(49.0, 49.0, 20)));
         assert!((0.45..0.5).contains(&share(40.0, 80.0, 20)));
         assert!(share(0.0, 9.0, 5) >= 1.0);
-        // the more the surer, without a jump
+        // larger with more evidence, without a jump
         let shares: Vec<f64> = (0..100).map(|k| share(0.5 * f64::from(k), 25.0, 20)).collect();
         assert!(shares.windows(2).all(|s| s[1] >= s[0] - 1e-12 && s[1] - s[0] < 0.06), "{shares:?}");
     }

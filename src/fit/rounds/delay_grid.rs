@@ -18,13 +18,13 @@ const COLUMNS: usize = 6;
 const LAGS_S: [f64; 6] = [0.005, 0.03, 0.06, 0.1, 0.15, 0.2];
 /// Spacing of the dead times tried, first and second [s].
 const DEAD_TIME_STEPS_S: [f64; 2] = [0.02, 0.005];
-/// Dead times tried, from and to [s]: from the command, and from a feedback, which another clock may stamp too late.
+/// Range of dead times tried [s]: from the command, and from a feedback, which another clock may stamp too late.
 const DEAD_TIMES_S: [f64; 2] = [0.0, 0.4];
 const AFTER_FEEDBACK_S: [f64; 2] = [-0.1, 0.3];
-/// Readings per log beyond which more do not sharpen a first look.
+/// More readings per log than this do not sharpen a first estimate.
 const ENOUGH_READINGS: usize = 4000;
 
-/// What one log brings: its segments, their smoothed speeds, its torque.
+/// Data of one log: its segments, their smoothed speeds, its torque.
 pub(crate) struct GridLog<'a> {
     pub(crate) segments: Vec<&'a Segment>,
     pub(crate) speed_mps: Vec<&'a [f64]>,

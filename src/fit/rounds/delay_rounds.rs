@@ -14,12 +14,12 @@ const ENCODER_ROUNDS: [usize; 2] = [1, 4];
 const CUT_FROM: usize = 2;
 /// Rounds after which the noise is estimated.
 const NOISE_ROUNDS: std::ops::RangeInclusive<usize> = 1..=4;
-/// Round from which on a surface that no longer moves ends them.
+/// From this round on, a surface that no longer moves ends them.
 const END_FROM: usize = 5;
-/// Share of the segments that show the noise: before the cuts pushes and slips are still in.
+/// Share of the segments from which the noise is estimated: pushes and slips are not yet cut.
 const WELL_EXPLAINED: f64 = 0.6;
 
-/// Makes the rounds; whether they looked at a part of the data only.
+/// Makes the rounds; returns whether they used only a part of the data.
 ///
 /// # Errors
 /// Equations without information.

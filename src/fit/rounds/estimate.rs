@@ -1,4 +1,4 @@
-//! The estimate: surface, delays, speeds and noise, as the last round left them.
+//! The estimate after the last round: surface, delays, speeds and noise.
 
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
@@ -25,7 +25,7 @@ pub(crate) struct CalibrationErrors {
     pub(crate) encoder_scale: f64,
 }
 
-/// What was fitted.
+/// The fitted data.
 pub(crate) struct EstimateData<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
     /// Gears with runs.
@@ -34,7 +34,7 @@ pub(crate) struct EstimateData<'a> {
     pub(crate) has_yaw: bool,
     /// The segments, with single readings.
     pub(crate) segments: Vec<Segment>,
-    /// Moments after steps that were left out, per log [s].
+    /// Moments after steps that were skipped, per log [s].
     pub(crate) transients: Vec<Vec<(f64, f64)>>,
 }
 
@@ -54,7 +54,7 @@ impl SurfaceModel {
         &self.surfaces[usize::from(gear == Gear::Reverse)]
     }
 
-    /// Makes the surface rise with torque at every speed of `gears`, as near to the estimate as its information allows; where that fails, by
+    /// Makes the surface rise with torque at every speed of `gears`, as near to the estimate as its information allows; if that fails, by
     /// running maxima.
     pub(crate) fn make_monotone(&mut self, gears: &[Gear]) -> monotone::MonotoneOutcome {
         let lattice = self.surfaces[0].lattice.clone();
@@ -72,7 +72,7 @@ impl SurfaceModel {
     }
 }
 
-/// What was found along the segments.
+/// Results along the segments.
 pub(crate) struct Paths {
     /// The segments with merged readings, as they were fitted.
     pub(crate) merged: Vec<Segment>,
@@ -104,7 +104,7 @@ pub(crate) struct Estimate<'a> {
     pub(crate) noise_bounds: Vec<&'static str>,
     pub(crate) paths: Paths,
     pub(crate) rounds: RoundCount,
-    /// What runs left out show; absent with fewer than two runs.
+    /// Results on runs left out; absent with fewer than two runs.
     pub(crate) validation: Option<Validation>,
 }
 

@@ -1,4 +1,4 @@
-//! Before the first round: what the logs hold, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
+//! Before the first round: the logs' signals, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
@@ -17,14 +17,14 @@ use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
 use rayon::prelude::*;
 
-/// Quantum of speed above which a start cannot be anchored: the first reading after it comes late and biased [m/s].
+/// Quantum of speed above which a start cannot be anchored: the first reading after it is late and biased [m/s].
 const COARSE_QUANTUM_MPS: f64 = 0.01;
 /// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
 const SLOW_HZ: f64 = 10.0;
-/// Least time in motion that a fit is worth starting with [s].
+/// Least time in motion for a fit [s].
 const LEAST_MOTION_S: f64 = 5.0;
 
-/// Where the rounds start from.
+/// Start of the rounds.
 pub(crate) struct InitialGuess<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
     pub(crate) gears: Vec<Gear>,
@@ -35,7 +35,7 @@ pub(crate) struct InitialGuess<'a> {
 }
 
 impl<'a> InitialGuess<'a> {
-    /// Looks at the surveys.
+    /// Examines the surveys.
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
@@ -79,7 +79,7 @@ impl<'a> InitialGuess<'a> {
     }
 }
 
-/// Puts what runs at other wheel angles have shown of delays and encoder into `calibration`, whose logs are `logs`.
+/// Copies the delays and the encoder's calibration from runs at other wheel angles into `calibration`, whose logs are `logs`.
 pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &FitSettings) {
     let Some(known) = &settings.known else { return };
     for (dead_time_s, log) in calibration.dead_time_s.iter_mut().zip(logs) {
@@ -96,14 +96,14 @@ pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settin
     }
 }
 
-/// The rate of a speed signal that is too slow to tell accelerations by itself [Hz]; `None` when it is fast enough.
+/// The rate of a speed signal that is too slow to show accelerations by itself [Hz]; `None` when it is fast enough.
 pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
     let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
     let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
     (rate_hz < SLOW_HZ).then_some(rate_hz)
 }
 
-/// How finely a witness reads.
+/// Resolution of a speed source.
 struct Grain {
     noise_mps: f64,
     quantum_mps: f64,
@@ -115,7 +115,7 @@ impl Grain {
     }
 }
 
-/// The same of the witnesses of one log.
+/// The same for the speed sources of one log.
 struct Grains {
     encoder: Grain,
     yaw: Option<Grain>,
@@ -149,7 +149,7 @@ fn hampel(series: &Series, grain: &Grain) -> Vec<bool> {
     crate::signal::hampel(&series.value, 6.0, grain.noise_mps.max(grain.quantum_mps).max(1e-6))
 }
 
-/// The samples of a command that are not what was told before.
+/// The samples of a command that differ from the one before.
 fn changes(command: &Series) -> Series {
     let mut changes = Series::default();
     for (t_s, value) in command.t_s.iter().zip(&command.value) {
@@ -167,7 +167,7 @@ fn first_calibration(surveys: &[Survey], choice: &TorqueChoice) -> Calibration {
         let values: Vec<f64> = alignments.iter().map(f).collect();
         if values.is_empty() { otherwise } else { crate::signal::median(&values) }
     };
-    // a feedback is followed as it is
+    // a feedback is used as it is
     let delay_s = if choice.is_feedback() { 0.0 } else { 0.05 };
     Calibration {
         dead_time_s: vec![delay_s; surveys.len()],

@@ -1,4 +1,4 @@
-//! Readings and stretches that do not belong: spikes, slip that no second witness shows, pushes by hand.
+//! Readings and stretches that do not belong: spikes, slip without a second speed source to show it, pushes by hand.
 
 use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
@@ -17,29 +17,29 @@ const SPIKE: f64 = 5.5;
 /// Lengths of the windows over which innovations are summed.
 const WINDOWS: [usize; 3] = [8, 15, 30];
 
-/// Passes over a run at most: each cuts one window, and what follows starts anew.
+/// Most passes over a run: each cuts one window, and the filter restarts after it.
 const PASSES: usize = 16;
-/// Shorter stretches than this between two cuts are too short to be judged by themselves [s].
+/// Shortest stretch between two cuts that can be judged by itself [s].
 const JOINED_S: f64 = 0.3;
-/// What is cut before and after a window [s].
+/// Also cut before and after a window [s].
 const MARGIN_S: f64 = 0.02;
 
 /// Threshold of the standardised windowed sums in the first round with cuts, and later.
 pub(crate) const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
 
-/// What the readings are judged against.
+/// The reference for the readings.
 pub(crate) struct Judge<'a> {
     pub(crate) calibration: &'a Calibration,
     pub(crate) lagged: &'a [EffectiveTorque],
     /// Forward, reverse.
     pub(crate) surfaces: &'a [LatticeSurface; 2],
     pub(crate) noise: &'a Noise,
-    /// The moments after steps, which no static map explains and which are not judged.
+    /// The moments after steps, which no static map explains; they are not judged.
     pub(crate) transients: &'a [Vec<(f64, f64)>],
 }
 
 impl Judge<'_> {
-    /// Cuts each log anew, from all its readings, so that an earlier mistake is taken back.
+    /// Cuts each log again from all its readings, so that earlier mistakes are undone.
     pub(crate) fn cut(&self, logs: &mut [LogData], threshold: f64) {
         for log in &mut *logs {
             log.cuts = Cuts::default();
@@ -69,16 +69,16 @@ impl Judge<'_> {
     }
 }
 
-/// The noise for judging what does not belong: offset and disturbance at most a fiftieth of the accelerations that the torque commands, so
-/// that a push, which is a disturbance, does not explain itself.
+/// The noise for judging outliers: offset and disturbance at most a fiftieth of the accelerations that the torque commands, so that a push,
+/// which is a disturbance, does not explain itself.
 pub(crate) fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
     let most = (0.02 * surface.range_mps2()).max(0.01);
     Noise { disturbance_mps2: noise.disturbance_mps2.min(most), offset_mps2: noise.offset_mps2.min(most), ..*noise }
 }
 
-/// Finds in the whitened residuals of a segment what to cut; whether a stretch was. `threshold` bounds the standardised windowed sums (5; 6 in
-/// a first pass). Only the first window beyond it is cut, since a push leaves the filter astray and all that follows looks wrong: what comes
-/// after is judged in the next pass, from an unknown speed. With `whole` every window beyond the threshold is cut.
+/// Finds the cuts in the whitened residuals of a segment, and whether a stretch was cut. `threshold` bounds the standardised windowed sums
+/// (5; 6 in a first pass). Only the first window beyond it is cut: after a push the filter is off and all later readings look wrong. They
+/// are judged in the next pass, from an unknown speed. With `whole`, every window beyond the threshold is cut.
 fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mut Cuts) -> bool {
     let n = white.len();
     // clip single spikes so that they do not condemn a window
@@ -103,20 +103,20 @@ fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mu
             }
         }
     }
-    // spikes are told where the filter is on its way
+    // spikes are judged only if no window was cut: the filter is then on track
     if !cut {
         for k in 0..n {
             let calm = |j: usize| white.get(j).is_none_or(|e| e.abs() < 3.0);
             if white[k].abs() > SPIKE && calm(k + 1) {
                 let reading = segment.readings[k];
-                cuts.readings.insert((reading.witness, reading.sample));
+                cuts.readings.insert((reading.source, reading.sample));
             }
         }
     }
     cut
 }
 
-/// Joins cuts that overlap or leave less between them than can be judged.
+/// Joins cuts that overlap or that leave too little between them to be judged.
 fn join(cuts: &mut Cuts) {
     cuts.intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut joined: Vec<(f64, f64, SampleVerdict)> = Vec::new();

@@ -1,4 +1,4 @@
-//! One round: the whitened sums along the segments, their solution with penalties chosen by the data, and the surface and delays that follow.
+//! One round: the whitened sums along the segments, their solution with penalties chosen by the data, and the next surface and delays.
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -16,7 +16,7 @@ use crate::map::Gear;
 /// Rounds of the penalties' own iteration while other things still move.
 const PENALTY_ROUNDS: usize = 4;
 
-/// What a round found.
+/// Results of a round.
 pub(crate) struct RoundResult {
     pub(crate) solution: Solution,
     pub(crate) system: System,
@@ -32,7 +32,7 @@ pub(crate) struct RoundResult {
 }
 
 impl State<'_> {
-    /// Makes a round with the surface looked up at `speeds`. With `settle` the Stribeck speed is estimated, the penalties' iteration goes on
+    /// Makes a round with the surface looked up at `speeds`. With `settle` the Stribeck speed is estimated, the penalties are iterated
     /// until they settle, and the sums are kept apart by fold for the cross-validation.
     ///
     /// # Errors

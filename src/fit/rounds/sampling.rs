@@ -1,19 +1,19 @@
-//! Which stretches the first iterations look at: enough of every torque to find delays and noise, however long the logs are.
+//! The stretches for the first iterations: enough of every torque to find delays and noise, however long the logs are.
 
 use crate::campaign::Survey;
 use crate::fit::motion::log_data::LogData;
 use crate::map::Gear;
 use std::collections::BTreeMap;
 
-/// Moving time that settles delays and noise well enough to start from [s]; shared by the logs, but each has its own dead time to tell.
+/// Moving time that determines delays and noise well enough for a start [s]; shared by the logs, but each has its own dead time.
 const ENOUGH_S: f64 = 160.0;
 const ENOUGH_PER_LOG_S: f64 = 60.0;
-/// Stretches of every torque, gear and log that are always looked at.
+/// Stretches of every torque, gear and log that are always used.
 const OF_EACH: usize = 3;
 /// Torques nearer than this share of the largest count as one.
 const SAME_TORQUE: f64 = 0.04;
 
-/// The choice for every log, and whether it left anything out.
+/// The choice for every log, and whether anything was skipped.
 pub(crate) fn choose(logs: &[LogData]) -> (Vec<Vec<bool>>, bool) {
     let enough_s = (ENOUGH_S / logs.len().max(1) as f64).max(ENOUGH_PER_LOG_S);
     let chosen: Vec<Vec<bool>> = logs.iter().map(|l| of_log(l.survey, enough_s)).collect();

@@ -1,4 +1,4 @@
-//! What the rounds know, from one to the next.
+//! The state of the rounds, from one to the next.
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
@@ -44,9 +44,9 @@ pub(crate) struct State<'a> {
     pub(crate) last_steps: Vec<DelayStep>,
 }
 
-/// What rounds work on.
+/// The data of a round.
 pub(crate) struct RoundData {
-    /// Moments after steps that are left out, per log [s].
+    /// Moments after steps that are skipped, per log [s].
     pub(crate) transients: Vec<Vec<(f64, f64)>>,
     pub(crate) segments: Vec<Segment>,
     /// The same with merged readings.
@@ -95,7 +95,7 @@ impl<'a> State<'a> {
         Pass { courses, surfaces: &self.surfaces, noise: &self.noise }
     }
 
-    /// The segments as they are now; without the moments after steps, if so asked.
+    /// The segments as they are now; on request without the moments after steps.
     pub(crate) fn data(&self, without_transients: bool) -> RoundData {
         let torques = self.torques();
         let transients = if without_transients && self.settings.transient_s > 0.0 {
@@ -117,7 +117,7 @@ impl<'a> State<'a> {
         torques.iter().zip(&self.calibration.dead_time_s).map(after).collect()
     }
 
-    /// Speeds along the courses: by the surface, where there is one.
+    /// Speeds along the courses: by the surface, if there is one.
     pub(crate) fn speeds(&self, courses: &[Course]) -> Vec<Speeds> {
         if self.has_surface() { self.pass(courses).along(None).speeds } else { wide_speeds(courses) }
     }
@@ -127,8 +127,8 @@ impl<'a> State<'a> {
         self.design.surfaces(&self.surfaces[0].lattice, &solution.beta)
     }
 
-    /// Robust cuts with the surface as it is. Judging restarts at every step of the torque, even where nothing is left out after it: what a
-    /// drive does there that a lag does not explain is no push.
+    /// Robust cuts with the surface as it is. Judging restarts at every step of the torque, even if no time after it is skipped: a response
+    /// that a lag does not explain is no push.
     pub(crate) fn cut(&mut self, threshold: f64) {
         let torques = self.torques();
         let transients = self.transients(&torques);

@@ -1,5 +1,5 @@
-//! The last rounds: on everything, without the moments after steps, until surface and delays converge. Then the cross-validation, which says
-//! how much of the surface is taken beyond the physics form.
+//! The last rounds: on everything, without the moments after steps, until surface and delays converge. Then the cross-validation, which
+//! determines how much of the surface is used beyond the physics form.
 
 use crate::fit::motion::integration::{Course, courses, courses_again};
 use crate::fit::motion::log_data::Cuts;
@@ -18,12 +18,12 @@ use crate::fit::solve::penalised_least_squares::System;
 use crate::fit::solve::shrinkage::Stacked;
 use crate::fit::{Error, Result};
 
-/// Round from which on speeds move by half of what is asked only: most campaigns converge before.
+/// From this round on, speeds move by half of the step asked for: most campaigns converge before.
 const HALF_WAY_FROM: usize = 3;
-/// Share of the segments that show the noise: pushes and slips are cut out by now.
+/// Share of the segments from which the noise is estimated: pushes and slips are cut by now.
 const WELL_EXPLAINED: f64 = 0.98;
 
-/// What is taken of the last round.
+/// Results of the last round.
 struct FinalRound {
     stacked: Stacked,
     system: System,
@@ -31,7 +31,7 @@ struct FinalRound {
     validation: Option<Validation>,
 }
 
-/// Makes the rounds. `sampled` says whether the rounds before looked at a part of the data only.
+/// Makes the rounds. `sampled`: whether the rounds before used only a part of the data.
 ///
 /// # Errors
 /// Equations without information.
@@ -51,7 +51,7 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
         let converged = convergence.reached(Moved { surface_mps2: found.moved_mps2, delays: found.stepped });
         if round == 1 {
             state.update_noise(&data.merged, &found.pass, WELL_EXPLAINED);
-            // the better surface judges again what was cut, which moves the starts from rest a little as well; then they stay
+            // the better surface judges the cuts again, which moves the starts from rest a little as well; then they stay
             if !sampled || state.logs.iter().any(|l| l.cuts != Cuts::default()) {
                 drop(courses);
                 state.cut(CUT_BEYOND[1]);
@@ -65,7 +65,7 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
             drop(courses);
             return Ok(estimate(state, data, last, converged));
         }
-        // where speeds and surface follow each other, half steps converge
+        // half steps converge where speeds and surface follow each other
         let mut next = std::mem::take(&mut found.pass.speeds);
         if round >= HALF_WAY_FROM {
             next.iter_mut().zip(&along).for_each(|(next, last)| next.go_half_way_from(last));
@@ -75,7 +75,7 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
     Err(Error::Singular)
 }
 
-/// Cross-validates, and takes as much of the surface as runs left out ask for.
+/// Cross-validates, and uses as much of the surface as the runs left out ask for.
 fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], found: RoundResult) -> Result<FinalRound> {
     let RoundResult { solution, system, folds, fold, mut pass, .. } = found;
     let prior = state.nuisance_prior(Free::Delays);

@@ -1,4 +1,4 @@
-//! The surface made to rise with torque everywhere, moved as little as the data allow.
+//! Makes the surface rise with torque everywhere, with the least change that the data allow.
 //!
 //! Minimises (β − β̂)ᵀ·H·(β − β̂), H = XᵀX + Λ, subject to θ_{i,j+1} − θ_{i,j} ≥ ε·(U_{j+1} − U_j) over the coefficients along torque (U_j
 //! their Greville abscissae), with ε = 0.02 × the median slope: splines with rising coefficients rise (de Boor, chapter XI). Only
@@ -17,14 +17,14 @@ const LEAST_SLOPE: f64 = 0.02;
 /// Rounds of the working set.
 const ROUNDS: usize = 12;
 
-/// What was done.
+/// The outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum MonotoneOutcome {
     /// The surface rises everywhere by itself.
     AlreadyMonotone,
     /// Moved; so many differences bind.
     Moved(usize),
-    /// The programme did not finish; the lattice was made monotone by running maxima instead.
+    /// The programme did not finish; running maxima made the lattice monotone instead.
     Forced,
 }
 

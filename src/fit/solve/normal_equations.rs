@@ -4,8 +4,8 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use std::ops::Range;
 
-/// Columns of a symmetric product that are found at once, from the diagonal down: so narrow that little above the diagonal is found as well,
-/// and wide enough for the kernel (for these sizes faster than a triangular product by halves).
+/// Columns of a symmetric product that are computed at once, from the diagonal down: narrow, so that little above the diagonal is computed
+/// as well, and wide enough for the kernel (for these sizes faster by half than a triangular product).
 const STRIP: usize = 24;
 
 /// XᵀX over a gear's columns, with the speed as last column.
@@ -33,7 +33,7 @@ impl LocalGram {
         Self { columns, values: Mat::zeros(width, width) }
     }
 
-    /// Adds rows of the first `width` columns, row-major; the other columns are zero in them.
+    /// Adds rows of the first `width` columns, row-major; their other columns are zero.
     pub(crate) fn add(&mut self, rows: &[f64], width: usize) {
         let x = faer::MatRef::from_row_major_slice(rows, rows.len() / width, width);
         for from in (0..width).step_by(STRIP) {
@@ -70,7 +70,7 @@ impl Gram {
     /// Adds one segment's.
     pub(crate) fn add(&mut self, local: &LocalGram) {
         let places: Vec<usize> = local.columns.iter().map(|c| if *c == u32::MAX { self.size - 1 } else { *c as usize }).collect();
-        // columns that follow one another here as there are added at once
+        // columns that are adjacent here are added at once
         let mut runs: Vec<Range<usize>> = Vec::new();
         for (k, place) in places.iter().enumerate() {
             match runs.last_mut() {

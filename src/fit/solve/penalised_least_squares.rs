@@ -87,11 +87,11 @@ impl System {
         Self { matrix: &self.matrix - &part.matrix, right: &self.right - &part.right, design: self.design }
     }
 
-    /// Solves with the given start for the penalties (0, or none at all: from the data's scale; infinite: the block is left out), updating them
-    /// at most `updates` times.
+    /// Solves with the given start for the penalties (0 or absent: from the data's scale; infinite: the block is left out), and updates
+    /// them at most `updates` times.
     ///
     /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations are singular beyond
-    /// repair (data that hold no information at all).
+    /// repair (data without any information).
     pub(crate) fn solve(
         &self,
         blocks: &[CoefficientBlock],
@@ -104,11 +104,11 @@ impl System {
             blocks.iter().map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12)).collect();
         let start = |(j, scale): (usize, &f64)| penalties.get(j).copied().filter(|p| *p > 0.0).unwrap_or(FIRST_PENALTY * scale);
         let mut penalties: Vec<f64> = scale.iter().enumerate().map(start).collect();
-        // Fellner-Schall climbs slowly where a block wants to vanish: steps that keep their direction grow
+        // Fellner-Schall climbs slowly if a block wants to vanish: steps that keep their direction grow
         let mut pace = vec![(1.0f64, 0.0f64); blocks.len()];
         let mut solution = None;
         for round in 0..=updates {
-            // a block that the data do not want is at an infinite penalty: its coefficients are zero and leave the equations
+            // a block that the data do not want has an infinite penalty: its coefficients are zero and leave the equations
             let active: Vec<usize> = blocks
                 .iter()
                 .zip(&penalties)
@@ -183,11 +183,11 @@ impl System {
 }
 
 /// Prior standard deviations of the nuisance columns: lag and delays 20 ms (a step no larger is taken at once), scale 5 %. Without a second
-/// witness the encoder is taken at its word: its delay is part of the dead time, its scale part of the speed.
-pub(crate) fn nuisance_prior_std(logs: usize, two_witnesses: bool) -> Vec<f64> {
+/// speed source the encoder counts as exact: its delay is part of the dead time, its scale part of the speed.
+pub(crate) fn nuisance_prior_std(logs: usize, two_sources: bool) -> Vec<f64> {
     let mut prior = vec![0.02; nuisance::DEAD_TIME + logs];
-    prior[nuisance::ENCODER_SCALE] = if two_witnesses { 0.05 } else { 1e-9 };
-    if !two_witnesses {
+    prior[nuisance::ENCODER_SCALE] = if two_sources { 0.05 } else { 1e-9 };
+    if !two_sources {
         prior[nuisance::ENCODER_DELAY] = 1e-9;
     }
     prior

@@ -1,31 +1,31 @@
-//! The physics form with a share of the surface: what is taken of both, and how unsure that leaves it.
+//! The physics form with a share of the surface: the mixture and its uncertainty.
 
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};
 use crate::fit::surface::design::CoefficientBlock;
 
-/// What was taken.
+/// The mixture.
 #[derive(Debug, Clone)]
 pub(crate) struct Stacked {
-    /// Coefficients, covariance and degrees of freedom, mixed. Penalties are the surface's, where any of it is taken.
+    /// Coefficients, covariance and degrees of freedom, mixed. Penalties are the surface's, if any of it is used.
     pub(crate) solution: Solution,
-    /// √(1 − w) of the difference between surface and physics form, in the coefficients, w the share: w·(1 − w) of its square is between the
-    /// two, (1 − w)² what the share falls short of the surface.
+    /// √(1 − w) of the difference between surface and physics form, in the coefficients, where w is the share: w·(1 − w) of its square is
+    /// between the two, (1 − w)² is the distance of the mixture from the surface.
     pub(crate) doubt: Vec<f64>,
-    /// Where the penalty of each penalised block pulls.
+    /// The pull of each penalised block's penalty.
     pub(crate) pulls: Vec<Pull>,
 }
 
-/// Where a block's penalty pulls the coefficients.
+/// The pull of a block's penalty on the coefficients.
 #[derive(Debug, Clone)]
 pub(crate) struct Pull {
-    /// H⁻¹·λβ of the block: what its penalty makes of the coefficients.
+    /// H⁻¹·λβ of the block: the effect of its penalty on the coefficients.
     pub(crate) of: Vec<f64>,
-    /// How unsure its penalty is, relative variance: λ is a ratio of edf squares to their number.
+    /// Relative variance of its penalty: λ is a ratio of edf squares to their number.
     pub(crate) relative_variance: f64,
 }
 
 impl Stacked {
-    /// A `share` of what `surface`, a solution of `system`, has beyond the physics form alone. `None` when the form is singular.
+    /// Physics form plus a `share` of the deviations of `surface`, a solution of `system`. `None` when the form is singular.
     pub(crate) fn new(
         system: &System,
         surface: Solution,
@@ -52,7 +52,7 @@ impl Stacked {
     }
 }
 
-/// Where the penalties start for the physics form alone: from the data's scale, infinite elsewhere.
+/// Start of the penalties for the physics form alone: from the data's scale, infinite elsewhere.
 pub(crate) fn physics_alone(blocks: &[CoefficientBlock]) -> Vec<f64> {
     blocks.iter().map(|block| if block.physics { 0.0 } else { f64::INFINITY }).collect()
 }
@@ -101,7 +101,7 @@ mod tests {
             assert!((none.doubt[k] - (whole - form)).abs() < 1e-12 && all.doubt[k] == 0.0);
             assert!((half.doubt[k].powi(2) - 0.5 * (whole - form).powi(2)).abs() < 1e-12);
         }
-        // a block that is left out pulls nowhere
+        // a skipped block has no pull
         assert!(none.pulls[0].of.iter().all(|p| *p == 0.0) && all.pulls[0].of.iter().any(|p| *p != 0.0));
     }
 }

@@ -1,9 +1,9 @@
 //! The speed over which the extra friction near standstill fades (Stribeck's), the one parameter of the physics form that is not linear.
 //!
-//! Its profile likelihood: for each speed the form's linear parameters and the delays are solved for in the whitened sums, and the speed with
-//! the least sum of squares is taken, with a weak log-normal prior around the speed that stands before the data: a vehicle with hardly
-//! any extra friction would else get a narrow spike at standstill or a hump over half the speeds, as chance will have it. The form's own column for a speed
-//! that is not quite known then has little left to do; what the data leave unsure of it is in the posterior.
+//! Its profile likelihood: for each speed, the form's linear parameters and the delays are solved for in the whitened sums. The speed with
+//! the least sum of squares is used, with a weak log-normal prior around the default speed. Without it, a vehicle with hardly any extra
+//! friction would by chance get a narrow spike at standstill or a hump over half the speeds. The form's own column for an inexact speed
+//! then has little left to do; the posterior includes the remaining uncertainty.
 
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::surface::design::{STRIBECK_MPS, friction};
@@ -12,7 +12,7 @@ use crate::map::Gear;
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 
-/// Speeds that are tried: evenly in their logarithm, from and to [m/s]; the upper end is a third of the fastest measured where that is less.
+/// Speeds tried [m/s]: even in their logarithm, from and to; the upper end is a third of the fastest measured if that is less.
 const FROM_MPS: f64 = 0.02;
 const TO_MPS: f64 = 0.4;
 const TRIED: usize = 25;
@@ -34,7 +34,7 @@ pub(crate) fn speed(lattice: &Lattice, grams: &[(Gear, &Gram)], prior_std: &[f64
     tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(STRIBECK_MPS, |best| best.0)
 }
 
-/// What the physics form with this speed explains of one gear's squares, with a minus: the sum of squares but for a constant.
+/// Minus the part of one gear's squares that the physics form explains with this speed: the sum of squares without a constant.
 fn left(lattice: &Lattice, whole: &Mat<f64>, prior_std: &[f64], stribeck_mps: f64) -> f64 {
     let base = lattice.columns();
     let largest = lattice.torque_nm.iter().fold(0.0f64, |m, u| m.max(u.abs()));

@@ -1,24 +1,26 @@
-//! The surface's coefficients as an analysis of variance: a physics form that no penalty touches (inertia, drive and brake efficiency and how
-//! they change with speed, Coulomb, Stribeck, viscous and quadratic friction), with it, penalised, the other shapes of Stribeck friction; then
-//! smooth deviations in blocks, each with its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and gear-antisymmetric
-//! copies where both gears were driven.
+//! The surface's coefficients as an analysis of variance. First a physics form without a penalty: inertia, drive and brake efficiency and
+//! their change with speed, Coulomb, Stribeck, viscous and quadratic friction. With it, penalised, the other shapes of Stribeck friction.
+//! Then smooth deviations in blocks, each with its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and
+//! gear-antisymmetric copies if both gears were driven.
 //!
-//! Penalised blocks are scaled so that their penalty is the identity. Along an axis they are the modes z of DᵀD, D the second differences of
-//! the splines' coefficients over Greville's abscissae (Eilers & Marx, P-splines): what bends at all, from the least to the most, with its
-//! bending ρ = ‖D·z‖² as a share of an axis of length one, and the penalty is λ·ρ^1.5 times the square of its coefficient. As ρ grows with
-//! the fourth power of a mode's number, that is with the sixth: what a penalty on third derivatives asks for, which lets a smooth function
-//! bend and holds down waves, while straight lines alone stay free. Second derivatives (ρ¹) leave more of the noise in: a twentieth to a
-//! tenth in vehicles that no physics form describes. Driving and braking may meet in a kink at U = 0: U⁺ is part of the physics form, and a
-//! kink that changes with speed is a block of its own, so that what is smooth across U = 0 need not be put together from bends and kinks that
-//! cancel. The interaction f(V)·g(U) is penalised by how much it bends along either axis, λ·(ρ_V + ρ_U)^1.5 (Wood 2006, *Low-rank
-//! scale-invariant tensor product smooths*), in the modes z ⊗ y of both: a penalty on mixed differences would let it run away in corners.
+//! Penalised blocks are scaled so that their penalty is the identity. Along an axis they are the modes z of DᵀD that bend, from the least
+//! to the most, where D gives the second differences of the splines' coefficients over Greville's abscissae (Eilers & Marx, P-splines). The
+//! bending of a mode is ρ = ‖D·z‖² as a share of an axis of length one, and the penalty is λ·ρ^1.5 times the square of its coefficient. As
+//! ρ grows with the fourth power of a mode's number, the penalty grows with the sixth, as a penalty on third derivatives does: a smooth
+//! function may bend, waves are held down, and only straight lines are free. Second derivatives (ρ¹) leave more of the noise in: a
+//! twentieth to a tenth in vehicles that no physics form describes.
+//!
+//! Driving and braking may meet in a kink at U = 0: U⁺ is part of the physics form. A kink that changes with speed is a block of its own,
+//! so that a function smooth across U = 0 is not a sum of bends and kinks that cancel. The interaction f(V)·g(U) is penalised by its
+//! bending along either axis, λ·(ρ_V + ρ_U)^1.5 (Wood 2006, *Low-rank scale-invariant tensor product smooths*), in the modes z ⊗ y of both:
+//! a penalty on mixed differences would let it run away in corners.
 
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::map::Gear;
 use faer::Mat;
 use std::ops::Range;
 
-/// Speed over which the extra friction near standstill fades, before the data have told it [m/s].
+/// Speed over which the extra friction near standstill fades, before it is estimated [m/s].
 pub(crate) const STRIBECK_MPS: f64 = 0.1;
 
 /// Power of a mode's bending in its penalty.
@@ -32,13 +34,13 @@ const NEAR_STANDSTILL: &str = "near standstill";
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CoefficientBlock {
-    /// What it is, for the report.
+    /// Its name, for the report.
     pub(crate) name: &'static str,
     /// Its coefficients.
     pub(crate) range: Range<usize>,
     /// Whether it is penalised (and its penalty estimated).
     pub(crate) penalised: bool,
-    /// Whether it belongs to the physics form, which may be taken alone.
+    /// Whether it belongs to the physics form, which may be used alone.
     pub(crate) physics: bool,
 }
 
@@ -104,8 +106,8 @@ impl Design {
             columns.extend(along_speed.iter().map(|f| tensor(f, &one_u)));
             columns
         };
-        // from the one shape of the extra friction to the other: with one of them alone errors of 0.04 N·m alternate over speed where the
-        // vehicle has the other
+        // from one shape of the extra friction to the other: with only one of them, errors of 0.04 N·m alternate over speed if the vehicle
+        // has the other
         let near_standstill = || {
             let difference = |s: f64| {
                 let squared = (s / stribeck_mps).powi(2);
@@ -157,7 +159,7 @@ impl Design {
         self.transforms[0].ncols()
     }
 
-    /// The surfaces of both gears, forward and reverse, that coefficients describe; what follows the design's own is ignored.
+    /// The surfaces of both gears, forward and reverse, by the coefficients; those after the design's own are ignored.
     pub(crate) fn surfaces(&self, lattice: &Lattice, beta: &[f64]) -> [LatticeSurface; 2] {
         let beta = &beta[..self.coefficients()];
         Gear::ALL.map(|gear| LatticeSurface { lattice: lattice.clone(), theta: self.lattice_values(gear, beta) })
@@ -178,11 +180,10 @@ impl Design {
     }
 }
 
-/// What friction may be made of along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction,
-/// Stribeck's (extra friction that fades over `stribeck_mps`), and its derivative by the logarithm of that speed, which leaves room for a speed
-/// that is not quite known. Models let it fade as exp(−(V/v_s)²) or as 1/(1 + (V/v_s)²), whose tail is longer (Armstrong-Hélouvry, Dupont &
-/// Canudas de Wit 1994, *A survey of models, analysis tools and compensation methods for the control of machines with friction*): this is the
-/// mean of both.
+/// Friction along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction, Stribeck's (extra
+/// friction that fades over `stribeck_mps`), and its derivative by the logarithm of that speed, for a speed that is not exact. Models let
+/// it fade as exp(−(V/v_s)²) or as 1/(1 + (V/v_s)²), whose tail is longer (Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, *A survey of
+/// models, analysis tools and compensation methods for the control of machines with friction*): this is the mean of both.
 pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 5] {
     let fastest = lattice.fastest_mps();
     let squared = |s: f64| (s / stribeck_mps).powi(2);
@@ -215,7 +216,7 @@ impl Mode {
 fn modes(nodes: &[f64]) -> Vec<Mode> {
     let Some(d) = second_differences(nodes) else { return Vec::new() };
     let Ok(eigen) = (d.transpose() * &d).self_adjoint_eigen(faer::Side::Lower) else { return Vec::new() };
-    // Σ(Δ²f)²/h³ stands for ∫f″²; what does not bend at all, two functions, comes first
+    // Σ(Δ²f)²/h³ stands for ∫f″²; the two functions that do not bend come first
     let per_length = ((nodes.len() - 1) as f64).powi(3);
     let shapes = eigen.U().col_iter().map(|shape| shape.iter().copied().collect::<Vec<f64>>());
     let bending = eigen.S().column_vector().iter().map(|value| per_length * value);

@@ -8,7 +8,7 @@ use crate::fit::surface::spline::{Spline, Weights};
 /// Speed at which the warp turns from linear to logarithmic [m/s].
 const WARP_MPS: f64 = 0.12;
 
-/// The knots, and the coefficients that hang on them.
+/// The knots and their coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lattice {
     fastest_mps: f64,
@@ -22,7 +22,7 @@ pub(crate) struct Lattice {
     pub(crate) torque_nm: Vec<f64>,
 }
 
-/// The sixteen coefficients that matter at a point: four along speed times four along torque.
+/// The sixteen coefficients at a point: four along speed times four along torque.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spot {
     pub(crate) along_speed: Weights,
@@ -79,7 +79,7 @@ impl Lattice {
         self.torque.knots()
     }
 
-    /// What matters at (V, U). Speed is held at its ends; torque goes on linearly beyond them.
+    /// The coefficients at (V, U). Speed is held at its ends; torque is extended linearly.
     pub(crate) fn spot(&self, speed_mps: f64, torque_nm: f64) -> Spot {
         Spot { along_speed: self.speed.held(self.warp(speed_mps)), along_torque: self.torque.extended(torque_nm) }
     }

@@ -1,4 +1,4 @@
-//! Cubic B-splines over one axis, with a kink where it is wanted.
+//! Cubic B-splines over one axis, with an optional kink.
 //!
 //! Knots are uniform; the ends are clamped (four-fold), and a knot at a kink is three-fold, so that the spline is continuous there and its
 //! slope may jump (de Boor, *A Practical Guide to Splines*, chapters IX and XI). Against hats on the same knots the error of a smooth
@@ -10,14 +10,14 @@ pub(crate) struct Spline {
     start: f64,
     step: f64,
     pieces: Vec<SplinePiece>,
-    /// Greville's abscissa of each coefficient: a linear function has its own values there as coefficients.
+    /// Greville's abscissa of each coefficient: the coefficients of a linear function are its values there.
     greville: Vec<f64>,
 }
 
 /// The spline over one interval.
 #[derive(Debug, Clone, PartialEq)]
 struct SplinePiece {
-    /// First of the four coefficients that matter.
+    /// First of the four coefficients.
     first: usize,
     /// Their weights as polynomials of the fraction of the way through: the constant terms of all four, the linear ones, and so on.
     powers: [[f64; 4]; 4],
@@ -38,7 +38,7 @@ impl SplinePiece {
     }
 }
 
-/// The four coefficients that matter at a point.
+/// The four coefficients at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Weights {
     /// The first one; the others follow.

@@ -1,4 +1,4 @@
-//! Dead times, lag and clock offsets of the drive, each with how it was found.
+//! Dead times, lag and clock offsets of the drive, each with its status.
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
@@ -7,7 +7,7 @@ use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
 use crate::map::{Actuator, DelayEstimate, DelayStatus, LogActuator};
 
-/// An offset between the clocks of command and speed counts from here on [s]: smaller ones are sampling phases.
+/// Least offset between the clocks of command and speed that counts [s]: smaller ones are sampling phases.
 const CLOCK_OFFSET_S: f64 = 0.02;
 /// A delay with a larger standard error is weakly determined [s].
 const WEAK_S: f64 = 0.01;
@@ -34,8 +34,8 @@ impl From<&Estimate<'_>> for Delays {
 
 /// Dead times, lag and clock offsets, each with its status; one survey per log.
 ///
-/// Where the feedback was the input, the delays found are those from it to the speed. What a controller needs leads from the command: the
-/// feedback's own dead time comes on top, and its lag takes the place of none.
+/// If the feedback was the input, the estimated delays are those from feedback to speed. A controller needs those from the command: the
+/// feedback's own dead time is added, and its lag replaces the missing one.
 pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoice, settings: &FitSettings) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
@@ -59,7 +59,7 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoic
         .map(|(k, survey)| {
             let own = (found.dead_time_s[k], found.dead_time_std_err_s[k]);
             let feedback = choice.delays(&survey.track.source);
-            // dead time from command to speed, and what of it the feedback does not show
+            // dead time from command to speed, and its part after the feedback
             let ((total, std_err), offset) = match feedback {
                 Some(f) if choice.is_feedback() => ((f.dead_time_s + own.0, own.1.hypot(f.misfit() * f.dead_time_std_err_s)), Some(own)),
                 Some(f) => (own, Some((own.0 - f.dead_time_s, (own.1 * own.1 + f.dead_time_std_err_s * f.dead_time_std_err_s).sqrt()))),
@@ -98,7 +98,7 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoic
     Actuator {
         dead_time: estimate(mean, spread.max(of_errors), given),
         lag: estimate(lag_s, lag_std_err_s, settings.lag_s.is_some()),
-        input: choice.told(),
+        input: choice.named(),
         per_log,
     }
 }

@@ -1,4 +1,4 @@
-//! One fit at one wheel angle: the estimate, its surface made monotone, its tables, and what speaks against them.
+//! One fit at one wheel angle: the estimate, its surface made monotone, its tables, and the reasons against them.
 
 use crate::campaign::{AngleGroup, SampleVerdict};
 use crate::fit::drive::torque_input::TorqueChoice;
@@ -12,7 +12,7 @@ use crate::fit::table1::tables::{UsedSample, accel_map, used_samples, verdicts};
 use crate::fit::{FitSettings, Result, rounds};
 use crate::map::AccelMap;
 
-/// What a fit at one wheel angle gives.
+/// Results of a fit at one wheel angle.
 pub(crate) struct AngleFit<'a> {
     /// The wheel angle of the runs [°], left positive.
     pub(crate) wheel_angle_deg: f64,
@@ -29,9 +29,9 @@ pub(crate) struct AngleFit<'a> {
     pub(crate) compared: Vec<Compared>,
     /// The runs.
     pub(crate) figures: RunFigures,
-    /// What a reader should know of the estimate.
+    /// Notes on the estimate, for the reader.
     pub(crate) remarks: Vec<String>,
-    /// What speaks against the tables; nothing when they are sound.
+    /// The reasons against the tables; none when they are sound.
     pub(crate) objections: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> AngleFit<'a> {
         Ok(Self { wheel_angle_deg, estimate, monotone, verdicts, samples, maps, compared, figures, remarks, objections })
     }
 
-    /// Everything that a reader should know, in the order of the report, but for the logs' own notes.
+    /// All notes for the reader, in the order of the report, except the logs' own.
     pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
         let disagreements = disagreements(&self.figures.rows);
         self.remarks.iter().chain(&self.objections).cloned().chain(disagreements)
@@ -70,7 +70,7 @@ fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<Stri
         remarks.push("the surface was made to rise with torque by running maxima: the data contradict it in places".to_owned());
     }
     if !estimate.rounds.converged {
-        remarks.push(format!("the fit stopped after {} iterations before the surface stood still", estimate.rounds.count));
+        remarks.push(format!("the fit stopped after {} iterations before the surface converged", estimate.rounds.count));
     }
     for bound in &estimate.noise_bounds {
         remarks.push(format!("noise model: {bound} is at its bound"));
@@ -78,13 +78,13 @@ fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<Stri
     for log in &estimate.data.logs {
         if let Some(rate_hz) = slow_rate_hz(log.survey) {
             remarks.push(format!(
-                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate tells the speeds; cells count its samples and stay thin",
+                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate gives the speeds; few samples count for the cells",
                 log.survey.track.source.file
             ));
         }
     }
     if let Some(low) = estimate.data.logs.iter().find(|l| !l.may_anchor) {
-        remarks.push(format!("{}: speed is too coarse to tell when a start from rest begins", low.survey.track.source.file));
+        remarks.push(format!("{}: speed is too coarse to show when a start from rest begins", low.survey.track.source.file));
     }
     remarks
 }

@@ -1,9 +1,9 @@
-//! How likely other delays are: the profile likelihood of dead time and lag around the finished fit.
+//! Likelihood of other delays: the profile likelihood of dead time and lag around the finished fit.
 //!
-//! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may give way in its six main
-//! directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. That is the likelihood profiled over these directions,
-//! not over the whole surface, hence a little narrower than the standard errors say, which leave the whole surface free. Where the torque
-//! feedback is the input, it holds the lag already: dead times from command to speed are tried, and no lag.
+//! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may give way in its six
+//! main directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. The likelihood is profiled over these directions,
+//! not over the whole surface. So it is a little narrower than the standard errors, which leave the whole surface free. If the torque
+//! feedback is the input, it already contains the lag: only dead times from feedback to speed are tried.
 
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueInput;
@@ -19,7 +19,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use rayon::prelude::*;
 
-/// Half-width of the map in standard errors of the less sure delay, and its bounds [s].
+/// Half-width of the map in standard errors of the less certain delay, and its bounds [s].
 const HALF_WIDTH_STD_ERRS: f64 = 6.0;
 const HALF_WIDTH_S: (f64, f64) = (0.003, 0.06);
 /// Steps to each side.
@@ -27,14 +27,14 @@ const PAIRS: i32 = 7;
 /// Dead times over the whole range [s].
 const LONGEST_S: f64 = 0.4;
 const STEP_S: f64 = 0.01;
-/// Readings beyond which more do not change the picture, all logs together, and the fewest of one.
+/// More readings than this do not change the picture, all logs together; and the fewest of one log.
 const ENOUGH_READINGS: usize = 12_000;
 const FEWEST_READINGS: usize = 1500;
 /// Directions in which the surface gives way.
 const DIRECTIONS: usize = 6;
 const WIDTH: usize = DIRECTIONS + 1;
 
-/// Segments of one log, taken evenly where they are many, and the speeds at which the surface was looked up.
+/// Segments of one log, sampled evenly if there are many, and the speeds at which the surface was looked up.
 struct LikelihoodLog<'a> {
     data: &'a LogData<'a>,
     dead_time_s: f64,
@@ -43,7 +43,7 @@ struct LikelihoodLog<'a> {
 
 type DelayGram = [[f64; WIDTH]; WIDTH];
 
-/// The likelihood around the estimate; `None` when nothing tells of delays.
+/// The likelihood around the estimate; `None` if no data show delays.
 pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let logs: Vec<LikelihoodLog> = (0..estimate.data.logs.len()).map(|k| view(estimate, k)).collect();
     let found_lag_s = estimate.calibration.lag_s;
@@ -51,7 +51,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
     let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
     let measured = estimate.data.logs.iter().any(|l| l.input != TorqueInput::Command);
-    // a feedback is followed without a lag
+    // a feedback is used without a lag
     let lags: Vec<f64> = if measured { vec![found_lag_s] } else { shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect() };
     let pairs: Vec<(f64, f64)> = lags.iter().flat_map(|l| shifts.iter().map(move |s| (*l, *s))).collect();
     let values: Vec<f64> = pairs

@@ -1,4 +1,4 @@
-//! What a reader may want to know of the estimate beside the tables: speed sources, noise, and how the surface was chosen.
+//! Diagnostics of the estimate besides the tables: speed sources, noise, and how the surface was chosen.
 
 use crate::fit::rounds::cross_validation::ModelComparison;
 use crate::fit::rounds::estimate::Estimate;
@@ -7,7 +7,7 @@ use crate::fit::table1::runs::round;
 use crate::map::{PlantNoise, SpeedReading, SpeedSource};
 use crate::signal::median;
 
-/// What is random about the plant.
+/// The random part of the plant.
 pub(crate) fn plant_noise(estimate: &Estimate) -> PlantNoise {
     PlantNoise {
         disturbance_mps2: round(estimate.noise.disturbance_mps2, 1e6),
@@ -18,7 +18,7 @@ pub(crate) fn plant_noise(estimate: &Estimate) -> PlantNoise {
 }
 
 /// The speed sources, encoder first.
-pub(crate) fn witnesses(estimate: &Estimate) -> Vec<SpeedReading> {
+pub(crate) fn speed_readings(estimate: &Estimate) -> Vec<SpeedReading> {
     let encoder = SpeedReading {
         name: SpeedSource::Encoder,
         scale: round(estimate.calibration.encoder_scale, 1e6),

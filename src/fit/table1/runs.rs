@@ -1,5 +1,4 @@
-//! How well the surface explains each run: the judge that users understand is the simulated speed, by a surface that was fitted without the
-//! run.
+//! How well the surface explains each run. Users understand the simulated speed best, from a surface fitted without the run.
 
 use crate::campaign::{SampleVerdict, runs};
 use crate::fit::motion::integration::Course;
@@ -19,7 +18,7 @@ pub(crate) struct Compared {
 
 /// The runs, and the held-out figures over all of them.
 pub(crate) struct RunFigures {
-    /// One row per hold, with what the surface makes of it.
+    /// One row per hold, with its errors.
     pub(crate) rows: Vec<RunRow>,
     /// The log of each row.
     pub(crate) logs: Vec<usize>,
@@ -27,7 +26,7 @@ pub(crate) struct RunFigures {
     pub(crate) pooled: Option<(f64, f64)>,
 }
 
-/// One row per hold, with what a surface fitted without its run makes of it.
+/// One row per hold, with its errors by a surface fitted without its run.
 ///
 /// `compared` is in the order of the logs and of time: segments follow one another and do not overlap.
 pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<SampleVerdict>]) -> RunFigures {
@@ -52,23 +51,24 @@ pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: 
 
 /// An offset further from the median than this many robust standard deviations disagrees with the rest.
 const DISAGREES: f64 = 4.0;
-/// Whatever the spread, less than this is no disagreement worth a driver's time [m/s²].
+/// Least offset that counts as a disagreement, whatever the spread [m/s²].
 const LEAST_DISAGREEMENT_MPS2: f64 = 0.02;
-/// Fewest runs from which the spread of the offsets is told.
+/// Fewest runs for a spread of the offsets.
 const FEWEST_OFFSETS: usize = 8;
-/// A run counts in this comparison from here on [s]: shorter ones hardly show an offset.
+/// Shortest run in this comparison [s]: shorter ones hardly show an offset.
 const LONG_ENOUGH_S: f64 = 0.5;
 
 /// One note per log about its runs that disagree with the rest: a slope, a battery, a drift.
 pub(crate) fn disagreements(rows: &[RunRow]) -> Vec<String> {
-    let told: Vec<(&RunRow, f64)> = rows.iter().filter(|r| r.used_s >= LONG_ENOUGH_S).filter_map(|r| Some((r, r.offset_mps2?))).collect();
-    if told.len() < FEWEST_OFFSETS {
+    let offsets: Vec<(&RunRow, f64)> =
+        rows.iter().filter(|r| r.used_s >= LONG_ENOUGH_S).filter_map(|r| Some((r, r.offset_mps2?))).collect();
+    if offsets.len() < FEWEST_OFFSETS {
         return Vec::new();
     }
-    let centre = median(&told.iter().map(|(_, o)| *o).collect::<Vec<_>>());
-    let spread = 1.4826 * median(&told.iter().map(|(_, o)| (o - centre).abs()).collect::<Vec<_>>());
+    let centre = median(&offsets.iter().map(|(_, o)| *o).collect::<Vec<_>>());
+    let spread = 1.4826 * median(&offsets.iter().map(|(_, o)| (o - centre).abs()).collect::<Vec<_>>());
     let mut notes: Vec<(&str, Vec<String>)> = Vec::new();
-    for (row, offset) in told.iter().filter(|(_, o)| (o - centre).abs() > (DISAGREES * spread).max(LEAST_DISAGREEMENT_MPS2)) {
+    for (row, offset) in offsets.iter().filter(|(_, o)| (o - centre).abs() > (DISAGREES * spread).max(LEAST_DISAGREEMENT_MPS2)) {
         let run = format!("at {:.1} s ({} N·m, {}, {offset:+.3} m/s²)", row.start_s, row.torque_nm, row.gear);
         match notes.last_mut().filter(|(log, _)| *log == row.log) {
             Some((_, runs)) => runs.push(run),
@@ -115,7 +115,7 @@ fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
 /// Longest step of the simulation [s]: fine enough for the midpoint rule even while the torque moves.
 const LONGEST_STEP_S: f64 = 10e-3;
 
-/// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
+/// Every segment simulated open loop from its own start, v̇ = A(v, u), never corrected by its readings.
 pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
     let lagged = estimate.torques();
     let mut compared = Vec::with_capacity(estimate.data.segments.iter().map(|s| s.readings.len()).sum());
@@ -141,7 +141,7 @@ pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
     compared
 }
 
-/// Root mean square of what the surface leaves of the acceleration, from the smoothed speeds [m/s²].
+/// Root mean square residual of the acceleration, from the smoothed speeds [m/s²].
 pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
     let lagged = estimate.torques();
     let (mut sum, mut count) = (0.0, 0usize);

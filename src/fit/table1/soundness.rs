@@ -1,4 +1,4 @@
-//! Whether a table that could be computed may also be trusted: enough of it seen, torque varied, and logs that tell the same story.
+//! Whether a computed table may also be trusted: enough of it measured, torque varied, and logs that agree.
 
 use crate::fit::FitSettings;
 use crate::fit::motion::integration::Course;
@@ -9,19 +9,18 @@ use crate::fit::table1::tables::UsedSample;
 use crate::map::{AccelMap, CellStatus, Gear};
 use std::collections::BTreeMap;
 
-/// Effective number of torques below which how acceleration depends on torque is a guess: one torque and coasting make about two.
+/// Below this effective number of torques, the dependence of acceleration on torque is a guess: one torque and coasting make about two.
 const FEWEST_TORQUES: f64 = 2.5;
 /// Torques nearer than this share of the largest count as one.
 const SAME_TORQUE: f64 = 0.04;
-/// Difference of two logs' accelerations under the same torque that a day, a battery or a warm gear may make; more is another vehicle or
-/// load.
+/// Largest difference of two logs' accelerations under the same torque by a day, a battery or a warm gear; more is another vehicle or load.
 const SAME_VEHICLE: f64 = 0.10;
-/// Constant difference of acceleration between two logs, relative to what the largest torque gives, that a floor or a slope may make.
+/// Largest constant difference of acceleration between two logs by a floor or a slope, relative to the acceleration by the largest torque.
 const SAME_FLOOR: f64 = 0.05;
-/// Standard errors that a difference must also exceed.
+/// A difference must also exceed this many standard errors.
 const SIGNIFICANT: f64 = 3.5;
 
-/// What speaks against the table, for people; nothing when it is sound.
+/// The reasons against the table, for people; none when it is sound.
 pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<String> {
     let mut found: Vec<String> = thin(maps, settings).into_iter().collect();
     found.extend(estimate.data.gears.iter().filter_map(|gear| few_torques(*gear, samples)));
@@ -78,7 +77,7 @@ struct Departure {
     offset_std_err_mps2: f64,
 }
 
-/// The two logs that differ most, when they differ by more than one vehicle can.
+/// The two logs that differ most, if they differ by more than one vehicle can.
 fn contradiction(estimate: &Estimate) -> Option<String> {
     if estimate.data.logs.len() < 2 {
         return None;
@@ -88,10 +87,10 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
     let surface = estimate.model.surface(estimate.data.gears[0]);
     let reach_mps2 = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, 0.0);
     let name = |k: usize| &estimate.data.logs[k].survey.track.source.file;
-    let told: Vec<(usize, &Departure)> = departures.iter().enumerate().filter_map(|(k, d)| Some((k, d.as_ref()?))).collect();
+    let known: Vec<(usize, &Departure)> = departures.iter().enumerate().filter_map(|(k, d)| Some((k, d.as_ref()?))).collect();
     let by = |of: &dyn Fn(&Departure) -> f64| {
-        let low = told.iter().min_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
-        let high = told.iter().max_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
+        let low = known.iter().min_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
+        let high = known.iter().max_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
         Some((low.0, high.0, low.1, high.1))
     };
     let (low, high, a, b) = by(&|d| d.scale)?;
@@ -118,8 +117,8 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
     })
 }
 
-/// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration. The noise is bounded as for the
-/// cuts: what parts the logs is in it already, and would pass for chance.
+/// Regression of a log's whitened residuals on the surface's prediction and on a constant acceleration. The noise is bounded as for the
+/// cuts: it already contains the difference between the logs, which would pass for chance.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
     let lagged = estimate.data.logs[log].torque(estimate.calibration.lag_s);
     let noise = calm(&estimate.noise, estimate.model.surface(estimate.data.gears[0]));
@@ -159,8 +158,8 @@ mod tests {
 
     #[test]
     fn one_torque_and_coasting_are_too_few_and_three_even_ones_are_enough() {
-        let told = few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400)])).unwrap_or_default();
-        assert!(told.contains("20 and 0 N·m"), "{told}");
+        let reason = few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400)])).unwrap_or_default();
+        assert!(reason.contains("20 and 0 N·m"), "{reason}");
         assert!(few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400), (35.0, 500)])).is_none());
         // a torque dithered by hand has no levels at all
         let dithered: Vec<(f64, usize)> = (0..200).map(|k| (0.1 * f64::from(k), 5)).collect();

@@ -1,10 +1,10 @@
-//! How sure each value of the surface is.
+//! The standard error of each value of the surface.
 //!
 //! The larger of two variances: the posterior cᵀ(XᵀX + Λ)⁻¹c, right when the model is, and the sandwich cᵀ·H⁻¹(Σ_r s_r·s_rᵀ)H⁻¹·c over the
-//! scores s_r of whole runs, right when runs differ more than the model thinks. X holds the columns of the delays as well, so that what is
-//! unsure of them is in both. On top: the square of the smoothing bias cᵀ·H⁻¹Λβ, and what penalties that are not exactly known make of that
-//! (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth models*). Where only
-//! a share w of the surface's deviations was taken, 1 − w of their square stands for the doubt between form and surface.
+//! scores s_r of whole runs, right when runs differ more than in the model. X also holds the columns of the delays, so both include the
+//! uncertainty of the delays. Added to it: the square of the smoothing bias cᵀ·H⁻¹Λβ, and the uncertainty of that bias by penalties that
+//! are not exactly known (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth
+//! models*). If only a share w of the surface's deviations is used, 1 − w of their square stands for the doubt between form and surface.
 
 use crate::fit::motion::integration::courses;
 use crate::fit::motion::regressors::{Free, add_score};
@@ -40,13 +40,13 @@ impl Uncertainty {
                 let [posterior, sandwich] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
                 let doubt: f64 = rows[k].iter().zip(&estimate.model.stacked.doubt).map(|(c, d)| c * d).sum();
-                let (mut bias, mut unsure) = (0.0, doubt * doubt);
+                let (mut bias, mut extra) = (0.0, doubt * doubt);
                 for pull in &estimate.model.stacked.pulls {
                     let pulled: f64 = rows[k].iter().zip(&pull.of).map(|(c, p)| c * p).sum();
                     bias += pulled;
-                    unsure += pull.relative_variance * pulled * pulled;
+                    extra += pull.relative_variance * pulled * pulled;
                 }
-                (posterior.max(sandwich) + bias * bias + unsure).sqrt()
+                (posterior.max(sandwich) + bias * bias + extra).sqrt()
             })
             .collect()
     }

@@ -1,4 +1,4 @@
-//! The surface on the grid that people asked for, with what is known of every cell.
+//! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
 use crate::fit::rounds::estimate::Estimate;
@@ -7,7 +7,7 @@ use crate::fit::{FitSettings, Result};
 use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
-/// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
+/// Fewest samples nearest to a cell for it to count as measured: 0.06 s at 50 Hz.
 const MEASURED_SAMPLES: u64 = 3;
 /// Spacing of the default speed breaks [m/s].
 const SPEED_STEP_MPS: f64 = 0.05;
@@ -32,7 +32,7 @@ pub(crate) fn used_samples(estimate: &Estimate) -> Vec<UsedSample> {
     let mut samples = Vec::new();
     for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
         let mut cursor = lagged[segment.log].cursor();
-        for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.witness == 0) {
+        for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.source == 0) {
             let torque = cursor.at(reading.t_s - estimate.calibration.dead_time_s[segment.log]).torque_nm;
             samples.push(UsedSample { gear: segment.gear, speed_mps: *v, torque_nm: segment.gear.sign() * torque });
         }
@@ -78,7 +78,7 @@ fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec
     if breaks.len() >= 3 && breaks.len() <= 81 {
         return breaks;
     }
-    // no fixed levels: an even grid over what was covered
+    // no fixed levels: an even grid over the covered range
     let own = samples.iter().filter(|s| s.gear == gear);
     let (low, high) = own.fold((0.0f64, 0.0f64), |(a, b), s| (a.min(s.torque_nm), b.max(s.torque_nm)));
     let width = (high - low).max(1e-6) / 20.0;
@@ -182,7 +182,7 @@ fn statuses(measured: &[Vec<bool>]) -> Vec<Vec<CellStatus>> {
         .collect()
 }
 
-/// The torque at which the surface at standstill crosses zero, held within what the starts from rest showed.
+/// The torque at which the surface at standstill crosses zero, within the bounds from the starts from rest.
 fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> BreakawayTorque {
     let surface = estimate.model.surface(gear);
     let trials = || estimate.data.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);
@@ -245,7 +245,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
         }
     }
     for segment in &estimate.data.segments {
-        for reading in segment.readings.iter().filter(|r| r.witness == 0) {
+        for reading in segment.readings.iter().filter(|r| r.source == 0) {
             all[segment.log][reading.sample as usize] = SampleVerdict::Used;
         }
     }

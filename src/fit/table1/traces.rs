@@ -1,4 +1,4 @@
-//! What a report shows of a fit: traces of the runs, residuals over the cells and over time. Read only; nothing here touches the estimate.
+//! The traces of a fit for a report: the runs, residuals over the cells and over time. Read only; the estimate does not change.
 
 use crate::campaign::{Hold, SampleVerdict, runs};
 use crate::fit::Result;
@@ -10,7 +10,7 @@ use crate::fit::table1::runs::{Compared, round};
 use crate::map::{AccelMap, Axis, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace};
 use crate::units::RAD_PER_DEG;
 
-/// Traces kept: a page of more is read by nobody.
+/// Most traces: nobody reads a page of more.
 const MOST_RUNS: usize = 500;
 /// Points of all traces together, and the fewest and most of one.
 const POINTS: usize = 10_000;
@@ -105,7 +105,7 @@ fn run_trace(
     for i in commanded.range(from_s, to_s) {
         change(commanded.t_s[i], round(gear.sign() * commanded.value[i], 1e2));
     }
-    // a command that moves all the time is thinned out like the rest
+    // a command that moves all the time is thinned like the rest
     let stride = command.len().div_ceil(2 * points).max(1);
     let command = command.into_iter().step_by(stride).collect();
 
@@ -141,7 +141,7 @@ fn at(simulated: &[Compared], t_s: f64) -> Option<f64> {
     near.map(|c| ((c.t_s - t_s).abs(), c.simulated)).filter(|c| c.0 <= NEAR_S).min_by(|a, b| a.0.total_cmp(&b.0)).map(|c| c.1)
 }
 
-/// What the surface leaves of the acceleration in a window of about 0.1 s.
+/// The residual acceleration in a window of about 0.1 s.
 struct ResidualWindow {
     log: usize,
     gear: Gear,

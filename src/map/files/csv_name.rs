@@ -12,7 +12,7 @@ pub fn csv_name(table: &str, gear: Gear, wheel_angle_deg: f64, test_angle_deg: f
     format!("{table}{angle}{}.csv", gear.file_infix())
 }
 
-/// Whether `name` is one of those that [`csv_name`] gives for `table`.
+/// Whether `name` is a result of [`csv_name`] for `table`.
 pub fn is_csv_name(name: &str, table: &str) -> bool {
     let Some(middle) = name.strip_prefix(table).and_then(|rest| rest.strip_suffix(".csv")) else { return false };
     let middle = middle.strip_suffix(Gear::Reverse.file_infix()).unwrap_or(middle);

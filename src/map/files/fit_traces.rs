@@ -1,10 +1,10 @@
-//! `fit_traces.json`: what a fit saw along the runs, thinned out for people to look at. Nothing is computed from it.
+//! `fit_traces.json`: the signals of a fit along the runs, thinned for people to look at. Nothing is computed from it.
 
 use crate::map::files::format::{FIT_TRACES_FORMAT, expect_format};
 use crate::map::{CsvRef, Gear, Result};
 use serde::{Deserialize, Serialize};
 
-/// `fit_traces.json`: traces of the runs, residuals, and how likely other delays are.
+/// `fit_traces.json`: traces of the runs, residuals, and the likelihood of other delays.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitTraces {
     /// Always `pivot-cal/fit_traces`.
@@ -23,7 +23,7 @@ pub struct FitTraces {
     pub residual_cells: Vec<ResidualCells>,
     /// Residuals over time, per log.
     pub residual_times: Vec<ResidualTimes>,
-    /// How likely other delays are; absent when the likelihood has no finite value.
+    /// Likelihood of other delays; absent if it has no finite value.
     pub delay: Option<DelayLikelihood>,
 }
 
@@ -36,7 +36,7 @@ pub struct RunTrace {
     pub t_s: Vec<f64>,
     /// Speed by the encoder with its scale and delay taken out [m/s], gear frame.
     pub speed_mps: Vec<f64>,
-    /// Speed simulated open loop by a surface fitted without the run [m/s], gear frame; null where the fit used nothing.
+    /// Speed simulated open loop by a surface fitted without the run [m/s], gear frame; null if the fit used nothing.
     pub simulated_mps: Vec<Option<f64>>,
     /// Torque after dead time and lag [N·m], gear frame.
     pub effective_nm: Vec<f64>,

@@ -1,7 +1,7 @@
-//! A folder of maps, read once: the tables, the CSV files that they name, and what does not fit together.
+//! A folder of maps, read once: the tables, the CSV files that they name, and the mismatches.
 //!
-//! In: the folder. Out: [`MapFolder`] and a list of [`Mismatch`]es. Nothing here decides what a mismatch means: `verify` and `export` refuse
-//! it, `report` notes it, `invert` looks at Table 1's files alone.
+//! In: the folder. Out: [`MapFolder`] and a list of [`Mismatch`]es. The callers decide what a mismatch means: `verify` and `export` refuse
+//! it, `report` notes it, `invert` uses only Table 1's files.
 
 use crate::map::files::lateral_table_file::LateralTableFile;
 use crate::map::files::save::sha256_hex;
@@ -33,11 +33,11 @@ pub struct StoredFile {
 pub struct MapFolder {
     /// The folder.
     pub path: PathBuf,
-    /// What `table1.json` holds.
+    /// Content of `table1.json`.
     pub table1: Table1File,
     /// `table1.json` itself.
     pub table1_json: StoredFile,
-    /// What `table2.json` holds, with the file itself.
+    /// Content of `table2.json`, with the file itself.
     pub table2: Option<(Table2File, StoredFile)>,
     /// The CSV files that the tables name and that could be read: those of Table 1, then those of Table 2.
     pub csvs: Vec<StoredFile>,
@@ -46,24 +46,24 @@ pub struct MapFolder {
 /// Two files of a folder that do not belong together, or a file that is named and cannot be read.
 #[derive(Debug)]
 pub enum Mismatch {
-    /// The file is there, with another hash than the file that names it says.
+    /// The file is there, but its hash is not the one in the file that names it.
     Hash {
         /// Name of the file.
         file: String,
-        /// Name of the file that says the hash.
+        /// Name of the file that gives the hash.
         by: &'static str,
         /// SHA-256 of the file.
         found: String,
-        /// SHA-256 that the other file says.
+        /// SHA-256 that the other file gives.
         expected: String,
     },
-    /// The file cannot be read, in most cases because it is not there.
+    /// The file cannot be read, usually because it is missing.
     Unreadable {
         /// Name of the file.
         file: String,
         /// Name of the file that names it.
         by: &'static str,
-        /// Why.
+        /// The reason.
         source: io::Error,
     },
 }
@@ -84,7 +84,7 @@ impl Mismatch {
     }
 }
 
-/// What makes a folder unreadable.
+/// Why a folder is unreadable.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)] // the fields are what the message says
 pub enum FolderError {
@@ -98,7 +98,7 @@ impl StoredFile {
     /// Reads the file `name` of a folder.
     ///
     /// # Errors
-    /// Whatever the file system refuses.
+    /// Any error of the file system.
     pub fn read(folder: &Path, name: &str) -> io::Result<Self> {
         let bytes = std::fs::read(folder.join(name))?;
         Ok(Self { name: name.to_owned(), sha256: sha256_hex(&bytes), bytes })
@@ -112,7 +112,7 @@ impl StoredFile {
         std::str::from_utf8(&self.bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
     }
 
-    /// What is wrong with it when `by` says that its hash is `expected`.
+    /// The mismatch if `by` gives the hash `expected` for it.
     fn mismatch(&self, by: &'static str, expected: &str) -> Option<Mismatch> {
         let wrong = || Mismatch::Hash { file: self.name.clone(), by, found: self.sha256.clone(), expected: expected.to_owned() };
         (self.sha256 != expected).then(wrong)
@@ -145,7 +145,7 @@ impl MapFolder {
         Ok((folder, mismatches))
     }
 
-    /// The same of `table1.json` and its CSV files alone: for what is made from Table 1, a Table 2 that is old or damaged does not matter.
+    /// The same for `table1.json` and its CSV files alone: an old or damaged Table 2 does not matter for results from Table 1.
     ///
     /// # Errors
     /// No `table1.json`, or one that cannot be read.
@@ -165,7 +165,7 @@ impl MapFolder {
         self.csvs.iter().find(|csv| csv.name == name)
     }
 
-    /// Another file of the folder; `None` where there is none.
+    /// Another file of the folder; `None` if it is missing.
     ///
     /// # Errors
     /// A file that is there and cannot be read.
@@ -177,7 +177,7 @@ impl MapFolder {
         }
     }
 
-    /// The lateral compensation table, where the folder has one, with what is wrong with its CSV.
+    /// The lateral compensation table, if the folder has one, with the mismatch of its CSV.
     ///
     /// # Errors
     /// A file that is there and cannot be read.
@@ -188,7 +188,7 @@ impl MapFolder {
         Ok(Some((file, mismatch)))
     }
 
-    /// What `from_text` makes of a file's text.
+    /// A file's text read by `from_text`.
     fn parsed<T>(&self, file: &StoredFile, from_text: impl Fn(&str) -> crate::map::Result<T>) -> Result<T, FolderError> {
         let text = file.text().map_err(|source| self.unread(&file.name, source))?;
         from_text(text).map_err(|source| FolderError::File { path: self.path.join(&file.name), source })
@@ -209,7 +209,7 @@ impl MapFolder {
     }
 }
 
-/// The file that `csv` names, and what is wrong with it.
+/// The file that `csv` names, and its mismatch.
 fn described(folder: &Path, csv: &CsvRef, by: &'static str) -> (Option<StoredFile>, Option<Mismatch>) {
     match StoredFile::read(folder, &csv.file) {
         Ok(file) => {

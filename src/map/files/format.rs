@@ -1,20 +1,20 @@
-//! What the JSON artefacts say of themselves: `format` and `format_version`.
+//! The `format` and `format_version` of the JSON artefacts.
 
 use crate::map::{Error, Result};
 
 /// Version of the JSON artefacts that this library writes, and the only one that it reads.
 pub const FORMAT_VERSION: u32 = 1;
 
-/// What the `format` field of a `table1.json` says.
+/// The `format` field of a `table1.json`.
 pub const TABLE1_FORMAT: &str = "pivot-cal/table1";
 
-/// What the `format` field of a `table2.json` says.
+/// The `format` field of a `table2.json`.
 pub const TABLE2_FORMAT: &str = "pivot-cal/table2";
 
-/// What the `format` field of a `lateral_table.json` says.
+/// The `format` field of a `lateral_table.json`.
 pub const LATERAL_TABLE_FORMAT: &str = "pivot-cal/lateral-table";
 
-/// What the `format` field of a `fit_traces.json` says.
+/// The `format` field of a `fit_traces.json`.
 pub const FIT_TRACES_FORMAT: &str = "pivot-cal/fit_traces";
 
 /// Parses JSON and checks its `format` and `format_version`.

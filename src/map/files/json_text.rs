@@ -1,4 +1,4 @@
-//! JSON as people read it: objects indented, arrays of plain values on one line.
+//! JSON for people to read: objects indented, arrays of plain values on one line.
 
 use crate::map::Result;
 use serde::Serialize;

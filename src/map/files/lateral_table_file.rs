@@ -1,4 +1,4 @@
-//! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not say.
+//! `lateral_table.json`: the mean lateral error that a compensation angle adds, with everything that is not in its CSV.
 
 use crate::map::decimal;
 use crate::map::files::format::{LATERAL_TABLE_FORMAT, expect_format};
@@ -56,7 +56,7 @@ pub struct LateralEntry {
     pub way_m: f64,
     /// File name of the log.
     pub log: String,
-    /// Why it was dropped; empty for one that was not.
+    /// Why it was dropped; empty if it was not.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub reason: String,
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serializer};
 
 /// A value with a fixed text.
 pub trait FixedText: Copy + PartialEq + 'static {
-    /// The field that holds it, as errors call it.
+    /// The name of its field in errors.
     const FIELD: &'static str;
     /// Every value with its text.
     const NAMES: &'static [(Self, &'static str)];

@@ -5,7 +5,7 @@ use crate::map::files::json_text;
 use crate::map::{Gear, Result};
 use serde::{Deserialize, Serialize};
 
-/// What the `format` field of a `plan.json` says.
+/// The `format` field of a `plan.json`.
 const FORMAT: &str = "pivot-cal/plan";
 
 /// `plan.json`.
@@ -26,10 +26,10 @@ pub struct PlanFile {
 /// A campaign still to drive, the most useful runs first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
-    /// The time that may be driven [s]; 0 in a file that does not say it.
+    /// The time that may be driven [s]; 0 in a file without it.
     #[serde(default)]
     pub budget_s: f64,
-    /// What the runs are expected to take [s].
+    /// Expected time of the runs [s].
     pub seconds: f64,
     /// Number of runs, repeats counted.
     pub runs: u32,
@@ -44,21 +44,21 @@ pub struct Proposal {
 /// A run, how often it is driven, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlanEntry {
-    /// What is driven.
+    /// The run.
     #[serde(flatten)]
     pub run: PlannedRun,
     /// How often.
     pub repeats: u32,
     /// Time of one run with everything around it [s].
     pub seconds: f64,
-    /// What the first of these runs takes off the standard error, root mean square over the cells [N·m], ...
+    /// Reduction of the standard error by the first of these runs, root mean square over the cells [N·m], ...
     pub gain_nm: f64,
-    /// ... as share of what it was before that run [%], ...
+    /// ... as a share of the standard error before that run [%], ...
     pub gain_percent: f64,
-    /// ... and per second of driving [N·m/s]; 0 in a file that does not say it.
+    /// ... and per second of driving [N·m/s]; 0 in a file without it.
     #[serde(default)]
     pub gain_nm_per_s: f64,
-    /// Which cells gain most, and how well they are known before.
+    /// The cells that gain most, and their standard error before.
     pub reason: String,
 }
 
@@ -79,7 +79,7 @@ pub struct PlannedRun {
     /// ... after a spin-up below this one [m/s], ...
     #[serde(default)]
     pub end_speed_mps: f64,
-    /// ... and after this time [s]. These three are 0 in a file that does not say them.
+    /// ... and after this time [s]. These three are 0 in a file without them.
     #[serde(default)]
     pub hold_s: f64,
 }
@@ -114,7 +114,7 @@ impl PlanFile {
 }
 
 impl PlannedRun {
-    /// From where it starts, in words.
+    /// Its start, in words.
     pub fn start(&self) -> String {
         match self.spin_up_nm {
             Some(torque_nm) => format!("from {:.2} m/s reached with {torque_nm:.1} N·m", self.start_speed_mps),

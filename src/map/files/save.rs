@@ -10,7 +10,7 @@ use std::path::Path;
 /// folders are made.
 ///
 /// # Errors
-/// Whatever the file system refuses, with the path.
+/// Any error of the file system, with the path.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let at = |source| Error::Io { path: path.to_owned(), source };
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -20,7 +20,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // the mode that a plain `File::create` would ask for; the process's umask still applies
+        // the mode of a plain `File::create`; the process's umask still applies
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(at)?;

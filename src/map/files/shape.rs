@@ -1,8 +1,8 @@
-//! Whether an array has the size that its axes ask for, and only finite numbers.
+//! Checks that an array has the size of its axes, and only finite numbers.
 
 use crate::map::{Error, Result};
 
-/// Says where an array stands, for an error: the map and the field.
+/// The place of an array, for an error: the map and the field.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ArrayField<'a> {
     /// The map, as `maps[0]`.

@@ -1,10 +1,10 @@
-//! What the files say in words: how a delay is known, what the fit's input was, what became of a sample, how the row at speed 0 was made.
+//! Statuses in the files, as words: of a delay, of the fit's input, of a sample, of the row at speed 0.
 
 use crate::map::files::named::FixedText;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
-/// How a delay is known.
+/// Status of a delay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DelayStatus {
     /// Estimated from the logs.
@@ -15,7 +15,7 @@ pub enum DelayStatus {
     Given,
     /// Nothing in the log separates it from the dead time.
     NotSeparable,
-    /// It was looked for and is too small to be real.
+    /// Looked for, but too small to be real.
     NoneFound,
 }
 
@@ -36,7 +36,7 @@ impl fmt::Display for DelayStatus {
     }
 }
 
-/// Which torque the fit took as the drive's input.
+/// The torque that the fit used as the drive's input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum InputSource {
     /// The command, through dead time and lag.
@@ -50,13 +50,13 @@ impl FixedText for InputSource {
     const NAMES: &'static [(Self, &'static str)] = &[(Self::TorqueCommand, "torque command"), (Self::TorqueFeedback, "torque feedback")];
 }
 
-/// The input of the fit, with the reason where it is not plain that a drive is modelled from its command. In JSON one text:
-/// `torque command`, or `torque feedback (the reason)`.
+/// The input of the fit, with the reason unless the command is the obvious choice. In JSON one text: `torque command`, or `torque feedback
+/// (the reason)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ActuatorInput {
-    /// The torque that was the input.
+    /// The input torque.
     pub source: InputSource,
-    /// Why.
+    /// The reason.
     pub reason: Option<String>,
 }
 
@@ -64,7 +64,7 @@ impl ActuatorInput {
     /// The torque command, for which no reason is needed.
     pub const COMMAND: Self = Self { source: InputSource::TorqueCommand, reason: None };
 
-    /// Whether it is the torque command without any reason to say so.
+    /// Whether it is the torque command without a reason.
     pub fn is_plain_command(&self) -> bool {
         *self == Self::COMMAND
     }
@@ -120,12 +120,12 @@ impl fmt::Display for SpeedSource {
     }
 }
 
-/// What the row at speed 0 holds.
+/// Values of the row at speed 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ZeroRow {
-    /// The torque that a wheel which has just begun to move needs, for every acceleration: interpolation between this row and the next is
-    /// what a moving vehicle needs. The default.
+    /// For every acceleration, the torque for a wheel that has just begun to move: interpolation between this row and the next gives the
+    /// torque for a moving vehicle. The default.
     #[default]
     Moving,
     /// The same for a > 0, and 0 for a ≤ 0.

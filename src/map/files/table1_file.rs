@@ -1,4 +1,4 @@
-//! `table1.json`: Table 1 with everything that its CSV does not say.
+//! `table1.json`: Table 1 with everything that is not in its CSV.
 
 use crate::map::files::format::{TABLE1_FORMAT, expect_format};
 use crate::map::files::named;
@@ -18,9 +18,9 @@ pub struct Table1File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
-    /// Units of every number whose name does not say them.
+    /// Units of every number whose name does not give them.
     pub units: Units,
-    /// The vehicle, as the signal map or the log says.
+    /// The vehicle, from the signal map or the log.
     pub vehicle: Vehicle,
     /// The logs that were read, ordered by hash.
     pub logs: Vec<LogRef>,
@@ -30,14 +30,14 @@ pub struct Table1File {
     pub actuator: Actuator,
     /// The sources of the wheel's speed and how they compare.
     pub witnesses: Vec<SpeedReading>,
-    /// What is random about the plant.
+    /// The random part of the plant.
     pub noise: PlantNoise,
     /// The tables.
     pub maps: Vec<AccelMap>,
-    /// What the maps of a gear at several wheel angles have in common; none with one angle.
+    /// The common part of a gear's maps at several wheel angles; none with one angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<AngleFamily>,
-    /// What happened to the samples and the runs.
+    /// Counts of the samples, and the runs.
     pub report: Stage1Report,
 }
 
@@ -85,7 +85,7 @@ pub struct DelayEstimate {
     pub value_s: f64,
     /// Standard error [s]; absent when the value was given.
     pub std_err_s: Option<f64>,
-    /// How it is known.
+    /// Its status.
     #[serde(with = "named")]
     pub status: DelayStatus,
 }
@@ -110,7 +110,7 @@ pub struct LogActuator {
     pub sha256: String,
     /// File name of the log.
     pub file: String,
-    /// Dead time as this log shows it, after the clock offset is taken out.
+    /// Dead time by this log, without the clock offset.
     pub dead_time: DelayEstimate,
     /// How far the speed sources' clock is ahead of the torque command's [s] (positive: speed is stamped too early).
     pub clock_offset: DelayEstimate,
@@ -119,7 +119,7 @@ pub struct LogActuator {
 /// One source of the front wheel's speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SpeedReading {
-    /// Which source.
+    /// The source.
     #[serde(with = "named")]
     pub name: SpeedSource,
     /// Reading over true speed.
@@ -132,7 +132,7 @@ pub struct SpeedReading {
     pub noise_mps: f64,
 }
 
-/// What is random about the plant: used to simulate it as the logs showed it.
+/// The random part of the plant, for simulating it as in the logs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlantNoise {
     /// Standard deviation of the disturbance, an Ornstein-Uhlenbeck acceleration [m/s²].
@@ -166,7 +166,7 @@ pub struct AccelMap {
     pub count: Vec<Vec<u64>>,
     /// Confidence, 0 to 1: 1/(1 + (standard error / 0.1 m/s²)²), and at most 0.5 where nothing was measured nearby.
     pub confidence: Vec<Vec<f64>>,
-    /// Where the value comes from.
+    /// Source of the value.
     pub status: Vec<Vec<CellStatus>>,
     /// Per speed break the lowest and highest torque [N·m] that samples cover, or null.
     pub measured_torque_nm: Vec<Option<[f64; 2]>>,
@@ -200,7 +200,7 @@ pub struct BreakawayTorque {
     pub moved_from_nm: Option<f64>,
 }
 
-/// What happened to the samples and the runs.
+/// Counts of the samples, and the runs.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Stage1Report {
     /// Samples per verdict, over all logs.
@@ -213,7 +213,7 @@ pub struct Stage1Report {
     pub coverage: f64,
     /// Iterations of the fit.
     pub iterations: u32,
-    /// What a reader should know: early stops, bounds reached, runs that disagree.
+    /// Notes for the reader: early stops, bounds reached, runs that disagree.
     pub notes: Vec<String>,
     /// Figures of the estimator's own choices (models compared, cross-validation), in a layout that may grow.
     #[serde(default)]
@@ -223,7 +223,7 @@ pub struct Stage1Report {
 /// One line of the ledger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerRow {
-    /// What became of the samples.
+    /// Verdict on the samples.
     #[serde(with = "named")]
     pub verdict: SampleVerdict,
     /// Number of samples.
@@ -269,8 +269,8 @@ impl Table1File {
     /// Reads the JSON text.
     ///
     /// # Errors
-    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not among the allowed ones, an array whose
-    /// size is not that of its axes, or tables that [`AccelTable::new`] refuses.
+    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
+    /// that of its axes, or tables that [`AccelTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
         let value = expect_format(text, TABLE1_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;

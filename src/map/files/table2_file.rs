@@ -1,4 +1,4 @@
-//! `table2.json`: Table 2 with everything that its CSV does not say.
+//! `table2.json`: Table 2 with everything that is not in its CSV.
 
 use crate::map::files::format::{TABLE2_FORMAT, expect_format};
 use crate::map::files::named;
@@ -17,7 +17,7 @@ pub struct Table2File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
-    /// Units of every number whose name does not say them.
+    /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle.
     pub vehicle: Vehicle,
@@ -33,7 +33,7 @@ pub struct Table2File {
     pub lag_s: f64,
     /// The tables.
     pub maps: Vec<TorqueMap>,
-    /// What the maps of a gear at several wheel angles have in common; none with one angle.
+    /// The common part of a gear's maps at several wheel angles; none with one angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<AngleFamily>,
 }
@@ -55,7 +55,7 @@ pub struct TorqueMap {
     pub torque_nm: Vec<Vec<f64>>,
     /// Standard error of the torque [N·m]; null where the cell is unreachable.
     pub std_err_nm: Vec<Vec<Option<f64>>>,
-    /// Where the value comes from.
+    /// Source of the value.
     pub status: Vec<Vec<CellStatus>>,
     /// Per speed break the lowest and highest acceleration [m/s²] that the torque limits allow.
     pub reachable_accel_mps2: Vec<[f64; 2]>,
@@ -64,7 +64,7 @@ pub struct TorqueMap {
     /// How the row at speed 0 was made.
     #[serde(with = "named")]
     pub zero_row: ZeroRow,
-    /// What is lost by the grid: A(v, Table 2(v, a)) − a over what was measured.
+    /// The error by the grid: A(v, Table 2(v, a)) − a over the measured range.
     pub round_trip: RoundTripErrors,
 }
 
@@ -109,8 +109,8 @@ impl Table2File {
     /// Reads the JSON text.
     ///
     /// # Errors
-    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not among the allowed ones, an array whose
-    /// size is not that of its axes, or tables that [`TorqueTable::new`] refuses.
+    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
+    /// that of its axes, or tables that [`TorqueTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
         let value = expect_format(text, TABLE2_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;

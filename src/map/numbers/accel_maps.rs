@@ -1,7 +1,7 @@
-//! Table 1 over the wheel angle: the maps of a file with what they have in common, asked at any angle.
+//! Table 1 over the wheel angle: the maps of a file with their common part, for look-ups at any angle.
 //!
-//! Between two measured angles both tables are asked for the same torque, each answer is carried to the angle in between by inertia and
-//! friction ([`AngleFamily`]), and the two are weighted by how near they are. At a measured angle the answer is its table's.
+//! Between two measured angles both tables are looked up at the same torque. Each result is carried to the angle in between by inertia and
+//! friction ([`AngleFamily`]), and the two are weighted by how near they are. At a measured angle the result is its table's.
 
 use crate::map::angle_lookup::{Between, between};
 use crate::map::{AccelTable, AngleFamily, Gear, SAME_ANGLE_DEG, Side};
@@ -12,10 +12,10 @@ use crate::units::RAD_PER_DEG;
 pub struct AccelAtAngle {
     /// Acceleration [m/s²], gear frame.
     pub accel_mps2: f64,
-    /// Standard error [m/s²]: at a measured angle its table's; between two that of both, as if their errors went together, and what the
-    /// family does not know, largest half way.
+    /// Standard error [m/s²]: at a measured angle its table's; between two, that of both as if fully correlated, and the family's error,
+    /// largest half way.
     pub std_err_mps2: f64,
-    /// Whether the angle lies beyond all measured ones of its side, so that the nearest one answered.
+    /// Whether the angle lies beyond all measured ones of its side, so that the nearest one was used.
     pub beyond_angles: bool,
 }
 
@@ -40,7 +40,7 @@ pub struct AngleSurface {
 }
 
 impl AccelMaps {
-    /// From the surface of every gear and angle, and what those of a gear and side have in common.
+    /// From the surface of every gear and angle, and the families of each gear and side.
     pub fn from_surfaces(maps: Vec<AngleSurface>, families: Vec<AngleFamily>) -> Self {
         Self { maps, families }
     }
@@ -53,14 +53,13 @@ impl AccelMaps {
         (!found.beyond_angles).then_some(found)
     }
 
-    /// The same with speed, torque and angle held at the edges of what was measured; `None` for what is no number, and without a map of the
-    /// gear at this side.
+    /// The same with speed, torque and angle clamped to the measured range; `None` for NaN, and without a map of the gear at this side.
     pub fn accel_clamped(&self, gear: Gear, speed_mps: f64, torque_nm: f64, wheel_angle_deg: f64) -> Option<AccelAtAngle> {
         let (place, side) = self.place(gear, wheel_angle_deg)?;
         self.at(&place, side, gear, (speed_mps, torque_nm, wheel_angle_deg), AccelTable::accel_from_torque_clamped)
     }
 
-    /// Where an angle lies among those of its gear and side.
+    /// The position of an angle among those of its gear and side.
     fn place(&self, gear: Gear, angle_deg: f64) -> Option<(Between, Side)> {
         let side = if angle_deg < 0.0 { Side::Right } else { Side::Left };
         let own = self.maps.iter().enumerate().filter(|(_, m)| m.gear == gear && side.holds(m.wheel_angle_deg));
@@ -76,7 +75,7 @@ impl AccelMaps {
         read: impl Fn(&AccelTable, f64, f64) -> Option<f64>,
     ) -> Option<AccelAtAngle> {
         let family = self.families.iter().find(|f| f.gear == gear && f.side == side);
-        // at the edge, within the tolerance or beyond, the nearest table is meant as it is
+        // at the edge, within the tolerance or beyond, the nearest table is used as it is
         let alone = place.below == place.above;
         let here = (angle_deg * RAD_PER_DEG).sin();
         let carried = |k: usize| -> Option<(f64, f64)> {

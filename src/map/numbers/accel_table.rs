@@ -18,7 +18,7 @@ pub struct AccelTable {
 }
 
 impl AccelTable {
-    /// Checks and takes over the values, row-major by torque: `accel_mps2[i * speed.len() + j]` belongs to torque i and speed j.
+    /// Checks and takes the values, row-major by torque: `accel_mps2[i * speed.len() + j]` belongs to torque i and speed j.
     ///
     /// # Errors
     /// A number of values that does not fit the axes, or a value that is not finite.

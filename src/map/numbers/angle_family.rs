@@ -1,4 +1,4 @@
-//! What the maps of one gear at several wheel angles have in common, and what changes with the angle: the `families` of `table1.json` and
+//! The common part of one gear's maps at several wheel angles, and its change with the angle: the `families` of `table1.json` and
 //! `table2.json`.
 
 use crate::map::angle_lookup::AngleTerms;
@@ -17,19 +17,19 @@ pub struct AngleFamily {
     pub wheel_angle_deg: Vec<f64>,
     /// m₀ and m₁ [N·m per m/s²].
     pub inertia: [f64; 2],
-    /// Speed breaks of the friction [m/s]: those that every angle covers; beyond them friction is held.
+    /// Speed breaks of the friction [m/s]: those that every angle covers; beyond them friction is constant.
     pub speed_mps: Vec<f64>,
-    /// f₀, f₁ and f₂ [N·m] at the speed breaks; f₂ is empty where no angle asks for it.
+    /// f₀, f₁ and f₂ [N·m] at the speed breaks; f₂ is empty if no angle asks for it.
     pub friction_nm: [Vec<f64>; 3],
-    /// Standard deviation [N·m] of what the family does not know half way between two measured angles.
+    /// Standard deviation [N·m] of the family's error half way between two measured angles.
     pub departure_nm: f64,
-    /// Where that comes from.
+    /// Source of that value.
     pub departure_from: DepartureFrom,
-    /// What the others say of each angle that lies between two of them.
+    /// Prediction, by the others, of each angle that lies between two of them.
     pub left_out: Vec<LeftOutAngle>,
 }
 
-/// Where the departure of a family comes from.
+/// Source of a family's departure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum DepartureFrom {
     /// Each angle between two others was left out, predicted from the others and compared with its own map.
@@ -46,19 +46,19 @@ impl std::fmt::Display for DepartureFrom {
     }
 }
 
-/// What the other angles say of one angle, against its own map.
+/// Prediction of one angle by the others, compared with its own map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LeftOutAngle {
     /// Wheel angle [°].
     pub wheel_angle_deg: f64,
     /// Root mean square difference over the cells that its runs covered [N·m].
     pub rms_nm: f64,
-    /// The same that the standard errors of the maps alone would make [N·m].
+    /// The difference expected from the standard errors of the maps alone [N·m].
     pub expected_nm: f64,
 }
 
 impl AngleFamily {
-    /// What a look-up needs of it.
+    /// The numbers for a look-up.
     pub fn terms(&self) -> AngleTerms<'_> {
         AngleTerms { inertia: self.inertia, speed_mps: &self.speed_mps, friction_nm: [0, 1, 2].map(|k| self.friction_nm[k].as_slice()) }
     }
@@ -66,8 +66,8 @@ impl AngleFamily {
     /// Checks that its numbers can be looked up.
     ///
     /// # Errors
-    /// Fewer than two speed breaks, breaks that do not rise, terms of another length, numbers that are not finite, or an inertia that is not
-    /// positive.
+    /// Fewer than two speed breaks, breaks that do not rise, terms of another length, numbers that are not finite, or an inertia that is
+    /// not positive.
     pub fn check(&self) -> Result<()> {
         crate::map::Axis::new("families.speed_mps", self.speed_mps.clone())?;
         for (row, term) in self.friction_nm.iter().enumerate() {

@@ -9,7 +9,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Takes over `breaks`; `name` (with its unit) is used in errors only.
+    /// Takes `breaks`; `name` (with its unit) is used in errors only.
     ///
     /// # Errors
     /// Fewer than two breaks, a break that is not finite, or breaks that do not increase strictly.

@@ -1,9 +1,9 @@
-//! What is known about one cell of a table.
+//! The status of one cell of a table.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where a cell's value comes from.
+/// The source of a cell's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellStatus {
@@ -11,7 +11,7 @@ pub enum CellStatus {
     Measured,
     /// No sample near enough, but measured cells on both sides.
     Interpolated,
-    /// Beyond what was measured: an informed guess.
+    /// Beyond the measured range: an informed guess.
     Extrapolated,
     /// No torque within the limits gives this acceleration; the value is the nearest torque that can be given (Table 2 only).
     Unreachable,

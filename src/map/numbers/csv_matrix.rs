@@ -1,5 +1,6 @@
-//! The plain matrix that `table1.csv` and `table2.csv` are: corner cell `rows\columns` with units in the names, first row the column
-//! breaks, first column the row breaks, shortest decimals that read back to the same number, `\n` line ends, no comments.
+//! The plain matrix of `table1.csv` and `table2.csv`: corner cell `rows\columns` with units in the names, first row the column breaks,
+//! first column the row breaks, shortest decimals that read back to the same number, `
+//! ` line ends, no comments.
 
 use crate::map::{Error, Result};
 
@@ -40,7 +41,7 @@ impl Matrix {
         text
     }
 
-    /// Reads the CSV text: any line ends, a UTF-8 byte order mark and blanks around numbers are forgiven.
+    /// Reads the CSV text: any line ends, a UTF-8 byte order mark and blanks around numbers are allowed.
     ///
     /// # Errors
     /// An empty text, rows of different lengths, cells that are not numbers: each with its line and column.

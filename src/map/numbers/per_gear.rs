@@ -3,7 +3,7 @@
 use crate::control::Gear;
 use core::ops::{Index, IndexMut};
 
-/// A value for forward gear and one for reverse, asked for by the gear itself.
+/// A value for forward gear and one for reverse, looked up by gear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PerGear<T> {
     /// The value for [`Gear::Forward`].
@@ -13,16 +13,16 @@ pub struct PerGear<T> {
 }
 
 impl<T> PerGear<T> {
-    /// What `value` returns for each gear, forward first.
+    /// The result of `value` for each gear, forward first.
     pub fn from_fn(mut value: impl FnMut(Gear) -> T) -> Self {
         let forward = value(Gear::Forward);
         Self { forward, reverse: value(Gear::Reverse) }
     }
 
-    /// The same for values that may be missing: forward first, the first error ends it.
+    /// The same for values that may be missing: forward first; it ends at the first error.
     ///
     /// # Errors
-    /// What `value` returns.
+    /// The errors of `value`.
     pub fn try_from_fn<E>(mut value: impl FnMut(Gear) -> Result<T, E>) -> Result<Self, E> {
         let forward = value(Gear::Forward)?;
         Ok(Self { forward, reverse: value(Gear::Reverse)? })

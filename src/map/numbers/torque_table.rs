@@ -17,7 +17,7 @@ pub struct TorqueTable {
 }
 
 impl TorqueTable {
-    /// Checks and takes over the values, row-major by speed: `torque_nm[i * accel.len() + j]` belongs to speed i and acceleration j.
+    /// Checks and takes the values, row-major by speed: `torque_nm[i * accel.len() + j]` belongs to speed i and acceleration j.
     ///
     /// # Errors
     /// A number of values that does not fit the axes, or a value that is not finite.

@@ -1,4 +1,4 @@
-//! The wheel angle of a map: when two of them are the same, and to which side one belongs.
+//! The wheel angle of a map: when two are the same, and to which side one belongs.
 
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Two wheel angles nearer than this are the same one [°].
 pub const SAME_ANGLE_DEG: f64 = 1.0;
 
-/// A wheel angle, left positive. Two angles of one map differ by what the steering can hold, so they are compared with
-/// [`WheelAngle::is_same`] and never with `==`.
+/// A wheel angle, left positive. Two angles of one map differ by the steering's error, so they are compared with [`WheelAngle::is_same`]
+/// and never with `==`.
 #[derive(Debug, Clone, Copy)]
 pub struct WheelAngle {
     deg: f64,
