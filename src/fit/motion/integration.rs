@@ -9,7 +9,7 @@ use crate::fit::drive::lagged_command::{Share, Torque};
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::Gear;
+use crate::map::PerGear;
 use rayon::prelude::*;
 
 /// Share of the largest torque still to come, with the longest step of the integration until then [s].
@@ -118,6 +118,6 @@ pub(crate) fn courses_again<'a>(courses: &[Course<'a>], lagged: &[EffectiveTorqu
 }
 
 /// The surface of a segment's gear among those of both: forward, reverse.
-pub(crate) fn surface_of<'a>(surfaces: &'a [LatticeSurface; 2], segment: &Segment) -> &'a LatticeSurface {
-    &surfaces[usize::from(segment.gear == Gear::Reverse)]
+pub(crate) fn surface_of<'a>(surfaces: &'a PerGear<LatticeSurface>, segment: &Segment) -> &'a LatticeSurface {
+    &surfaces[segment.gear]
 }

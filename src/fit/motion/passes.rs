@@ -11,7 +11,7 @@ use crate::fit::noise::kalman::{filter, smooth};
 use crate::fit::noise::model::Noise;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 use rayon::prelude::*;
 
 /// Noise with which the speed follows the readings: for the first smoothing, before there is a surface.
@@ -46,7 +46,7 @@ pub(crate) fn smoothed_speeds(segments: &[Segment], residuals: &[Vec<f64>], nois
 pub(crate) struct Pass<'a> {
     pub(crate) courses: &'a [Course<'a>],
     /// Forward, reverse.
-    pub(crate) surfaces: &'a [LatticeSurface; 2],
+    pub(crate) surfaces: &'a PerGear<LatticeSurface>,
     pub(crate) noise: &'a Noise,
 }
 
@@ -111,11 +111,12 @@ impl Pass<'_> {
     }
 
     /// The sums of both gears, fold by fold.
-    pub(crate) fn assemble(&self, speeds: &[Speeds], free: Free, logs: usize, (fold, folds): (&[usize], usize)) -> Vec<[Gram; 2]> {
-        let size = self.surfaces[0].lattice.columns() + free.nuisances(logs) + 1;
-        let mut grams = vec![[Gram::new(size), Gram::new(size)]; folds];
+    pub(crate) fn assemble(&self, speeds: &[Speeds], free: Free, logs: usize, (fold, folds): (&[usize], usize)) -> Vec<PerGear<Gram>> {
+        let size = self.surfaces.forward.lattice.columns() + free.nuisances(logs) + 1;
+        let mut grams = vec![PerGear::from_fn(|_| Gram::new(size)); folds];
         for (number, grams) in grams.iter_mut().enumerate() {
-            for (gear, gram) in Gear::ALL.into_iter().zip(grams) {
+            for gear in Gear::ALL {
+                let gram = &mut grams[gear];
                 let of_gear = |k: &usize| fold[*k] == number && self.courses[*k].segment.gear == gear;
                 let own: Vec<usize> = (0..self.courses.len()).filter(of_gear).collect();
                 for batch in own.chunks(TOGETHER * AT_ONCE) {
@@ -139,7 +140,7 @@ impl Pass<'_> {
     }
 
     /// Root mean square change of the surface over the readings since `before` [m/s²].
-    pub(crate) fn movement(&self, speeds: &[Speeds], before: &[LatticeSurface; 2]) -> f64 {
+    pub(crate) fn movement(&self, speeds: &[Speeds], before: &PerGear<LatticeSurface>) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (course, speed) in self.courses.iter().zip(speeds) {
             let (before, now) = (surface_of(before, course.segment), surface_of(self.surfaces, course.segment));
@@ -154,10 +155,10 @@ impl Pass<'_> {
 }
 
 /// The sum over the folds, in their order.
-pub(crate) fn total(folds: &[[Gram; 2]]) -> [Gram; 2] {
+pub(crate) fn total(folds: &[PerGear<Gram>]) -> PerGear<Gram> {
     let mut sum = folds[0].clone();
     for fold in &folds[1..] {
-        sum.iter_mut().zip(fold).for_each(|(a, b)| a.add_all(b));
+        Gear::ALL.into_iter().for_each(|gear| sum[gear].add_all(&fold[gear]));
     }
     sum
 }

@@ -11,19 +11,19 @@ use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::model::{Noise, Reading, UNKNOWN_SPEED_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 
 /// Surfaces and noise as found so far.
 #[derive(Clone, Copy)]
 pub(crate) struct SoFar<'a> {
     /// Forward, reverse.
-    pub(crate) surfaces: &'a [LatticeSurface; 2],
+    pub(crate) surfaces: &'a PerGear<LatticeSurface>,
     pub(crate) noise: &'a Noise,
 }
 
 impl<'a> SoFar<'a> {
     fn surface(&self, gear: Gear) -> &'a LatticeSurface {
-        &self.surfaces[usize::from(gear == Gear::Reverse)]
+        &self.surfaces[gear]
     }
 }
 

@@ -23,7 +23,7 @@ use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, Syst
 use crate::fit::solve::shrinkage::{mixed, physics_alone};
 use crate::fit::surface::design::Design;
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ const FOLDS: usize = 5;
 const FEWEST_RUNS: usize = 10;
 
 /// Surfaces of both gears: forward, reverse.
-pub(crate) type Surfaces = [LatticeSurface; 2];
+pub(crate) type Surfaces = PerGear<LatticeSurface>;
 
 /// Results of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,7 @@ pub(crate) struct HeldOut<'a> {
     /// The fold of each segment.
     pub(crate) fold: &'a [usize],
     /// The sums of both gears of each fold.
-    pub(crate) folds: &'a [[Gram; 2]],
+    pub(crate) folds: &'a [PerGear<Gram>],
     /// The equations of all folds.
     pub(crate) whole: &'a System,
     /// Prior standard deviations of the nuisance columns.
@@ -98,8 +98,8 @@ pub(crate) fn validate(design: &Design, lattice: &Lattice, gears: &[Gear], held_
     if folds.len() < 2 {
         return None;
     }
-    let fit_without = |grams: &[Gram; 2]| -> Option<Without> {
-        let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[usize::from(*g == Gear::Reverse)])).collect();
+    let fit_without = |grams: &PerGear<Gram>| -> Option<Without> {
+        let pairs: Vec<(Gear, &Gram)> = gears.iter().map(|g| (*g, &grams[*g])).collect();
         let rest = whole.without(&System::new(design, &pairs, prior.len()));
         let surface = rest.solve(&design.blocks, &[], SETTLING_ROUNDS, prior)?;
         let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks), SETTLING_ROUNDS, prior)?;
@@ -132,7 +132,7 @@ struct Without {
 impl Without {
     /// The surfaces with a share of the whole surface's deviations.
     fn mixed(&self, share: f64) -> Surfaces {
-        std::array::from_fn(|gear| {
+        PerGear::from_fn(|gear| {
             let (physics, surface) = (&self.physics.surfaces[gear], &self.surface.surfaces[gear]);
             LatticeSurface { lattice: physics.lattice.clone(), theta: mixed(&physics.theta, &surface.theta, share) }
         })

@@ -12,7 +12,7 @@ use crate::fit::solve::penalised_least_squares::System;
 use crate::fit::solve::shrinkage::Stacked;
 use crate::fit::surface::design::Design;
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 
 /// Standard errors of the calibration.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,7 @@ pub(crate) struct EstimateData<'a> {
 pub(crate) struct SurfaceModel {
     pub(crate) design: Design,
     /// Forward, reverse.
-    pub(crate) surfaces: [LatticeSurface; 2],
+    pub(crate) surfaces: PerGear<LatticeSurface>,
     /// The physics form with a share of the surface.
     pub(crate) stacked: Stacked,
     pub(crate) system: System,
@@ -51,13 +51,13 @@ pub(crate) struct SurfaceModel {
 impl SurfaceModel {
     /// The surface of a gear.
     pub(crate) fn surface(&self, gear: Gear) -> &LatticeSurface {
-        &self.surfaces[usize::from(gear == Gear::Reverse)]
+        &self.surfaces[gear]
     }
 
     /// Makes the surface rise with torque at every speed of `gears`, as near to the estimate as its information allows; if that fails, by
     /// running maxima.
     pub(crate) fn make_monotone(&mut self, gears: &[Gear]) -> monotone::MonotoneOutcome {
-        let lattice = self.surfaces[0].lattice.clone();
+        let lattice = self.surfaces.forward.lattice.clone();
         let mut beta = self.stacked.solution.beta.clone();
         let outcome = monotone::enforce(&self.design, &lattice, &self.system, &self.stacked.solution, gears, &mut beta);
         match outcome {
@@ -66,7 +66,7 @@ impl SurfaceModel {
                 self.stacked.solution.beta = beta;
                 self.surfaces = self.design.surfaces(&lattice, &self.stacked.solution.beta);
             }
-            monotone::MonotoneOutcome::Forced => self.surfaces.iter_mut().for_each(|s| monotone::force(&lattice, &mut s.theta)),
+            monotone::MonotoneOutcome::Forced => Gear::ALL.into_iter().for_each(|g| monotone::force(&lattice, &mut self.surfaces[g].theta)),
         }
         outcome
     }

@@ -1,5 +1,6 @@
 //! Readings and stretches that do not belong: spikes, slip without a second speed source to show it, pushes by hand.
 
+use crate::map::PerGear;
 use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
@@ -32,7 +33,7 @@ pub(crate) struct Judge<'a> {
     pub(crate) calibration: &'a Calibration,
     pub(crate) lagged: &'a [EffectiveTorque],
     /// Forward, reverse.
-    pub(crate) surfaces: &'a [LatticeSurface; 2],
+    pub(crate) surfaces: &'a PerGear<LatticeSurface>,
     pub(crate) noise: &'a Noise,
     /// The moments after steps, which no static map explains; they are not judged.
     pub(crate) transients: &'a [Vec<(f64, f64)>],

@@ -11,7 +11,7 @@ use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, Syst
 use crate::fit::solve::stribeck_speed;
 use crate::fit::surface::design::Design;
 use crate::fit::{Error, Result};
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 
 /// Rounds of the penalties' own iteration while other things still move.
 const PENALTY_ROUNDS: usize = 4;
@@ -21,7 +21,7 @@ pub(crate) struct RoundResult {
     pub(crate) solution: Solution,
     pub(crate) system: System,
     /// The sums of both gears, fold by fold.
-    pub(crate) folds: Vec<[Gram; 2]>,
+    pub(crate) folds: Vec<PerGear<Gram>>,
     /// The fold of each segment.
     pub(crate) fold: Vec<usize>,
     pub(crate) pass: PassResult,
@@ -43,10 +43,10 @@ impl State<'_> {
         let (fold, count) = if settle { cross_validation::deal(courses) } else { (vec![0; courses.len()], 1) };
         let folds = self.pass(courses).assemble(speeds, free, logs, (&fold, count));
         let sums = total(&folds);
-        let of_gears: Vec<(Gear, &Gram)> = self.gears.iter().map(|g| (*g, &sums[usize::from(*g == Gear::Reverse)])).collect();
+        let of_gears: Vec<(Gear, &Gram)> = self.gears.iter().map(|g| (*g, &sums[*g])).collect();
         let prior = self.nuisance_prior(free);
         if settle {
-            let lattice = &self.surfaces[0].lattice;
+            let lattice = &self.surfaces.forward.lattice;
             let stribeck_mps = stribeck_speed::speed(lattice, &of_gears, &prior);
             self.design = Design::new(lattice, self.gears.len() > 1, stribeck_mps);
         }

@@ -21,7 +21,7 @@ use crate::fit::solve::penalised_least_squares::Solution;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::fit::{FitSettings, Result};
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 
 /// The state from one round to the next.
 pub(crate) struct State<'a> {
@@ -36,7 +36,7 @@ pub(crate) struct State<'a> {
     pub(crate) noise_bounds: Vec<&'static str>,
     pub(crate) design: Design,
     /// Forward, reverse; zero before the first round.
-    pub(crate) surfaces: [LatticeSurface; 2],
+    pub(crate) surfaces: PerGear<LatticeSurface>,
     pub(crate) penalties: Vec<f64>,
     /// Rounds so far.
     pub(crate) rounds: usize,
@@ -73,7 +73,7 @@ impl<'a> State<'a> {
             noise,
             noise_bounds: Vec::new(),
             design,
-            surfaces: [zero.clone(), zero],
+            surfaces: PerGear { forward: zero.clone(), reverse: zero },
             penalties: Vec::new(),
             rounds: 0,
             last_steps: Vec::new(),
@@ -123,8 +123,8 @@ impl<'a> State<'a> {
     }
 
     /// The surfaces that a solution describes.
-    pub(crate) fn surfaces_of(&self, solution: &Solution) -> [LatticeSurface; 2] {
-        self.design.surfaces(&self.surfaces[0].lattice, &solution.beta)
+    pub(crate) fn surfaces_of(&self, solution: &Solution) -> PerGear<LatticeSurface> {
+        self.design.surfaces(&self.surfaces.forward.lattice, &solution.beta)
     }
 
     /// Robust cuts with the surface as it is. Judging restarts at every step of the torque, even if no time after it is skipped: a response
@@ -146,7 +146,7 @@ impl<'a> State<'a> {
     pub(crate) fn update_noise(&mut self, segments: &[Segment], pass: &PassResult, share: f64) {
         let (kept, residuals) = noise_likelihood::well_explained(segments, &pass.residuals, &pass.white, share);
         let spread = noise_likelihood::offset_spread(segments, &pass.residuals, &self.noise);
-        let range_mps2 = self.gears.iter().map(|g| self.surfaces[usize::from(*g == Gear::Reverse)].range_mps2()).fold(0.0, f64::max);
+        let range_mps2 = self.gears.iter().map(|g| self.surfaces[*g].range_mps2()).fold(0.0, f64::max);
         let found = noise_likelihood::estimate(&kept, &residuals, self.noise, spread, range_mps2);
         self.noise = found.noise;
         self.noise_bounds = found.at_bounds;

@@ -7,7 +7,7 @@
 use crate::fit::solve::penalised_least_squares::{Solution, System};
 use crate::fit::surface::design::Design;
 use crate::fit::surface::lattice::Lattice;
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use faer::Mat;
@@ -59,10 +59,10 @@ pub(crate) fn enforce(
         (0..q).map(|c| (t[(high, c)] - t[(low, c)]) / width).collect()
     };
     let slopes = |beta: &[f64]| -> Vec<f64> {
-        let values = Gear::ALL.map(|g| if gears.contains(&g) { design.lattice_values(g, &beta[..q]) } else { Vec::new() });
+        let values = PerGear::from_fn(|g| if gears.contains(&g) { design.lattice_values(g, &beta[..q]) } else { Vec::new() });
         all.iter()
             .map(|d| {
-                let v = &values[usize::from(d.gear == Gear::Reverse)];
+                let v = &values[d.gear];
                 (v[lattice.column(d.i, d.j + 1)] - v[lattice.column(d.i, d.j)]) / (lattice.torque_nm[d.j + 1] - lattice.torque_nm[d.j])
             })
             .collect()

@@ -16,7 +16,7 @@
 //! a penalty on mixed differences would let it run away in corners.
 
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 use faer::Mat;
 use std::ops::Range;
 
@@ -52,7 +52,7 @@ pub(crate) struct Design {
     /// Speed over which the extra friction near standstill fades [m/s].
     pub(crate) stribeck_mps: f64,
     /// For forward and reverse: lattice columns × coefficients.
-    transforms: [Mat<f64>; 2],
+    transforms: PerGear<Mat<f64>>,
 }
 
 /// Collects columns block by block.
@@ -145,7 +145,7 @@ impl Design {
             builder.block("gear: f(V)·U⁺", true, true, f_by(&drive));
         }
         let DesignBuilder { rows, columns, blocks } = builder;
-        let transforms = Gear::ALL.map(|gear| {
+        let transforms = PerGear::from_fn(|gear| {
             Mat::from_fn(rows, columns.len(), |r, c| {
                 let (column, antisymmetric) = &columns[c];
                 if *antisymmetric { 0.5 * gear.sign() * column[r] } else { column[r] }
@@ -156,21 +156,18 @@ impl Design {
 
     /// Number of coefficients.
     pub(crate) fn coefficients(&self) -> usize {
-        self.transforms[0].ncols()
+        self.transforms.forward.ncols()
     }
 
     /// The surfaces of both gears, forward and reverse, by the coefficients; those after the design's own are ignored.
-    pub(crate) fn surfaces(&self, lattice: &Lattice, beta: &[f64]) -> [LatticeSurface; 2] {
+    pub(crate) fn surfaces(&self, lattice: &Lattice, beta: &[f64]) -> PerGear<LatticeSurface> {
         let beta = &beta[..self.coefficients()];
-        Gear::ALL.map(|gear| LatticeSurface { lattice: lattice.clone(), theta: self.lattice_values(gear, beta) })
+        PerGear::from_fn(|gear| LatticeSurface { lattice: lattice.clone(), theta: self.lattice_values(gear, beta) })
     }
 
     /// Lattice columns × coefficients of a gear.
     pub(crate) fn transform(&self, gear: Gear) -> &Mat<f64> {
-        match gear {
-            Gear::Forward => &self.transforms[0],
-            Gear::Reverse => &self.transforms[1],
-        }
+        &self.transforms[gear]
     }
 
     /// Coefficients on the lattice of a gear.

@@ -4,7 +4,7 @@ use crate::campaign::{SampleVerdict, runs};
 use crate::fit::motion::integration::Course;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::{Gear, RunRow};
+use crate::map::{RunRow};
 use crate::signal::median;
 
 /// A reading against its simulation.
@@ -107,7 +107,7 @@ fn r_squared(inside: &[Compared]) -> Option<f64> {
 fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
     let gear = estimate.data.segments[segment].gear;
     match &estimate.validation {
-        Some(held_out) => &held_out.without[held_out.fold[segment]][usize::from(gear == Gear::Reverse)],
+        Some(held_out) => &held_out.without[held_out.fold[segment]][gear],
         None => estimate.model.surface(gear),
     }
 }

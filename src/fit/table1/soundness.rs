@@ -83,7 +83,7 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
         return None;
     }
     let departures: Vec<Option<Departure>> = (0..estimate.data.logs.len()).map(|log| departure(estimate, log)).collect();
-    let torques = &estimate.model.surfaces[0].lattice.torque_nm;
+    let torques = &estimate.model.surfaces.forward.lattice.torque_nm;
     let surface = estimate.model.surface(estimate.data.gears[0]);
     let reach_mps2 = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, 0.0);
     let name = |k: usize| &estimate.data.logs[k].survey.track.source.file;

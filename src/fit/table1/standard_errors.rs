@@ -54,7 +54,7 @@ impl Uncertainty {
 
 /// The row c with A(V, U) = cᵀβ.
 fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> Vec<f64> {
-    let lattice = &estimate.model.surfaces[0].lattice;
+    let lattice = &estimate.model.surfaces.forward.lattice;
     let spot = lattice.spot(speed_mps, torque_nm);
     let t = estimate.model.design.transform(gear);
     (0..t.ncols()).map(|c| spot.columns(lattice).map(|(r, w)| w * t[(r, c)]).sum()).collect()
@@ -65,7 +65,7 @@ fn meat(estimate: &Estimate) -> Mat<f64> {
     let lagged = estimate.torques();
     let (segments, speeds) = (&estimate.paths.merged, &estimate.paths.lookups);
     let courses = courses(segments, &lagged, &estimate.calibration);
-    let base = estimate.model.surfaces[0].lattice.columns();
+    let base = estimate.model.surfaces.forward.lattice.columns();
     let (q, nuisances) = (estimate.model.design.coefficients(), Free::Delays.nuisances(estimate.data.logs.len()));
     let mut meat: Mat<f64> = Mat::zeros(q + nuisances, q + nuisances);
     for gear in &estimate.data.gears {
