@@ -10,7 +10,7 @@ use std::path::Path;
 /// Inverts the `table1.json` in `folder`, and writes `table2.json` and its CSV files beside it.
 ///
 /// # Errors
-/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, a folder
+/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, or a folder
 /// that cannot be written.
 pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> Result<Inversion> {
     let path = folder.join("table1.json");
@@ -19,7 +19,7 @@ pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> R
     if !stage.wheel_angles_deg.is_empty() {
         keep_angles(&mut file, &stage.wheel_angles_deg).in_file(&path)?;
     }
-    // what is inverted is the JSON: a CSV that was edited by hand says otherwise, and one that is not there says nothing
+    // the JSON is inverted: a CSV edited by hand differs from it, a missing one is ignored
     let inverted = |csv: &str| file.maps.iter().any(|map| map.csv.file == csv);
     for edited in mismatches.iter().filter(|m| matches!(m, Mismatch::Hash { .. }) && inverted(m.file())) {
         let path = folder.join(edited.file());

@@ -5,7 +5,7 @@ use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use std::path::PathBuf;
 
-/// Findings of one rule that are listed without `-v`.
+/// Number of findings of one rule that are listed without `-v`.
 const SHOWN: usize = 5;
 
 /// Arguments of `check`.

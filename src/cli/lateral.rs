@@ -62,10 +62,10 @@ struct FitArguments {
     /// Entries at or beyond this mean error are dropped [m]
     #[arg(long, value_name = "M", default_value_t = 0.3)]
     threshold_m: f64,
-    /// Way after every start that is left out [m]
+    /// Distance after every start that is skipped [m]
     #[arg(long, value_name = "M", default_value_t = 4.0)]
     settle_m: f64,
-    /// Take means over control periods instead of the way
+    /// Take means over control periods instead of distance
     #[arg(long)]
     over_periods: bool,
 }
@@ -90,10 +90,10 @@ struct RecordArguments {
     /// Heading of the navigation minus that of the vehicle [°]
     #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true)]
     yaw_deg: f64,
-    /// True wheel angle minus the one that the steering takes it for [°]
+    /// True wheel angle minus the one that the steering reports [°]
     #[arg(long, value_name = "DEG", default_value_t = -0.8, allow_negative_numbers = true)]
     steering_zero_deg: f64,
-    /// How the log holds the reference: its matched point every period, the whole path once, or both
+    /// Form of the reference in the log: its matched point every period, the whole path once, or both
     #[arg(long, value_enum, value_name = "FORM", default_value_t = Reference::Both)]
     reference: Reference,
     /// Seed of everything random

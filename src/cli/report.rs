@@ -1,4 +1,4 @@
-//! `report`: the page that says whether to deploy a map.
+//! `report`: the page with the verdict on a map.
 
 use crate::calibrate::report_folder;
 use crate::cli::Ui;
@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     /// Page to write, by default report.html in the folder of --maps
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write every figure as an SVG file into this folder, too
+    /// Also write every figure as an SVG file into this folder
     #[arg(long, value_name = "DIR")]
     svg: Option<PathBuf>,
 }

@@ -63,8 +63,8 @@ impl AngleTables<'_> {
         (!found.outside && !found.beyond_angles && !found.mirrored).then_some(found.torque_nm)
     }
 
-    /// The same with speed, acceleration and angle held at the edges of what was measured, and the other side's tables where none of this
-    /// side's was: the answer tells which. `None` without a table of the gear, and for NaN.
+    /// The same with speed, acceleration and angle clamped to the measured range, and with the other side's tables if none of this
+    /// side was measured; the flags show which. `None` without a table of the gear, and for NaN.
     pub fn torque_clamped(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> Option<AngleLookup> {
         let mirrored = self.is_untested(gear, wheel_angle_rad);
         let angle_rad = if mirrored { -wheel_angle_rad } else { wheel_angle_rad };

@@ -74,7 +74,7 @@ impl WaypointLawSettings {
 pub enum Finish {
     /// The torque ends as soon as less than the end threshold remains; the place of rest then depends on friction.
     Threshold,
-    /// With less than the end threshold left, the torque ends when the wheel would roll out to the end by itself, according to the map. Until
+    /// With less than the end threshold left, the torque ends when the wheel would roll out to the end by itself, by the map. Until
     /// then the desired speed is not so low that the wheel would stop before the end.
     RollOut {
         /// Lowest desired speed [m/s].

@@ -1,4 +1,4 @@
-//! Breakaway and friction: the torque that sets the wheel in motion, and the torque that keeps it there.
+//! Breakaway and friction: the torque that sets the wheel in motion, and the torque that keeps its speed.
 
 use crate::map::{AccelMap, Gear};
 use crate::report::ReportFiles;

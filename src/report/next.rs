@@ -1,4 +1,4 @@
-//! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
+//! Runs to drive next: the planned runs, and the torques and cells with the largest standard errors.
 
 use crate::map::{AccelMap, CellStatus, PlanEntry, Proposal};
 use crate::report::ReportFiles;
@@ -10,9 +10,9 @@ use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
 use maud::{Markup, html};
 
-/// Rows shown of each list.
+/// Number of rows shown of each list.
 const SHOWN: usize = 8;
-/// Planned runs that are shown.
+/// Number of planned runs that are shown.
 const PLANNED: usize = 12;
 
 /// One torque level of a gear.
@@ -27,7 +27,7 @@ struct Level {
     how: String,
 }
 
-/// What to drive next as a section.
+/// The next runs as a section.
 pub(crate) fn next(inputs: &ReportFiles) -> Section {
     let body = html! {
         @if let Some(file) = &inputs.plan {
@@ -88,7 +88,7 @@ fn planned(plan: &Proposal) -> Markup {
     }
 }
 
-/// The torques whose cells are least known together.
+/// The torques whose cells have the most doubt in total.
 fn doubtful_levels(maps: &[AccelMap]) -> Markup {
     let columns =
         [Text("gear"), Number("torque N·m"), Number("cells measured"), Number("mean standard error m/s²"), Number("doubt"), Text("how")];
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use crate::report::known::known;
 
-    /// Everything is measured, but nothing of one level above the breakaway torque and of one below it.
+    /// Everything is measured except one level above the breakaway torque and one below it.
     fn map_with_gaps() -> (AccelMap, usize, usize) {
         let mut map = known().0.maps.remove(0);
         let (low, high) = (0, map.torque_nm.len() - 1);
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_sure_cell_comes_first_and_an_extrapolated_one_never() {
+    fn the_most_uncertain_cell_comes_first_and_an_extrapolated_one_never() {
         let (mut map, low, high) = map_with_gaps();
         map.std_err_mps2[high][1] = 8.125;
         map.std_err_mps2[low][2] = 9.125;

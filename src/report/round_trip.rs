@@ -1,4 +1,4 @@
-//! Round trip: what acceleration comes out when Table 2's torque is put into Table 1.
+//! Round trip: the acceleration of Table 1 at the torque of Table 2.
 
 use crate::map::{AccelMap, CellStatus, TorqueMap};
 use crate::report::ReportFiles;
@@ -77,7 +77,7 @@ fn error(figures: &mut Figures, map: &TorqueMap, map1: &AccelMap) -> super::Resu
         beside: Vec::new(),
         status: Some(Box::new(move |i, j| match of_mesh(map, i, j) {
             CellStatus::Extrapolated => CellStatus::Extrapolated,
-            // left empty, or as good as measured: no mark
+            // left empty, or nearly measured: no mark
             _ => CellStatus::Measured,
         })),
         colours: Colours::Diverging,
@@ -89,7 +89,7 @@ fn error(figures: &mut Figures, map: &TorqueMap, map1: &AccelMap) -> super::Resu
     }))
 }
 
-/// The errors that `invert` found.
+/// The errors reported by `invert`.
 fn largest(maps: &[TorqueMap]) -> Markup {
     let columns = [
         Text("gear"),
@@ -114,7 +114,7 @@ fn largest(maps: &[TorqueMap]) -> Markup {
     table("", &columns, &maps.iter().map(row).collect::<Vec<_>>())
 }
 
-/// The errors that `verify` found, beside their limit.
+/// The errors reported by `verify`, with their limit.
 fn judged(verdict: &MapVerdict) -> Markup {
     let columns = [Text("gear"), Number("places"), Number("over their limit"), Number("worst, of its limit m/s²"), Text("verdict")];
     let rows: Vec<Vec<String>> = verdict

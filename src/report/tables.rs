@@ -17,7 +17,7 @@ pub(crate) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digit
 /// Size of a heat map [px].
 pub(crate) const SIZE: (f64, f64) = (560.0, 400.0);
 
-/// Torque at which the speed neither rises nor falls, over speed: where the surface crosses zero.
+/// Torque at which the speed is constant, over speed: the zero crossing of the surface.
 pub(crate) fn holding_torque(surface: &FineSurface) -> Vec<(f64, f64)> {
     let torques = &surface.torque_nm;
     let crossing = |j: usize| {
