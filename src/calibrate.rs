@@ -1,8 +1,8 @@
 //! From logs to a verified map in a folder: all stages in one call, and each stage alone.
 //!
-//! In: logs (MCAP) of one vehicle, and a folder. Out: the files of the map in that folder, as `pivot-cal` writes them. [`calibrate`] does the same as
-//! `pivot-cal calibrate`. Its stages are [`fit_logs`], [`invert_folder`], [`verify_folder`] and [`report_folder`]; each reads the
-//! files that the previous one has written. A stage reports to a listener by [`Event`]s.
+//! In: logs (MCAP) of one vehicle, and a folder. Out: the files of the map in that folder, as `pivot-cal` writes them. [`calibrate`] does
+//! the same as `pivot-cal calibrate`. Its stages are [`fit_logs`], [`invert_folder`], [`verify_folder`] and [`report_folder`]; each reads
+//! the files that the previous one has written. A stage reports to a listener by [`Event`]s.
 
 mod error;
 mod event;
@@ -53,8 +53,8 @@ impl Calibrated {
 /// A log may be a file, a folder of logs, a rosbag2 folder, or a pattern. A log without usable data is skipped and reported to `listen`.
 ///
 /// # Errors
-/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written. A map that fails its verification is not an
-/// error: see [`Calibrated::passes`].
+/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written. A map that fails its verification is
+/// not an error: see [`Calibrated::passes`].
 pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSettings, listen: &Listener) -> Result<Calibrated> {
     let fitted = fit_logs(logs, folder, &settings.fit, listen)?;
     let inversion = invert_folder(folder, &settings.invert, listen)?;

@@ -1,8 +1,8 @@
 //! Manoeuvres in closed loop: the task ([`Manoeuvre`]), the torque source ([`ManoeuvreTorque`]) and the metrics.
 //!
-//! The plant is a physical vehicle, because the plant of a Table 1 covers one wheel angle only. A manoeuvre is data plus a driver. A new one
-//! needs a [`ManoeuvreKind`] and its run; metrics, gate, draws and the closed loop are those of the pivots. The caller adds the verdicts
-//! on manoeuvres to the verdict on the map.
+//! The plant is a physical vehicle, because the plant of a Table 1 covers one wheel angle only. A manoeuvre is data plus a driver. A new
+//! one needs a [`ManoeuvreKind`] and its run; metrics, gate, draws and the closed loop are those of the pivots. The caller adds the
+//! verdicts on manoeuvres to the verdict on the map.
 
 mod bench;
 mod compensation_run;

@@ -45,7 +45,7 @@ pub enum Error {
     #[error(transparent)]
     Io(#[from] std::io::Error),
     /// No log with usable data.
-    #[error("no log holds anything to use: {reasons}")]
+    #[error("no log has usable data: {reasons}")]
     NoUsableLog {
         /// The reason of each log.
         reasons: String,
@@ -60,7 +60,7 @@ pub enum Error {
     },
     /// A CSV is not the one that `table1.json` describes.
     #[error(
-        "{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or go on with --force",
+        "{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or continue with --force",
         what = edited_csv(path)
     )]
     EditedCsv {

@@ -10,8 +10,8 @@ use std::path::Path;
 /// Inverts the `table1.json` in `folder`, and writes `table2.json` and its CSV files beside it.
 ///
 /// # Errors
-/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, or a folder
-/// that cannot be written.
+/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, or
+/// a folder that cannot be written.
 pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> Result<Inversion> {
     let path = folder.join("table1.json");
     let (read, mismatches) = read_table1(folder)?;
@@ -26,7 +26,7 @@ pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> R
         if !stage.force {
             return Err(Error::EditedCsv { path });
         }
-        listen(Event::Warning(format!("{}; the numbers of table1.json are inverted, since --force was given", edited_csv(&path))));
+        listen(Event::Warning(format!("{}; the numbers of table1.json are inverted, because --force was given", edited_csv(&path))));
     }
     let table1 = CsvRef { file: "table1.json".to_owned(), sha256: read.table1_json.sha256 };
     let inversion = invert(&file, table1, &stage.settings).in_file(&path)?;

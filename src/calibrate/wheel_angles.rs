@@ -27,7 +27,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
             return Err(wrong(*angle, format!("no run was driven there; the wheel angles of the runs are {}", census.text())));
         };
         if angles_deg.iter().any(|a| is(*a, held.wheel_angle_deg)) {
-            return Err(wrong(*angle, format!("the runs at {held} are asked for twice")));
+            return Err(wrong(*angle, format!("the runs at {held} are requested twice")));
         }
         angles_deg.push(held.wheel_angle_deg);
     }
@@ -54,7 +54,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
     for held in census.held.iter().filter(|h| angles_deg.iter().any(|a| is(*a, h.wheel_angle_deg))) {
         let [low, high] = held.range_deg;
         if high - low > settings.angle_tolerance_deg {
-            notes.push(format!("runs between {low:.1}° and {high:.1}° are taken for one wheel angle, {}°", held.wheel_angle_deg));
+            notes.push(format!("runs between {low:.1}° and {high:.1}° count as one wheel angle, {}°", held.wheel_angle_deg));
         }
     }
     if census.drifting_runs > 0 {

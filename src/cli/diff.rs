@@ -17,8 +17,8 @@ Examples:
   pivot-cal diff maps-march maps-june                 their table2.json
   pivot-cal diff maps-march/table1.json maps-june/table1.json --html change.html
 
-Changes are b - a at the breaks of a, each against the standard errors of both; of many cells some are large by chance, which the
-Benjamini-Hochberg procedure accounts for. Extrapolated and unreachable cells are left out.
+Changes are b - a at the breaks of a, each compared with the standard errors of both. Of many cells some are large by chance; the
+Benjamini-Hochberg procedure takes this into account. Extrapolated and unreachable cells are skipped.
 Exit status: 0 the same, 3 changed or incompatible, 1 a file cannot be read.")]
 pub(crate) struct Arguments {
     /// The first map: table1.json, table2.json, or a folder

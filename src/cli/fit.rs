@@ -22,8 +22,8 @@ Examples:
   pivot-cal fit --angle 0,30,60,90 angles.mcap
   pivot-cal fit --preset autoware --wheelbase-m 0.92 --wheel-radius-m 0.12 drive.mcap
 
-Writes table1.csv and table1.json (and table1.reverse.csv when reverse gear was tested) into the folder of --maps, and fit_traces.json for
-the report. A log with runs at several wheel angles gives a map of each: table1.csv is that of the test angle, table1.angle30.csv that of 30°.
+Writes table1.csv and table1.json (and table1.reverse.csv if reverse gear was tested) into the folder of --maps, and fit_traces.json for
+the report. A log with runs at several wheel angles gives a map of each angle: table1.csv for the test angle, table1.angle30.csv for 30°.
 Exit status: 0 done, 3 written but the coverage is too thin (or, with --strict, a log is damaged), 1 error.")]
 pub(crate) struct Arguments {
     #[command(flatten)]

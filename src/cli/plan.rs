@@ -19,12 +19,12 @@ const SHOWN: usize = 12;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  pivot-cal plan                           what to drive next, as a table
+  pivot-cal plan                           the next runs, as a table
   pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
-  pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells that are to be known
+  pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells to plan for
 
-Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard
-error of the torque per second of driving, over the cells of the table, by the estimator's own information matrix.")]
+Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that reduces the standard
+error of the torque most per second of driving, over the cells of the table, by the estimator's own information matrix.")]
 pub(crate) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]

@@ -23,7 +23,7 @@ fn points(text: &str) -> anyhow::Result<Vec<[f64; 2]>> {
             _ => bail!("line {}: {line:?} is not a point; a line holds x and y in metres, as 6.0,4.0", k + 1),
         }
         if points.len() > MOST {
-            bail!("more than {MOST} points; a polyline has at most so many");
+            bail!("more than {MOST} points; this is the most for a polyline");
         }
     }
     Ok(points)

@@ -21,9 +21,9 @@ Examples:
   pivot-cal verify                            all pivots on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
-  pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along points of your own
-  pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
-  pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
+  pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
+  pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
+  pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
 
 Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
 pub(crate) struct Arguments {
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, ..VerifySettings::new()? };
     let maps = Maps::read(&arguments.maps, arguments.force)?;
     for forced in &maps.forced {
-        ui.warn(format!("{forced}; going on, since --force was given"));
+        ui.warn(format!("{forced}; continued, since --force was given"));
     }
     let logs_wanted = arguments.log.is_some();
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {

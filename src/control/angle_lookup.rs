@@ -7,7 +7,8 @@
 //!
 //! M(δ')·a' + F(V, δ') = M(δ)·a + F(V, δ)
 //! gives the acceleration a' at which a table of the angle δ' holds the torque for δ. H need not be known. The inertia is exact for a rigid
-//! vehicle (its reference point moves with v·cos δ and turns with v·sin δ/L); the friction is estimated from torque steps at several angles.
+//! vehicle (its reference point moves with v·cos δ and turns with v·sin δ/L); the friction is estimated from torque steps at several
+//! angles.
 //!
 //! This file uses `core` only and can be used unchanged on a microcontroller.
 

@@ -1,7 +1,7 @@
 //! The conventional law, for comparison: PID on the heading error → speed command → PI → acceleration → constant-gain torque.
 //!
-//! `v_c` = Kp·ψ + Ki·Σ ψ·Δt − Kd·ω, limited to 0…`v_max`; ψ is the remaining turn, positive before the end, and ω the turning rate. Then follow
-//! the speed loop of the map's law with the same acceleration limits, and τ = k·a within the same torque limit.
+//! `v_c` = Kp·ψ + Ki·Σ ψ·Δt − Kd·ω, limited to 0…`v_max`; ψ is the remaining turn, positive before the end, and ω the turning rate. Then
+//! follow the speed loop of the map's law with the same acceleration limits, and τ = k·a within the same torque limit.
 
 use crate::Gear;
 use crate::drive_law::{DriveInputs, DriveLaw};

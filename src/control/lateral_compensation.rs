@@ -1,9 +1,9 @@
 //! Lateral error compensation at run time: a small angle added to the tracking law's, so that the mean lateral error goes to zero.
 //!
-//! Accumulate the lateral error e over a distance or a number of periods. At the threshold take the mean m. Look up the angle whose entry is
-//! −m (the entry of an angle is the mean error that it *adds*): exactly if there is such an entry, otherwise on the fitted curve. *Add* it to the
-//! compensation in force. Begin again. The sum changes at a limited rate, and nothing is accumulated until the change is complete and the
-//! tracking law has settled again: the slow loop never works against the fast one.
+//! Accumulate the lateral error e over a distance or a number of periods. At the threshold take the mean m. Look up the angle whose entry
+//! is −m (the entry of an angle is the mean error that it *adds*): exactly if there is such an entry, otherwise on the fitted curve. *Add*
+//! it to the compensation in force. Begin again. The sum changes at a limited rate, and nothing is accumulated until the change is complete
+//! and the tracking law has settled again: the slow loop never works against the fast one.
 //!
 //! Nothing is accumulated in a bend or within the settling distance after it: there the error is the tracking law's own.
 //!
@@ -39,8 +39,8 @@ pub struct CompensationTable {
 }
 
 impl CompensationTable {
-    /// A table from entries (any order) and curve points (errors strictly ascending, angles monotone). Slopes of the cubic pieces: Fritsch & Carlson
-    /// (1980), *Monotone Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17(2).
+    /// A table from entries (any order) and curve points (errors strictly ascending, angles monotone). Slopes of the cubic pieces: Fritsch
+    /// & Carlson (1980), *Monotone Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17(2).
     ///
     /// # Errors
     /// Fewer than two points, more than [`MAX_ENTRIES`], a number that is not finite, points that are not ascending or not monotone.
@@ -94,7 +94,8 @@ impl CompensationTable {
         Ok(table)
     }
 
-    /// The angle [rad] whose entry is `error_m`: an entry within `exact_m` of it, otherwise the curve; beyond its ends the angle at the end.
+    /// The angle [rad] whose entry is `error_m`: an entry within `exact_m` of it, otherwise the curve; beyond its ends the angle at the
+    /// end.
     pub fn angle_rad(&self, error_m: f64, exact_m: f64) -> f64 {
         let nearest = self.entries[..self.entry_count].iter().fold(None, |best: Option<&CompensationEntry>, entry| match best {
             Some(b) if (b.error_m - error_m).abs() <= (entry.error_m - error_m).abs() => best,
@@ -215,8 +216,9 @@ impl LateralCompensation {
         if gear == Gear::Forward { self.forward.in_force_rad } else { self.reverse.in_force_rad }
     }
 
-    /// One period. `error_m`: the instantaneous lateral error e; `travelled_m`: distance since the last period, not negative; `curvature_per_m`: of the
-    /// path at the matched point; `tracking`: whether the tracking law is active (nothing is accumulated at rest or in a turn). Returns what to add to the law's wheel angle [rad].
+    /// One period. `error_m`: the instantaneous lateral error e; `travelled_m`: distance since the last period, not negative;
+    /// `curvature_per_m`: of the path at the matched point; `tracking`: whether the tracking law is active (nothing is accumulated at rest
+    /// or in a turn). Returns what to add to the law's wheel angle [rad].
     pub fn step(&mut self, gear: Gear, error_m: f64, travelled_m: f64, curvature_per_m: f64, tracking: bool) -> f64 {
         let settings = &self.settings;
         let memory = if gear == Gear::Forward { &mut self.forward } else { &mut self.reverse };

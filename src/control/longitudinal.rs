@@ -47,7 +47,8 @@ pub struct LongitudinalSettings {
     pub drive_extra_s: f64,
     /// Longest wait for standstill after the end [s]. Default 3.
     pub standstill_wait_s: f64,
-    /// Reaction after a failure. Default: brake with 1 m/s², fading out below 0.15 m/s, which is the deceleration times 0.15 s of dead time and lag.
+    /// Reaction after a failure. Default: brake with 1 m/s², fading out below 0.15 m/s, which is the deceleration times 0.15 s of dead time
+    /// and lag.
     pub after_failure: AfterFailure,
 }
 

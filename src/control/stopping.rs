@@ -1,8 +1,9 @@
 //! The wheel's place when a command acts, and the deceleration that then stops it at the end.
 //!
 //! A command acts after the reaction time T; until then the commands of the last T act, with mean a. Then the speed is
-//! v' = max(v + a·T, 0), the covered distance ½·(v + v')·T, and with s' remaining the deceleration v'²/(2·s') stops the wheel at the end. This is the classical
-//! stopping distance with a predictor of the dead time (Source: Smith 1959; Åström & Hägglund, *Advanced PID Control*, §8.2).
+//! v' = max(v + a·T, 0), the covered distance ½·(v + v')·T, and with s' remaining the deceleration v'²/(2·s') stops the wheel at the end.
+//! This is the classical stopping distance with a predictor of the dead time (Source: Smith 1959; Åström & Hägglund, *Advanced PID
+//! Control*, §8.2).
 
 /// The wheel at the time when a command that is given now acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,8 +93,8 @@ impl Left {
 
 /// Brakes for the end if the speed loop would not.
 ///
-/// The speed loop follows the planned speeds with a lag and an error; if the wheel is heavier or rolls more easily than in the map, it reaches
-/// the end too fast. The guard uses only the remaining path: its error shrinks with the distance.
+/// The speed loop follows the planned speeds with a lag and an error; if the wheel is heavier or rolls more easily than in the map, it
+/// reaches the end too fast. The guard uses only the remaining path: its error shrinks with the distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StoppingGuard {

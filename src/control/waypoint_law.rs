@@ -123,8 +123,8 @@ impl<M: TorqueFromAccel> WaypointLaw<M> {
         accel_mps2.min(risen).min(ceiling).max(settings.speed_loop.min_accel_mps2)
     }
 
-    /// Distance that the wheel rolls by itself from `speed_mps` [m], with the acceleration at which the map's torque is zero. Infinity if it
-    /// would not come to rest.
+    /// Distance that the wheel rolls by itself from `speed_mps` [m], with the acceleration at which the map's torque is zero. Infinity if
+    /// it would not come to rest.
     fn rolling_m(&self, gear: Gear, speed_mps: f64) -> f64 {
         let (mut low, mut high) = (self.settings.speed_loop.min_accel_mps2, 0.0);
         let drives = |accel| self.map.torque(gear, speed_mps, accel).is_some_and(|found| found.torque_nm > 0.0);

@@ -1,7 +1,8 @@
 //! Plane geometry of bodies and obstacles: points, convex polygons, their distance or depth of overlap.
 //!
 //! The distance of two separate convex polygons is the least distance of an edge of one from a corner of the other. The depth of overlap is
-//! the shortest translation that separates them, along the edges' normals (Source: Ericson, *Real-Time Collision Detection*, §5.2.1 and §5.1.9).
+//! the shortest translation that separates them, along the edges' normals (Source: Ericson, *Real-Time Collision Detection*, §5.2.1 and
+//! §5.1.9).
 
 use crate::guidance::{Error, Result};
 use serde::Serialize;

@@ -88,7 +88,8 @@ impl LookAheadFollower {
         self.path.poses[self.path.poses.len() - 1]
     }
 
-    /// Follows `reference` in `gear` from its nearest point until `done` is true or `most_m` are travelled. Returns whether `done` was true.
+    /// Follows `reference` in `gear` from its nearest point until `done` is true or `most_m` are travelled. Returns whether `done` was
+    /// true.
     pub(crate) fn follow(
         &mut self,
         reference: &ReferenceLine,

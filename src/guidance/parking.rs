@@ -1,8 +1,8 @@
 //! Perpendicular and slanted parking, in reverse: start and adjust on a line beside the row, enter on a circle, shuffle until straight.
 //!
 //! Frame: x along the row in the direction of travel, y away from it; the row's edge is y = 0, and the middle of the slot's mouth is the origin.
-//! The vehicle drives along the row with the slot to its right, passes it and backs in. In: a [`ParkingScene`] and a start; out: a [`ParkingPlan`].
-//! Stages and equations: `docs/manoeuvres.md`.
+//! The vehicle drives along the row with the slot to its right, passes it and backs in. In: a [`ParkingScene`] and a start; out: a
+//! [`ParkingPlan`]. Stages and equations: `docs/manoeuvres.md`.
 
 mod check;
 mod entry;

@@ -180,7 +180,7 @@ mod tests {
         for (x_m, y_m) in [(0.0, 0.0), (1.0, 0.02), (3.0, -0.05)] {
             metrics.add(&moment(0, driving, x_m, y_m, settings.speed.speed_at(x_m, 6.0) + 0.1));
         }
-        // a corner cut by 0.3 m is no lateral error
+        // a corner cut by 0.3 m is not a lateral error
         metrics.add(&moment(1, DriveStage::Turning, 5.7, 0.0, 0.0));
         metrics.add(&moment(1, driving, 6.04, 2.0, settings.speed.speed_at(2.0, 4.0)));
         metrics.add(&moment(1, DriveStage::Arrived, 6.0, 3.9, 0.0));

@@ -89,7 +89,7 @@ impl Manoeuvre {
     pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
         if let ManoeuvreKind::Polyline { law, points_m: own } = &mut self.kind {
             let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
-            self.what = format!("{} segments of one's own with turns on the spot, tracked by {}", plan.segments.len(), law.title());
+            self.what = format!("{} given segments with turns on the spot, tracked by {}", plan.segments.len(), law.title());
             *own = points_m.to_vec();
         }
         Ok(self)

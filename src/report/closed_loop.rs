@@ -52,7 +52,7 @@ fn pivot(traces: &ClosedLoop) -> Chart {
     };
     let mut speed = panel("front-wheel speed [m/s]", &|l| &l.speed_mps);
     let target: Points = traces.t_s.iter().zip(&traces.target_speed_mps).filter_map(|(t, v)| Some((*t, (*v)?))).collect();
-    speed.lines.insert(0, Line { name: "asked for", class: "k", points: target });
+    speed.lines.insert(0, Line { name: "desired", class: "k", points: target });
     Chart {
         id: "pivot".to_owned(),
         label: format!("{}: map and conventional law over time", traces.what),
@@ -88,7 +88,7 @@ fn laws(comparison: &LawComparison, draws: usize) -> Markup {
         .collect();
     let ratio = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| num(r, 2));
     html! {
-        h3 { "The map beside other laws: " (comparison.scenario) ", medians over " (draws) " perturbed plants" }
+        h3 { "The map compared with other laws: " (comparison.scenario) ", medians over " (draws) " perturbed plants" }
         (table("", &columns, &rows))
         p {
             "Start jerk, map over conventional law: " (ratio(comparison.start_jerk_ratio)) " (goal: at most 0.33). "

@@ -63,11 +63,11 @@ fn estimates(actuator: &Actuator) -> Markup {
 /// Explanation of the figures.
 fn meaning(likelihood: &DelayLikelihood) -> Markup {
     html! {
-        "How many standard deviations worse other delays explain the recorded speed, the surface being free to give way in its main directions."
+        "By how many standard deviations other delays explain the recorded speed worse, with the surface free in its main directions."
         @if likelihood.lag_s.len() > 1 {
-            " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second answer."
+            " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second solution."
         } @else {
-            " No lag is tried: the feedback holds it."
+            " No lag is varied: the feedback includes it."
         }
     }
 }
@@ -90,7 +90,7 @@ fn joint(figures: &mut Figures, likelihood: &DelayLikelihood, actuator: &Actuato
     let outline = outline(rows, &dead_ms, &lag_ms);
     figures.heat(&Heat {
         id: "delay".to_owned(),
-        title: "Dead time and lag, all logs shifted alike".to_owned(),
+        title: "Dead time and lag, all logs shifted equally".to_owned(),
         x: (DEAD_TIME, &dead_ms),
         y: (LAG, &lag_ms),
         value: (DEVIANCE, Box::new(move |i, j| Some(sigma(*rows.get(j)?.get(i)?)))),

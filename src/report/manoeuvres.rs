@@ -86,8 +86,8 @@ fn compensation(figures: &mut Figures, all: &[&ManoeuvreTrace]) -> Markup {
     html! {
         h3 { "Lateral error, before and after compensation" }
         p {
-            "Navigation and steering are mounted a little off. The same drive on the same noise, without compensation and with the table of \
-             lateral_table.json; the error is the true one, means of 0.2 s."
+            "Navigation and steering have small mounting errors. The same drive on the same noise, without compensation and with the table \
+             of lateral_table.json; the error is the true one, means of 0.2 s."
         }
         (figures.chart(&compensation_errors(all)))
         (results(all, &metrics))
@@ -119,8 +119,8 @@ fn compensation_errors(all: &[&ManoeuvreTrace]) -> Chart {
     }
     Chart {
         id: "manoeuvre-lateral".to_owned(),
-        label: "Lateral error before and after compensation, and the compensation, over the way".to_owned(),
-        x_title: "way [m]",
+        label: "Lateral error before and after compensation, and the compensation, over the distance".to_owned(),
+        x_title: "distance [m]",
         width: 1010.0,
         panel: 100.0,
         panels,

@@ -35,13 +35,13 @@ pub(crate) fn next(inputs: &ReportFiles) -> Section {
         } @else {
             p.absent { "No runs are planned yet: run pivot-cal plan, and then report again." }
         }
-        h3 { "Where doubt is" }
+        h3 { "Torques with the most doubt" }
         p {
-            "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the speeds that are missing. A \
+            "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the missing speeds. A \
              level far from the torques of a pivot matters less than one within them."
         }
         (doubtful_levels(&inputs.table1.maps))
-        h3 { "The least sure cells within what was measured" }
+        h3 { "The most uncertain cells within the measured region" }
         (doubtful_cells(&inputs.table1.maps))
     };
     Section { id: "next", title: "What to drive next", body, figures: Figures::default() }
@@ -77,9 +77,9 @@ fn planned(plan: &Proposal) -> Markup {
     let rows: Vec<Vec<String>> = plan.entries.iter().take(PLANNED).enumerate().map(row).collect();
     html! {
         p {
-            (plan.runs) " runs in " ((plan.seconds / 60.0).floor()) " min " (num(plan.seconds % 60.0, 0)) " s, the most useful first, are \
-             expected to take the standard error of the torque from " (num(plan.std_err_nm, 3)) " to " (num(plan.std_err_after_nm, 3)) " N·m \
-             (root mean square over the cells, by the plan's own model). Gain: what the first run of a row takes off it."
+            (plan.runs) " runs in " ((plan.seconds / 60.0).floor()) " min " (num(plan.seconds % 60.0, 0)) " s, the most useful first, \
+             are expected to reduce the standard error of the torque from " (num(plan.std_err_nm, 3)) " to " (num(plan.std_err_after_nm, 3)) " N·m \
+             (root mean square over the cells, by the plan's own model). Gain: the reduction by the first run of a row."
         }
         (table("", &columns, &rows))
         @if plan.entries.len() > PLANNED {
@@ -145,7 +145,7 @@ fn levels(map: &AccelMap) -> Vec<Level> {
                 }
             }
             (Some(first), Some(last)) => format!("spin up to {} m/s, then hold it down to {} m/s", num(*last, 2), num(*first, 2)),
-            _ => "repeat it: every cell is measured, but not surely".to_owned(),
+            _ => "repeat it: every cell is measured, but uncertain".to_owned(),
         };
         Level {
             gear: map.gear.to_string(),

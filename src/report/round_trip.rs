@@ -35,9 +35,9 @@ pub(crate) fn round_trip(inputs: &ReportFiles) -> super::Result<Section> {
     let body = html! {
         @if let Some(table2) = &inputs.table2 {
             p {
-                "The acceleration that Table 1 gives for Table 2's torque, minus the one that was asked for, in the middle between the nodes, \
-                 where bilinear interpolation errs most. Meshes with a node beyond what was measured are hatched, those with a node that \
-                 cannot be reached are left empty."
+                "The acceleration that Table 1 gives for Table 2's torque, minus the desired one, in the middle between the nodes, \
+                 where the error of bilinear interpolation is largest. Meshes with a node outside the measured region are hatched, those \
+                 with a node that cannot be reached are left empty."
             }
             div.row {
                 @for map in &table2.maps {
@@ -46,7 +46,7 @@ pub(crate) fn round_trip(inputs: &ReportFiles) -> super::Result<Section> {
             }
             (largest(&table2.maps))
             @if let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) {
-                h3 { "As the gate judges it, on the CSV itself" }
+                h3 { "Judged by the gate, on the CSV itself" }
                 (judged(verdict))
                 p.why { (verdict.round_trip_limit.reason) }
             }

@@ -41,7 +41,7 @@ pub(crate) fn runs(inputs: &ReportFiles) -> Section {
             p { "Of " (rows.len()) " runs the " (MOST_ROWS) " with the largest residual are listed." }
         }
         (list(inputs, &shown))
-        h3 { "What became of the samples" }
+        h3 { "Verdicts on the samples" }
         (ledger(&inputs.table1.report.ledger))
     };
     Section { id: "runs", title: "Runs", body, figures: Figures::default() }

@@ -74,7 +74,7 @@ fn unseen_runs(inputs: &ReportFiles) -> Figure {
     let (rmse, r_squared) = (held_out["rmse"].as_f64(), held_out["r_squared"].as_f64());
     let runs = inputs.table1.report.runs.iter().filter(|r| r.used_s > 0.0).count();
     Figure {
-        title: "Table 1 on runs it has not seen",
+        title: "Table 1 on runs that it was not fitted to",
         value: rmse.map_or_else(|| html! { "none" }, |v| value(&num(v, 3), "m/s")),
         detail: r_squared.map_or("too few runs to hold any out".to_owned(), |r| {
             format!("error of the simulated speed, each of {runs} runs left out of its own fit; R² {}", num(r, 4))
@@ -154,7 +154,7 @@ fn warnings(inputs: &ReportFiles) -> Markup {
     html! {
         @if !all.is_empty() {
             div.notes {
-                h3 { "To know before deploying" }
+                h3 { "Notes before deployment" }
                 ul {
                     @for note in all { li { (note) } }
                 }

@@ -17,7 +17,7 @@ pub enum Error {
     File { path: PathBuf, source: crate::map::Error },
     #[error(
         "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it was edited, or belongs to another map; \
-         run `pivot-cal invert` again, or go on with --force",
+         run `pivot-cal invert` again, or continue with --force",
         path.display(), by.display()
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },

@@ -34,7 +34,7 @@ pub struct Verified {
 /// Judges a map.
 ///
 /// # Errors
-/// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
+/// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is a verdict, not an error.
 pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
     Ok(verify_with(maps, settings, Wanted::default())?.verdict)
 }

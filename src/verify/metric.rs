@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub enum Metric {
     /// 1 if the run ended as its scenario expects, otherwise 0.
     AsExpected,
-    /// |true heading − asked heading| at the end.
+    /// |true heading − requested heading| at the end.
     HeadingErrorDeg,
-    /// Largest heading beyond the asked one.
+    /// Largest heading beyond the requested one.
     OvershootDeg,
     /// Largest distance of the reference point from where it should be, while driving.
     DriftM,

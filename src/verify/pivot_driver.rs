@@ -94,7 +94,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
         matches!(self.part, Part::Failed(_))
     }
 
-    /// Whether every turn has ended as the scenario says.
+    /// Whether every turn has ended as the scenario expects.
     pub(crate) fn as_expected(&self) -> bool {
         self.as_expected
     }

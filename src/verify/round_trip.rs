@@ -2,8 +2,8 @@
 //!
 //! Δa = A(v, T₂(v, a)) − a must stay within 0.15 m/s² + 3 standard errors of Table 1, and its mean over a row of Table 2 above 0 m/s within
 //! 0.05 m/s² + 3: interpolation moves single cells, but not a whole row in the same way. It is checked at each measured cell of Table 1,
-//! (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a), whose true torque lies among measured cells. Beyond its torques the surface
-//! continues linearly, so that a torque which the drive cannot give is detected too. The speed axis must start at 0.
+//! (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a), whose true torque lies among measured cells. Beyond its torques the
+//! surface continues linearly, so that a torque which the drive cannot give is detected too. The speed axis must start at 0.
 
 use crate::map::{AccelMap, AccelTable, CellStatus, Gear, TorqueTable, WheelAngle, ZeroRow, lookup};
 use crate::verify::Maps;
@@ -30,7 +30,7 @@ pub struct RoundTripLimit {
 pub struct RoundTripVerdict {
     /// Gear.
     pub gear: Gear,
-    /// Wheel angle of the map [°], where it is not the test angle.
+    /// Wheel angle of the map [°], if it is not the test angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_angle_deg: Option<f64>,
     /// Places checked.
@@ -243,7 +243,7 @@ mod tests {
         assert!((measured(&map, speed_mps + half_m, torque_nm).unwrap() - 0.03).abs() < 1e-12);
         map.status[5][5] = CellStatus::Extrapolated;
         assert_eq!(measured(&map, speed_mps + half_m, torque_nm), None);
-        assert_eq!(measured(&map, speed_mps, torque_nm), Some(0.05), "a cell with no share is not asked for");
+        assert_eq!(measured(&map, speed_mps, torque_nm), Some(0.05), "a cell with no share is not needed");
         assert_eq!(measured(&map, speed_mps, 1e3), None);
     }
 

@@ -201,8 +201,8 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     finish(scene, follower, stages, Some(*entry))
 }
 
-/// Nose in: back along the first line if the circle is already behind, forward along it, the circle and the axis. `drive_up`: before backing up,
-/// forward along the line until the vehicle is aligned with it.
+/// Nose in: back along the first line if the circle is already behind, forward along it, the circle and the axis. `drive_up`: before
+/// backing up, forward along the line until the vehicle is aligned with it.
 fn nose_in(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_up: bool) -> ParkingPlan {
     let mut follower = follower(scene, start);
     let mut stages = Vec::new();

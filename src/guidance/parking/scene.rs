@@ -129,8 +129,8 @@ impl ParkingScene {
         if self.nose_in { Gear::Reverse } else { Gear::Forward }
     }
 
-    /// Parked position of the rear axle's middle along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps the
-    /// safety distance from the slot's end.
+    /// Parked position of the rear axle's middle along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps
+    /// the safety distance from the slot's end.
     pub fn parked_at_m(&self) -> f64 {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let before_m = if self.nose_in { self.body.length_m() - self.body.rear_overhang_m } else { self.body.rear_overhang_m };

@@ -1,8 +1,9 @@
 //! LQR: the state feedback that minimises Σ q_e e² + q_ψ ψ² + r u² over the linear error model; one step is one piece of distance.
 //!
-//! `e⁺ = e + h ψ`, `ψ⁺ = ψ + h u`, u the curvature beyond the path's own, h a step of distance; `δ = atan(L (κ_r − K·(e, ψ)))`. K comes from the
-//! discrete algebraic Riccati equation by iteration to its fixed point. In distance instead of time the gains do not depend on speed. Source: Anderson &
-//! Moore (1990), *Optimal Control: Linear Quadratic Methods*, ch. 3; for path tracking Snider (2009), CMU-RI-TR-09-08, §4.
+//! `e⁺ = e + h ψ`, `ψ⁺ = ψ + h u`, u the curvature beyond the path's own, h a step of distance; `δ = atan(L (κ_r − K·(e, ψ)))`. K comes
+//! from the discrete algebraic Riccati equation by iteration to its fixed point. In distance instead of time the gains do not depend on
+//! speed. Source: Anderson & Moore (1990), *Optimal Control: Linear Quadratic Methods*, ch. 3; for path tracking Snider (2009),
+//! CMU-RI-TR-09-08, §4.
 
 use crate::control::numeric::atan;
 use crate::guidance::route::track::{Law, TrackState};

@@ -7,10 +7,10 @@
 //! min Σ q_e e² + q_ψ ψ² + r (u − δ_r)² + r_Δ (u − u₋)²   over |u| ≤ δ_max
 //! ```
 //!
-//! The states are eliminated (condensed form). The rest is a strictly convex quadratic program with bounds, solved by the accelerated projected
-//! gradient method with restart. Sources: Kühne, Lages & Gomes da Silva (2004), *Model predictive control of a mobile robot using linearization*
-//! (the model); Beck & Teboulle (2009), *A Fast Iterative Shrinkage-Thresholding Algorithm*, SIAM J. Imaging Sci. 2(1), and O'Donoghue & Candès
-//! (2015), *Adaptive Restart for Accelerated Gradient Schemes*, Found. Comput. Math. 15 (the method).
+//! The states are eliminated (condensed form). The rest is a strictly convex quadratic program with bounds, solved by the accelerated
+//! projected gradient method with restart. Sources: Kühne, Lages & Gomes da Silva (2004), *Model predictive control of a mobile robot using
+//! linearization* (the model); Beck & Teboulle (2009), *A Fast Iterative Shrinkage-Thresholding Algorithm*, SIAM J. Imaging Sci. 2(1), and
+//! O'Donoghue & Candès (2015), *Adaptive Restart for Accelerated Gradient Schemes*, Found. Comput. Math. 15 (the method).
 
 use crate::control::numeric::{atan, sin_cos, sqrt};
 use crate::guidance::route::track::{Law, TrackState};

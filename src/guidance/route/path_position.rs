@@ -70,7 +70,8 @@ impl<'a> Leg<'a> {
         }
     }
 
-    /// The point at distance `s_m`; the path continues straight before the start and past the end. `hint`: an index of a pose at or before it.
+    /// The point at distance `s_m`; the path continues straight before the start and past the end. `hint`: an index of a pose at or before
+    /// it.
     pub fn at(&self, s_m: f64, hint: usize) -> Matched {
         let last = self.poses.len() - 1;
         let mut index = hint.min(last - 1);

@@ -1,9 +1,9 @@
 //! A polyline with turns on the spot: a list of points becomes segments with headings and directions of travel, and legs that are driven
 //! without a stop.
 //!
-//! The direction of travel follows by recursion, with the vehicle's heading θ on the previous segment and the segment's own direction φ: forward if
-//! |φ − θ| ≤ 90°, otherwise in reverse with heading φ + π. So no corner turns the vehicle by more than 90°. The first segment is driven forward
-//! unless a start heading is given.
+//! The direction of travel follows by recursion, with the vehicle's heading θ on the previous segment and the segment's own direction φ:
+//! forward if |φ − θ| ≤ 90°, otherwise in reverse with heading φ + π. So no corner turns the vehicle by more than 90°. The first segment
+//! is driven forward unless a start heading is given.
 
 use crate::control::numeric::{atan2, wrapped};
 use crate::guidance::path::{PathPose, PosePath};

@@ -122,8 +122,8 @@ impl SpotTurn {
         Self { settings, stage: DriveStage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
     }
 
-    /// One period towards `heading_rad`. The wheel is at 90° to the left; forward gear turns left, reverse gear right. [`DriveStage::Arrived`] once
-    /// it rests within the dead zone, or within twice the dead zone after its last correction.
+    /// One period towards `heading_rad`. The wheel is at 90° to the left; forward gear turns left, reverse gear right.
+    /// [`DriveStage::Arrived`] once it rests within the dead zone, or within twice the dead zone after its last correction.
     pub fn step<T: TorqueSource + ?Sized>(&mut self, heading_rad: f64, inputs: &Inputs, torque: &T) -> DriveCommand {
         let settings = self.settings;
         if matches!(self.stage, DriveStage::Failed(_) | DriveStage::Arrived) {

@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Car {
     /// Outline and wheelbase.
     pub body: BodyShape,
-    /// Steering wheel angle over front wheel angle; 1 where there is no steering wheel.
+    /// Steering wheel angle over front wheel angle; 1 without a steering wheel.
     pub steering_ratio: f64,
     /// Largest angle of the steering wheel [rad].
     pub steering_limit_rad: f64,
@@ -91,7 +91,8 @@ pub enum Method {
 /// Largest number of steps of one segment.
 const MOST_STEPS: f64 = 1e6;
 
-/// Integrates from `start` over `segments` and passes every state after the first to `see`. A duration below zero or not finite counts as zero.
+/// Integrates from `start` over `segments` and passes every state after the first to `see`. A duration below zero or not finite counts as
+/// zero.
 pub fn integrate(
     car: &Car,
     start: UTurnState,

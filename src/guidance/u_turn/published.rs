@@ -13,12 +13,12 @@ use serde::Serialize;
 /// The yaw rate that both published pairs of entry speed and curvature have in common [rad/s]: 1.63·0.205 = 0.3342, 1.585·0.21 = 0.3329.
 pub const YAW_RATE_RAD_S: f64 = 1.0 / 3.0;
 
-/// The dimensions that meet the known answers best: `examples/u_turn_inference.rs`. The rear overhang hardly affects them and is set to the front
-/// one.
+/// The dimensions that meet the known answers best: `examples/u_turn_inference.rs`. The rear overhang hardly affects them and is set to the
+/// front one.
 pub const INFERRED_BODY: BodyShape = BodyShape { wheelbase_m: 2.106, width_m: 1.388, front_overhang_m: 1.203, rear_overhang_m: 1.203 };
 
-/// The interpretation of the publication's words for which that holds: "just clears" and "just touches" both mean the clearance, and the run-ups are those of
-/// the tightest turn.
+/// The interpretation of the publication's words for which that holds: "just clears" and "just touches" both mean the clearance, and the
+/// run-ups are those of the tightest turn.
 pub const INFERRED_HYPOTHESIS: Hypothesis = Hypothesis { clears_m: 0.3, touches_m: 0.3, run_up_turn: (0.7, 400.0) };
 
 /// Entry speed that belongs to a curvature at the published yaw rate [m/s]; infinite for a straight line.

@@ -11,8 +11,8 @@ pub struct UTurnScene {
     pub field: Polygon,
     /// The body stays outside.
     pub obstacles: Vec<Polygon>,
-    /// Lane lines of the return from the inner to the outer one, each from its far to its near end; the vehicle may cross them, and ends between
-    /// them.
+    /// Lane lines of the return from the inner to the outer one, each from its far to its near end; the vehicle may cross them, and ends
+    /// between them.
     pub lines: Vec<(PlanePoint, PlanePoint)>,
     /// Distance that the body keeps from border and obstacles [m].
     pub clearance_m: f64,

@@ -1,7 +1,7 @@
 //! The search for the U-turn with the largest margin.
 //!
-//! The track of a speed and a wheel rate has the same shape for every run-up and is only shifted. So each pair is driven once and shifted. The
-//! pairs form a grid, which is then contracted around the best pair several times.
+//! The track of a speed and a wheel rate has the same shape for every run-up and is only shifted. So each pair is driven once and shifted.
+//! The pairs form a grid, which is then contracted around the best pair several times.
 
 use crate::guidance::body::within;
 use crate::guidance::u_turn::model::Car;
@@ -46,7 +46,8 @@ const RUN_UPS: usize = 24;
 /// Searches for the turn with the largest margin from border and obstacles that ends off every lane line.
 ///
 /// # Errors
-/// A range out of order or not finite; a turn that cannot be driven; no turn that keeps the scene's clearance, with the best and its shortfall.
+/// A range out of order or not finite; a turn that cannot be driven; no turn that keeps the scene's clearance, with the best and its
+/// shortfall.
 pub fn search(car: &Car, scene: &UTurnScene, ranges: &Ranges, settings: &UTurnSettings) -> Result<FoundUTurn> {
     for (field, [low, high]) in
         [("run_up_m", ranges.run_up_m), ("speed_mps", ranges.speed_mps), ("steering_rate_rad_s", ranges.steering_rate_rad_s)]

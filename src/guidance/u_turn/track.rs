@@ -105,8 +105,8 @@ fn segments(car: &Car, turn: &UTurnShape, settings: &UTurnSettings, phases_s: [f
     })
 }
 
-/// Lengths of the phases [s] for a turn of exactly 180° by this method and step. With the wheel to its limit, the hold turns the remaining angle.
-/// If wheel in and out alone turn further, there is no hold and the wheel stays below its limit.
+/// Lengths of the phases [s] for a turn of exactly 180° by this method and step. With the wheel to its limit, the hold turns the remaining
+/// angle. If wheel in and out alone turn further, there is no hold and the wheel stays below its limit.
 fn phases(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<[f64; 3]> {
     let start = UTurnState { speed_mps: turn.speed_mps, ..UTurnState::default() };
     let mut slowest = f64::INFINITY;
