@@ -40,7 +40,7 @@ pub struct WaypointLawSettings {
     /// Brakes for the end if the speed loop would arrive too fast; `None` leaves that to the speed loop.
     pub guard: Option<StoppingGuard>,
     /// Finish on the last piece. Default: rolling out, with 0.06 m/s: half of the median error of the plain threshold,
-    /// and no error above its 99th percentile, over the Monte Carlo of the bundled vehicle.
+    /// and no larger 99th percentile, over the Monte Carlo of the bundled vehicle.
     pub finish: Finish,
     /// Fastest change of the torque [N·m/s]; `None`, the default: no limit.
     pub torque_rate_nm_s: Option<f64>,
