@@ -1,8 +1,8 @@
-//! From logs to a verified map in a folder: the whole way as one call, and each stage alone.
+//! From logs to a verified map in a folder: all stages in one call, and each stage alone.
 //!
-//! In: logs (MCAP) of one vehicle, and a folder. Out: the files of the map in that folder, as `pivot-cal` writes them. [`calibrate`] does what
-//! `pivot-cal calibrate` does; [`fit_logs`], [`invert_folder`], [`verify_folder`] and [`report_folder`] are its stages, of which each reads the
-//! files that the one before has written. What a stage wants to say while it works goes to a listener as [`StageEvent`]s.
+//! In: logs (MCAP) of one vehicle, and a folder. Out: the files of the map in that folder, as `pivot-cal` writes them. [`calibrate`] does
+//! the same as `pivot-cal calibrate`. Its stages are [`fit_logs`], [`invert_folder`], [`verify_folder`] and [`report_folder`]; each reads
+//! the files that the previous one has written. A stage reports to a listener by [`StageEvent`]s.
 
 mod error;
 mod event;
@@ -16,7 +16,7 @@ mod verify_stage;
 mod wheel_angles;
 
 pub use error::{Error, Result};
-pub use event::{Listener, StageEvent};
+pub use event::{StageEvent, Listener};
 pub use fit_stage::{FittedLogs, fit_logs};
 pub use folder::read_table1;
 pub use invert_stage::invert_folder;
@@ -50,11 +50,11 @@ impl Calibrated {
 
 /// Makes a map from `logs` and judges it: fits, inverts, verifies, and writes the report. Everything goes into `folder`.
 ///
-/// A log may be a file, a folder of logs, a rosbag2 folder, or a pattern. A log that holds nothing to use is skipped and reported to `listen`.
+/// A log may be a file, a folder of logs, a rosbag2 folder, or a pattern. A log without usable data is skipped and reported to `listen`.
 ///
 /// # Errors
-/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written. A map that fails its verification is no
-/// error: see [`Calibrated::passes`].
+/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written. A map that fails its verification is
+/// not an error: see [`Calibrated::passes`].
 pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSettings, listen: &Listener) -> Result<Calibrated> {
     let fitted = fit_logs(logs, folder, &settings.fit, listen)?;
     let inversion = invert_folder(folder, &settings.invert, listen)?;
@@ -63,7 +63,7 @@ pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSetti
     Ok(Calibrated { fitted, inversion, verdict })
 }
 
-/// [`calibrate_with`] nobody who listens.
+/// [`calibrate_with`] without a listener.
 ///
 /// # Errors
 /// As [`calibrate_with`].

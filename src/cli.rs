@@ -1,4 +1,4 @@
-//! The command line: arguments, files opened and saved, printing, exit status. The rooms below know nothing of it.
+//! The command line: arguments, files opened and saved, printing, exit status. The other modules do not depend on it.
 //!
 //! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
 
@@ -55,10 +55,10 @@ struct Cli {
 /// Options of every command.
 #[derive(Debug, Clone, Args)]
 struct Global {
-    /// Print one JSON document instead of a summary for people
+    /// Print one JSON document instead of a text summary
     #[arg(long, global = true)]
     json: bool,
-    /// Print nothing but errors
+    /// Print errors only
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// Print more detail
@@ -70,17 +70,17 @@ struct Global {
 enum CliCommand {
     /// Drive a torque-step campaign on a simulated vehicle and write its log
     Record(record::Arguments),
-    /// Say what is in logs: topics, time span, and which signals are found
+    /// Show the content of logs: topics, time span, and the signals found
     Inspect(inspect::Arguments),
     /// Fit Table 1, acceleration over speed and torque, to logs
     Fit(fit::Arguments),
     /// Invert Table 1 into Table 2, torque over speed and desired acceleration
     Invert(invert::Arguments),
-    /// Judge a map in closed loop: pivots, failures, perturbed plants, other laws beside it
+    /// Judge a map in closed loop: pivots, failures, perturbed plants, comparison with other laws
     Verify(verify::Arguments),
-    /// Calibrate away a constant lateral error: record runs, fit the compensation table
+    /// Calibrate out a constant lateral error: record runs, fit the compensation table
     Lateral(lateral::Arguments),
-    /// Write the page that says whether to deploy a map
+    /// Write the page with the verdict on a map
     Report(report::Arguments),
     /// Fit, invert, verify and report in one go
     Calibrate(calibrate::Arguments),
@@ -88,15 +88,15 @@ enum CliCommand {
     Check(check::Arguments),
     /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX or JSON
     Export(export::Arguments),
-    /// Say what changed between two maps, and whether it is more than chance
+    /// Show the changes between two maps, and whether they are significant
     Diff(diff::Arguments),
-    /// Say what to drive next: the runs that take most off the standard errors, as a campaign file
+    /// Plan the next runs: those that reduce the standard errors most, as a campaign file
     Plan(plan::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
 
-/// Runs the program with `args`, the first being its name; returns the process's exit status.
+/// Runs the program with `args`, the first is its name; returns the process's exit status.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,

@@ -1,5 +1,5 @@
-//! Manoeuvres: what every one of them shares, and the generators of parking and the U-turn. Each is a path of poses ([`PosePath`]) that is
-//! driven by torque from a [`TorqueSource`]. Planning allocates and uses the standard library's functions; it runs once, before the drive.
+//! Manoeuvres: their common parts, and the generators of parking and the U-turn. Each is a path of poses ([`PosePath`]) that is
+//! driven by torque from a [`TorqueSource`]. Planning allocates and uses the standard library. It runs once, before the drive.
 
 pub mod body;
 mod error;

@@ -1,8 +1,8 @@
-//! Manoeuvres in closed loop: what is driven ([`Manoeuvre`]), by which torque ([`ManoeuvreTorque`]), and what is measured of it.
+//! Manoeuvres in closed loop: the task ([`Manoeuvre`]), the torque source ([`ManoeuvreTorque`]) and the metrics.
 //!
-//! The plant is a physical vehicle, since the one that a Table 1 identifies knows one wheel angle only. A manoeuvre is data plus a driver: adding one
-//! is a [`ManoeuvreKind`] with its run; metrics, gate, draws and the closed loop are those of the pivots. The verdicts on manoeuvres
-//! are added to that on the map by whoever asks for both.
+//! The plant is a physical vehicle, because the plant of a Table 1 covers one wheel angle only. A manoeuvre is data plus a driver. A new
+//! one needs a [`ManoeuvreKind`] and its run; metrics, gate, draws and the closed loop are those of the pivots. The caller adds the
+//! verdicts on manoeuvres to the verdict on the map.
 
 mod bench;
 mod compensation_run;

@@ -1,7 +1,8 @@
-//! From the files of a map to a page that says whether to deploy it.
+//! From the files of a map to a page with the verdict on it.
 //!
-//! In: [`ReportFiles`], what a folder of maps holds. Out: [`Report`]: one HTML page that needs no network, and the same figures as SVG files. The
-//! page is drawn here; its script only answers the pointer and draws what depends on it. The same files give the same bytes.
+//! In: [`ReportFiles`], the files in a folder of maps. Out: [`Report`]: one HTML page that needs no network, and the same figures as SVG
+//! files. The page is drawn here; its script only handles the pointer and the drawings that depend on it. The same files give the same
+//! bytes.
 
 mod chart;
 mod closed_loop;

@@ -275,7 +275,7 @@ fn a_polyline_of_ones_own_is_driven_and_what_is_none_is_refused_with_what_would_
     let verdict: serde_json::Value = serde_json::from_str(&said).unwrap();
     let scenario = &verdict["scenarios"][0];
     assert_eq!((scenario["name"].as_str(), scenario["status"].as_str()), (Some("polyline-lqr"), Some("pass")), "{scenario}");
-    assert!(scenario["what"].as_str().unwrap().starts_with("3 segments of one's own"), "{scenario}");
+    assert!(scenario["what"].as_str().unwrap().starts_with("3 given segments"), "{scenario}");
     let traces: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("maps/manoeuvre_traces.json")).unwrap()).unwrap();
     let driven = traces["manoeuvres"][0]["driven_m"].as_array().unwrap();

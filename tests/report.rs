@@ -77,7 +77,7 @@ fn the_demo_map_is_told_to_pass_on_one_page_below_3_mb_that_fetches_nothing() {
     let choice = &table1["report"]["diagnostics"]["model_choice"];
     assert!(choice["surface_share"].as_f64().unwrap() < 0.5, "the scrubber obeys the physics form: {choice}");
     assert!(
-        page.contains("<dt>Surface</dt><dd>physics form ") && page.contains("tells runs left out"),
+        page.contains("<dt>Surface</dt><dd>physics form ") && page.contains("predicts runs left out"),
         "how much of the surface was taken"
     );
     assert_eq!(page.matches("<tr data-row=").count(), table1["report"]["runs"].as_array().unwrap().len(), "every run is a row");

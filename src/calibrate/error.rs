@@ -1,15 +1,15 @@
-//! What can go wrong on the way from logs to a verified map: the errors of all rooms, with the file that they are about.
+//! The errors between logs and a verified map: those of all modules, with the file concerned.
 
 use std::path::Path;
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What can go wrong on the way from logs to a verified map.
+/// An error between logs and a verified map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The file, folder or circumstance that the cause is about.
+    /// A cause with its file, folder or circumstance.
     #[error("{what}")]
     About {
         /// The file, folder or circumstance.
@@ -23,10 +23,10 @@ pub enum Error {
     /// The signals of a log do not fit together.
     #[error(transparent)]
     Signal(#[from] crate::signal::Error),
-    /// A log holds nothing to use.
+    /// A log without usable data.
     #[error(transparent)]
     Campaign(#[from] crate::campaign::Error),
-    /// There is no fit.
+    /// The fit failed.
     #[error(transparent)]
     Fit(#[from] crate::fit::Error),
     /// Table 1 cannot be inverted.
@@ -44,23 +44,23 @@ pub enum Error {
     /// A file cannot be read or written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// No log holds anything to use.
-    #[error("no log holds anything to use: {reasons}")]
+    /// No log with usable data.
+    #[error("no log has usable data: {reasons}")]
     NoUsableLog {
         /// The reason of each log.
         reasons: String,
     },
-    /// A wheel angle that was asked for.
+    /// A requested wheel angle.
     #[error("wheel angle {angle_deg}°: {reason}")]
     WheelAngle {
         /// The angle [°].
         angle_deg: f64,
-        /// Why it cannot be had.
+        /// Why it is not possible.
         reason: String,
     },
     /// A CSV is not the one that `table1.json` describes.
     #[error(
-        "{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or go on with --force",
+        "{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or continue with --force",
         what = edited_csv(path)
     )]
     EditedCsv {
@@ -69,17 +69,17 @@ pub enum Error {
     },
 }
 
-/// What is wrong with an edited CSV.
+/// Message on an edited CSV.
 pub(crate) fn edited_csv(path: &Path) -> String {
     format!("{} is not the file that table1.json describes: its hash differs", path.display())
 }
 
-/// Adds what an error is about.
+/// Adds the subject of an error.
 pub(crate) trait About<T> {
-    /// Adds what the error is about.
+    /// Adds the subject of the error.
     fn about(self, what: impl FnOnce() -> String) -> Result<T>;
 
-    /// Adds the file that the error is about.
+    /// Adds the file concerned.
     fn in_file(self, path: &Path) -> Result<T>
     where
         Self: Sized,

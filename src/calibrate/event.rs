@@ -1,16 +1,16 @@
-//! What a stage says while it works.
+//! Events of a stage while it works.
 
-/// What a stage says while it works.
+/// An event of a stage while it works.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StageEvent {
-    /// Something that the user should know although the work goes on.
+    /// A warning; the work continues.
     Warning(String),
-    /// Something worth reading.
+    /// A note.
     Note(String),
-    /// Something for those who ask for more.
+    /// A detail.
     Detail(String),
-    /// So many more bytes of the logs, of `total`, were read.
+    /// More bytes of the logs were read, of `total`.
     Read {
         /// Bytes since the last event.
         bytes: u64,
@@ -19,12 +19,12 @@ pub enum StageEvent {
     },
     /// One more simulated run of `total` has ended.
     Simulated {
-        /// Runs in all.
+        /// Total number of runs.
         total: usize,
     },
-    /// What was read or simulated is complete.
+    /// Reading or simulating is complete.
     Complete,
 }
 
-/// Who listens; called from any thread.
+/// A listener; called from any thread.
 pub type Listener<'a> = dyn Fn(StageEvent) + Sync + 'a;

@@ -38,7 +38,7 @@ pub fn fit_logs(logs: &[PathBuf], folder: &Path, stage: &FitStage, listen: &List
     Ok(FittedLogs { fit, is_damaged: recordings.iter().any(|r| r.loss.is_damaged()) })
 }
 
-/// One wheel angle that is asked for is the test angle of the fit.
+/// A single requested wheel angle is the test angle of the fit.
 fn source(stage: &FitStage) -> LogSource {
     let mut source = stage.source.clone();
     if let [angle_deg] = stage.wheel_angles_deg[..] {
@@ -54,7 +54,7 @@ fn census(recordings: &[Recording]) -> Result<Census> {
 }
 
 fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> Result<()> {
-    // a table of an earlier fit that this one does not have would pass for its own
+    // a table left from an earlier fit would be taken for one of this fit
     remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
     for (name, text) in &fit.csvs {
         write_whole(&folder.join(name), text.as_bytes())?;

@@ -1,4 +1,4 @@
-//! The folder of a map: what stages read from it, and files of earlier runs that would pass for those of this one.
+//! The folder of a map: the files that stages read, and the removal of files of earlier runs.
 
 use crate::calibrate::error::About as _;
 use crate::calibrate::{Error, Result};
@@ -9,7 +9,7 @@ use std::path::Path;
 /// Reads `table1.json` and the CSV files that it names.
 ///
 /// # Errors
-/// A file that is not there or cannot be read.
+/// A file that is missing or cannot be read.
 pub fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
     MapFolder::read_table1(folder).or_else(|error| match error {
         FolderError::Read { path, source } => {
@@ -22,7 +22,7 @@ pub fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
     })
 }
 
-/// Removes the CSV files of `table` in `folder` that are not among `kept`: a table of an earlier run would pass for one of this one.
+/// Removes the CSV files of `table` in `folder` that are not among `kept`: a table of an earlier run would be taken for one of this run.
 pub(crate) fn remove_stale<'a>(folder: &Path, table: &str, kept: impl Iterator<Item = &'a str>) -> Result<()> {
     let kept: Vec<&str> = kept.collect();
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };

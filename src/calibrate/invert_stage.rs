@@ -2,7 +2,7 @@
 
 use crate::calibrate::error::{About as _, edited_csv};
 use crate::calibrate::folder::{read_table1, remove_stale};
-use crate::calibrate::{Error, InvertStage, Listener, Result, StageEvent, keep_angles};
+use crate::calibrate::{Error, StageEvent, InvertStage, Listener, Result, keep_angles};
 use crate::invert::{Inversion, invert};
 use crate::map::{CsvRef, Mismatch, write_whole};
 use std::path::Path;
@@ -10,8 +10,8 @@ use std::path::Path;
 /// Inverts the `table1.json` in `folder`, and writes `table2.json` and its CSV files beside it.
 ///
 /// # Errors
-/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, a folder
-/// that cannot be written.
+/// No `table1.json`, wheel angles that it does not hold, a CSV that was edited (unless the stage is forced), a table without an inverse, or
+/// a folder that cannot be written.
 pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> Result<Inversion> {
     let path = folder.join("table1.json");
     let (read, mismatches) = read_table1(folder)?;
@@ -19,14 +19,14 @@ pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> R
     if !stage.wheel_angles_deg.is_empty() {
         keep_angles(&mut file, &stage.wheel_angles_deg).in_file(&path)?;
     }
-    // what is inverted is the JSON: a CSV that was edited by hand says otherwise, and one that is not there says nothing
+    // the JSON is inverted: a CSV edited by hand differs from it, a missing one is ignored
     let inverted = |csv: &str| file.maps.iter().any(|map| map.csv.file == csv);
     for edited in mismatches.iter().filter(|m| matches!(m, Mismatch::Hash { .. }) && inverted(m.file())) {
         let path = folder.join(edited.file());
         if !stage.force {
             return Err(Error::EditedCsv { path });
         }
-        listen(StageEvent::Warning(format!("{}; the numbers of table1.json are inverted, since --force was given", edited_csv(&path))));
+        listen(StageEvent::Warning(format!("{}; the numbers of table1.json are inverted, because --force was given", edited_csv(&path))));
     }
     let table1 = CsvRef { file: "table1.json".to_owned(), sha256: read.table1_json.sha256 };
     let inversion = invert(&file, table1, &stage.settings).in_file(&path)?;

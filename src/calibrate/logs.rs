@@ -1,17 +1,17 @@
 //! Logs of one vehicle, read and surveyed.
 
 use crate::calibrate::error::About as _;
-use crate::calibrate::{Error, Listener, LogSource, Result, StageEvent};
+use crate::calibrate::{Error, StageEvent, Listener, LogSource, Result};
 use crate::campaign::{Survey, SurveySettings};
 use crate::log::{Recording, Source, find_logs, read_split};
 use crate::signal::Track;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Reads every log; the same log given twice is read once. What was lost, and where the signals were found, goes to `listen`.
+/// Reads every log; the same log given twice is read once. Losses, and the places of the signals, are reported to `listen`.
 ///
 /// # Errors
-/// A log that is not there or cannot be read.
+/// A log that is missing or cannot be read.
 pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Result<Vec<Recording>> {
     let mut found = Vec::new();
     for named in logs {
@@ -20,7 +20,7 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
     let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
     let read_one =
         |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(StageEvent::Read { bytes, total }));
-    // side by side: the hash of a log takes longer than its messages, and only one thread
+    // in parallel: the hash of a log takes longer than its messages, and uses only one thread
     let read: Vec<_> = found.par_iter().map(read_one).collect();
     listen(StageEvent::Complete);
     let mut recordings: Vec<Recording> = Vec::new();
@@ -37,7 +37,7 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
     Ok(recordings)
 }
 
-/// Surveys recordings at their vehicles' test angle. A log without anything to use is skipped with a warning, unless it is the only one.
+/// Surveys recordings at their vehicles' test angle. A log without usable data is skipped with a warning, unless it is the only one.
 ///
 /// # Errors
 /// Signals from which no track can be made; no usable log.
@@ -52,7 +52,7 @@ pub fn survey(recordings: &[Recording], listen: &Listener) -> Result<Vec<Survey>
             Ok(survey) => surveys.push(survey),
             Err(error) if alone => return Err(error).in_file(path),
             Err(error) => {
-                listen(StageEvent::Warning(format!("{} is left aside: {error}", path.display())));
+                listen(StageEvent::Warning(format!("{} is skipped: {error}", path.display())));
                 reasons.push(format!("{}: {error}", path.display()));
             }
         }
@@ -63,7 +63,7 @@ pub fn survey(recordings: &[Recording], listen: &Listener) -> Result<Vec<Survey>
     Ok(surveys)
 }
 
-/// Where a recording lies: its file, or the folder of its files.
+/// Path of a recording: its file, or the folder of its files.
 fn place(files: &[PathBuf]) -> &Path {
     match files {
         [file] => file,
@@ -71,7 +71,7 @@ fn place(files: &[PathBuf]) -> &Path {
     }
 }
 
-/// Reports what was lost, and where the signals were found unless a map said so.
+/// Reports losses, and the places of the signals if no signal map gave them.
 fn report(recording: &Recording, mapped: bool, path: &Path, listen: &Listener) {
     if let Some(loss) = recording.loss.summary() {
         listen(StageEvent::Warning(format!("{}: {loss}", path.display())));

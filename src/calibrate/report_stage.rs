@@ -1,4 +1,4 @@
-//! The files of a map → the page that says whether to deploy it.
+//! The files of a map → the page with the verdict on it.
 
 use crate::calibrate::Result;
 use crate::map::write_whole;
@@ -8,7 +8,7 @@ use std::path::Path;
 /// A page that was written.
 #[derive(Debug)]
 pub struct WrittenReport {
-    /// What it was made from.
+    /// Its inputs.
     pub files: ReportFiles,
     /// Its size.
     pub bytes: usize,
@@ -19,7 +19,7 @@ pub struct WrittenReport {
 /// Writes the page of the map in `folder` to `output`, and its figures as SVG files into the folder `svg`, if there is one.
 ///
 /// # Errors
-/// No `table1.json`, a file that is there and cannot be read, a page that cannot be written.
+/// No `table1.json`, an existing file that cannot be read, or a page that cannot be written.
 pub fn report_folder(folder: &Path, output: &Path, svg: Option<&Path>) -> Result<WrittenReport> {
     let files = ReportFiles::read(folder)?;
     let page = report(&files)?;

@@ -1,24 +1,24 @@
-//! How a map is made.
+//! Settings of making a map.
 
 use crate::fit::FitSettings;
 use crate::invert::InvertSettings;
 use crate::log::{Source, VehicleOverrides};
 
-/// How a map is made from logs. The defaults are those of `pivot-cal calibrate`.
+/// Settings of making a map from logs. The defaults are those of `pivot-cal calibrate`.
 #[derive(Debug, Clone, Default)]
 pub struct CalibrateSettings {
-    /// How logs are read and fitted.
+    /// Settings of reading and fitting logs.
     pub fit: FitStage,
-    /// How Table 1 is inverted.
+    /// Settings of inverting Table 1.
     pub invert: InvertStage,
 }
 
-/// Where signals and vehicle come from.
+/// Sources of the signals and of the vehicle's data.
 #[derive(Debug, Clone)]
 pub struct LogSource {
-    /// Where the signals are. Default: they are detected.
+    /// Places of the signals. Default: they are detected.
     pub signals: Source,
-    /// What is known of the vehicle, over what logs and signal map say. Default nothing.
+    /// Known data of the vehicle; they override logs and signal map. Default none.
     pub vehicle: VehicleOverrides,
 }
 
@@ -28,10 +28,10 @@ impl Default for LogSource {
     }
 }
 
-/// How logs are read and fitted.
+/// Settings of reading and fitting logs.
 #[derive(Debug, Clone, Default)]
 pub struct FitStage {
-    /// Where signals and vehicle come from.
+    /// Sources of the signals and of the vehicle's data.
     pub source: LogSource,
     /// Wheel angles whose runs are used [°]; by default all at which at least three torques were held.
     pub wheel_angles_deg: Vec<f64>,
@@ -39,13 +39,13 @@ pub struct FitStage {
     pub settings: FitSettings,
 }
 
-/// How Table 1 is inverted.
+/// Settings of inverting Table 1.
 #[derive(Debug, Clone, Default)]
 pub struct InvertStage {
     /// Wheel angles whose maps are inverted [°]; by default all of them.
     pub wheel_angles_deg: Vec<f64>,
     /// Settings of the inversion.
     pub settings: InvertSettings,
-    /// Whether a CSV that is not the one that `table1.json` describes is let pass. Default no.
+    /// Whether a CSV that is not the one that `table1.json` describes is accepted. Default no.
     pub force: bool,
 }

@@ -28,7 +28,7 @@ pub fn save_verdict(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &
     let path = folder.join("verify_traces.json");
     match traces {
         Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
-        // those of an earlier verdict would pass for its own
+        // those of an earlier verdict would be taken for its own
         None if path.exists() => fs_err::remove_file(path)?,
         None => {}
     }

@@ -1,19 +1,19 @@
-//! Wheel angles of a campaign: which ones are fitted, and which maps of a file are kept.
+//! Wheel angles of a campaign: the fitted ones, and the kept maps of a file.
 
 use crate::calibrate::{Error, Listener, Result, StageEvent};
 use crate::campaign::{Census, Grouped, SurveySettings, group_by_angle};
 use crate::log::Recording;
 use crate::map::{Table1File, WheelAngle};
 
-/// What several wheel angles are fitted from.
+/// Input of a fit at several wheel angles.
 pub(crate) struct AngleChoice {
     pub(crate) grouped: Grouped,
     /// The angle of the plain file names.
     pub(crate) test_angle_deg: f64,
 }
 
-/// The angles that are fitted: those asked for, else all at which enough torques were held. `None` where that is the test angle alone, or one
-/// angle is asked for, which is then the test angle of the fit.
+/// The fitted angles: the requested ones, otherwise all at which enough torques were held. `None` if that is the test angle alone, or if
+/// one angle is requested, which is then the test angle of the fit.
 pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[f64], listen: &Listener) -> Result<Option<AngleChoice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
     let settings = SurveySettings::default();
@@ -27,7 +27,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
             return Err(wrong(*angle, format!("no run was driven there; the wheel angles of the runs are {}", census.text())));
         };
         if angles_deg.iter().any(|a| is(*a, held.wheel_angle_deg)) {
-            return Err(wrong(*angle, format!("the runs at {held} are asked for twice")));
+            return Err(wrong(*angle, format!("the runs at {held} are requested twice")));
         }
         angles_deg.push(held.wheel_angle_deg);
     }
@@ -47,14 +47,14 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
             return Ok(None);
         }
         if !angles_deg.iter().any(|a| is(*a, test_angle_deg)) {
-            // its runs are few, and the fit says what they lack
+            // it has few runs, and the fit reports what is missing
             angles_deg.push(test_angle_deg);
         }
     }
     for held in census.held.iter().filter(|h| angles_deg.iter().any(|a| is(*a, h.wheel_angle_deg))) {
         let [low, high] = held.range_deg;
         if high - low > settings.angle_tolerance_deg {
-            notes.push(format!("runs between {low:.1}° and {high:.1}° are taken for one wheel angle, {}°", held.wheel_angle_deg));
+            notes.push(format!("runs between {low:.1}° and {high:.1}° count as one wheel angle, {}°", held.wheel_angle_deg));
         }
     }
     if census.drifting_runs > 0 {
@@ -79,10 +79,10 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
     Ok(Some(AngleChoice { grouped, test_angle_deg }))
 }
 
-/// Leaves the maps at the wheel angles `asked` [°] in `file`; families stay, since they hold over the angle.
+/// Keeps the maps at the wheel angles `asked` [°] in `file`; families stay, since they apply to all angles.
 ///
 /// # Errors
-/// An angle that the file has no map of.
+/// An angle without a map in the file.
 pub fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
     let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     for angle in asked {
@@ -98,10 +98,10 @@ pub fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// The file as one of a single wheel angle [°], which is then its test angle; reports to `listen` where it holds others.
+/// The file as one of a single wheel angle [°], which is then its test angle; reports to `listen` if it holds others.
 ///
 /// # Errors
-/// An angle that the file has no map of.
+/// An angle without a map in the file.
 pub fn only_angle(mut file: Table1File, angle_deg: f64, listen: &Listener) -> Result<Table1File> {
     let maps = file.maps.len();
     keep_angles(&mut file, &[angle_deg])?;

@@ -3,7 +3,7 @@
 use crate::calibrate::Error;
 use crate::map::AngleFamily;
 
-/// The error with the flag that asked for the wheel angle.
+/// The error with the flag that requested the wheel angle.
 pub(crate) fn with_flag(error: Error) -> anyhow::Error {
     match error {
         Error::WheelAngle { angle_deg, reason } => anyhow::anyhow!("--angle {angle_deg}: {reason}"),
@@ -12,7 +12,7 @@ pub(crate) fn with_flag(error: Error) -> anyhow::Error {
     }
 }
 
-/// A family for people.
+/// A family, in words.
 pub(crate) fn family_text(family: &AngleFamily) -> String {
     let angles: Vec<String> = family.wheel_angle_deg.iter().map(|a| format!("{a}°")).collect();
     let left_out: Vec<String> = family.left_out.iter().map(|l| format!("{}° {:.2} N·m", l.wheel_angle_deg, l.rms_nm)).collect();

@@ -2,7 +2,7 @@
 
 use anyhow::{bail, ensure};
 
-/// Breaks of an axis as a user writes them.
+/// Breaks of an axis in the user's notation.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Breaks(pub(crate) Vec<f64>);
 

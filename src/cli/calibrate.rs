@@ -15,7 +15,7 @@ Examples:
   pivot-cal calibrate logs.mcap
   pivot-cal calibrate --signals signals.toml --maps maps/monday monday/*.mcap
 
-Does what fit, invert, verify and report do, with their defaults, in the folder of --maps.
+Runs fit, invert, verify and report with their defaults in the folder of --maps.
 Exit status: 0 the map passes, 3 it does not (or the coverage is too thin), 1 error.")]
 pub(crate) struct Arguments {
     #[command(flatten)]

@@ -5,7 +5,7 @@ use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use std::path::PathBuf;
 
-/// Findings of one rule that are listed without `-v`.
+/// Number of findings of one rule that are listed without `-v`.
 const SHOWN: usize = 5;
 
 /// Arguments of `check`.
@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     /// Maps to judge
     #[arg(required = true, value_name = "MAP")]
     maps: Vec<PathBuf>,
-    /// A step this many times as steep as nine in ten steps of the map are is a jump
+    /// A step this many times as steep as the 90th percentile of the map's steps is a jump
     #[arg(long, value_name = "FACTOR", default_value_t = CheckSettings::default().slope_bound)]
     slope_bound: f64,
 }

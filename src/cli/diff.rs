@@ -1,4 +1,4 @@
-//! `diff A B`: what changed between two maps.
+//! `diff A B`: the changes between two maps.
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
@@ -7,7 +7,7 @@ use crate::map::write_whole;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
 
-/// Changes that are listed without `-v`.
+/// Number of changes that are listed without `-v`.
 const SHOWN: usize = 10;
 
 /// Arguments of `diff`.
@@ -17,8 +17,8 @@ Examples:
   pivot-cal diff maps-march maps-june                 their table2.json
   pivot-cal diff maps-march/table1.json maps-june/table1.json --html change.html
 
-Changes are b - a at the breaks of a, each against the standard errors of both; of many cells some are large by chance, which the
-Benjamini-Hochberg procedure accounts for. Extrapolated and unreachable cells are left out.
+Changes are b - a at the breaks of a, each compared with the standard errors of both. Of many cells some are large by chance; the
+Benjamini-Hochberg procedure takes this into account. Extrapolated and unreachable cells are skipped.
 Exit status: 0 the same, 3 changed or incompatible, 1 a file cannot be read.")]
 pub(crate) struct Arguments {
     /// The first map: table1.json, table2.json, or a folder
@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     /// Expected share of false ones among the cells called significant
     #[arg(long, value_name = "SHARE", default_value_t = DiffSettings::default().false_discovery_rate)]
     false_discovery_rate: f64,
-    /// Acceleration [m/s²] from which on a significant change is said to matter
+    /// Acceleration [m/s²] from which a significant change matters
     #[arg(long, value_name = "MPS2", default_value_t = DiffSettings::default().matters_mps2)]
     matters_mps2: f64,
 }

@@ -1,4 +1,4 @@
-//! `export`: the map in the forms that controllers and calibration tools load.
+//! `export`: the map in the formats of controllers and calibration tools.
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let precision = if arguments.float { Precision::Float } else { Precision::Double };
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("export"));
-    // all forms first: nothing is written when one of them is impossible
+    // all forms first: nothing is written if one of them is impossible
     let mut files = Vec::new();
     for format in &arguments.format {
         files.extend(format.files(&source, precision)?.into_iter().map(|file| (*format, file)));

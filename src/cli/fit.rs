@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 /// Arguments of `fit`.
 #[derive(Debug, Clone, clap::Args)]
-#[group(id = "fit")] // flattened into `calibrate`, whose own group is named after its struct, too
+#[group(id = "fit")] // flattened into `calibrate`, whose own group is also named after its struct
 #[command(after_help = "\
 Examples:
   pivot-cal fit logs.mcap
@@ -22,8 +22,8 @@ Examples:
   pivot-cal fit --angle 0,30,60,90 angles.mcap
   pivot-cal fit --preset autoware --wheelbase-m 0.92 --wheel-radius-m 0.12 drive.mcap
 
-Writes table1.csv and table1.json (and table1.reverse.csv when reverse gear was tested) into the folder of --maps, and fit_traces.json for
-the report. A log with runs at several wheel angles gives a map of each: table1.csv is that of the test angle, table1.angle30.csv that of 30°.
+Writes table1.csv and table1.json (and table1.reverse.csv if reverse gear was tested) into the folder of --maps, and fit_traces.json for
+the report. A log with runs at several wheel angles gives a map of each angle: table1.csv for the test angle, table1.angle30.csv for 30°.
 Exit status: 0 done, 3 written but the coverage is too thin (or, with --strict, a log is damaged), 1 error.")]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -31,10 +31,10 @@ pub(crate) struct Arguments {
     /// Folder to write into
     #[arg(long, value_name = "DIR", default_value = "maps")]
     pub(crate) maps: PathBuf,
-    /// Dead time of the drive [ms] when it is known
+    /// Dead time of the drive [ms], if known
     #[arg(long, value_name = "MS")]
     pub(crate) dead_time_ms: Option<f64>,
-    /// Time constant of the drive's lag [ms] when it is known
+    /// Time constant of the drive's lag [ms], if known
     #[arg(long, value_name = "MS")]
     pub(crate) lag_ms: Option<f64>,
     /// Wheel angle whose runs are used [°], or several; by default all at which at least three torques were held
@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// How logs are read and fitted, as the arguments say.
+    /// Settings of reading and fitting logs, from the arguments.
     pub(crate) fn stage(&self) -> anyhow::Result<FitStage> {
         let delay = |name: &str, value: Option<f64>, most_ms: f64| match value {
             Some(ms) if !(0.0..=most_ms).contains(&ms) => anyhow::bail!("{name} is {ms}; allowed: 0 to {most_ms}"),
@@ -80,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(if fitted.fit.sound && !(fitted.is_damaged && arguments.is_strict()) { Outcome::Done } else { Outcome::Rejected })
 }
 
-/// The summary for people.
+/// The text summary.
 pub(crate) fn show(file: &Table1File, ui: Ui) {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(["verdict on samples", "samples", "seconds"]);
@@ -95,25 +95,22 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
     ui.say(table.to_string());
     ui.say("");
     let actuator = &file.actuator;
-    let told = |d: &crate::map::DelayEstimate| {
+    let text = |d: &crate::map::DelayEstimate| {
         let error = d.std_err_s.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         format!("{:.1}{error} ms ({})", 1e3 * d.value_s, d.status)
     };
     if !actuator.input.is_plain_command() {
         ui.say(format!("input      {}", actuator.input));
     }
-    ui.say(format!("dead time  {}", told(&actuator.dead_time)));
-    ui.say(format!("lag        {}", told(&actuator.lag)));
+    ui.say(format!("dead time  {}", text(&actuator.dead_time)));
+    ui.say(format!("lag        {}", text(&actuator.lag)));
     for log in &actuator.per_log {
-        ui.say(format!("  {}: dead time {}, clock offset {}", log.file, told(&log.dead_time), told(&log.clock_offset)));
+        ui.say(format!("  {}: dead time {}, clock offset {}", log.file, text(&log.dead_time), text(&log.clock_offset)));
     }
-    for witness in &file.witnesses {
-        let error = witness.scale_std_err.map_or(String::new(), |e| format!(" ± {e:.4}"));
-        let delay = 1e3 * witness.delay_s;
-        ui.say(format!(
-            "{}: scale {:.4}{error}, reads {delay:.1} ms late, noise {:.4} m/s",
-            witness.name, witness.scale, witness.noise_mps
-        ));
+    for source in &file.witnesses {
+        let error = source.scale_std_err.map_or(String::new(), |e| format!(" ± {e:.4}"));
+        let delay = 1e3 * source.delay_s;
+        ui.say(format!("{}: scale {:.4}{error}, reads {delay:.1} ms late, noise {:.4} m/s", source.name, source.scale, source.noise_mps));
     }
     let several = file.has_several_angles();
     for map in &file.maps {

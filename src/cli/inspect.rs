@@ -1,4 +1,4 @@
-//! `inspect LOG…`: what is in the logs, and which signals are found.
+//! `inspect LOG…`: the content of logs, and the signals found.
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Logs up to this size are read whole without being asked: that takes no longer than looking [bytes].
+/// Logs up to this size are read completely by default, which takes no longer than the summary [bytes].
 const SMALL: u64 = 64 << 20;
 
 /// Arguments of `inspect`.
@@ -50,7 +50,7 @@ struct InspectDocument {
     logs: Vec<Inspected>,
 }
 
-/// One log of the JSON document: what is in it, and with `--runs` its runs; those of a recording in several files stand at the last.
+/// One log of the JSON document: its content, and with `--runs` its runs. A recording in several files has its runs at the last file.
 #[derive(serde::Serialize)]
 struct Inspected {
     #[serde(flatten)]
@@ -98,7 +98,7 @@ fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Res
     Ok(survey?)
 }
 
-/// The survey for people.
+/// The survey as text.
 fn text(survey: &LogSurvey) -> String {
     let mut text = String::new();
     let count = |number: Option<u64>| number.map_or_else(|| "?".to_owned(), |number| number.to_string());

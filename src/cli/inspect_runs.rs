@@ -1,4 +1,4 @@
-//! The runs of a log for `inspect --runs`: what a fit would use, and what it would leave out and why, before there is a model.
+//! The runs of a log for `inspect --runs`: the data that a fit would use, and the cuts with their reasons, before there is a model.
 
 use crate::campaign;
 use crate::campaign::{Census, HeldAngle, Survey, ledger, runs as run_rows};
@@ -14,12 +14,12 @@ use std::path::PathBuf;
 pub(crate) struct Runs {
     ledger: Vec<LedgerRow>,
     runs: Vec<RunRow>,
-    /// The wheel angles of the runs, where they are not all at the test angle.
+    /// The wheel angles of the runs, if they are not all at the test angle.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     wheel_angles: Vec<HeldAngle>,
 }
 
-/// Surveys one recording, given as its files, and prints its runs. A log that cannot be surveyed is told, and is no failure of `inspect`.
+/// Surveys one recording, given as its files, and prints its runs. A log that cannot be surveyed is reported; `inspect` does not fail.
 pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
     let mut census = Census::default();
     let mut survey = || -> anyhow::Result<Survey> {

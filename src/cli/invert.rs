@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Breaks of the desired acceleration [m/s²]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
     pub(crate) accel_breaks: Option<Breaks>,
-    /// Place this many breaks on each axis where they serve best
+    /// Place this many breaks on each axis at the best places
     #[arg(long, value_name = "N")]
     pub(crate) place: Option<usize>,
     /// The row at speed 0: torque of a wheel just moving, or 0 for a ≤ 0
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     /// Wheel angles whose maps are inverted [°]; by default all of table1.json
     #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
     pub(crate) angle: Vec<f64>,
-    /// Go on when a hash does not match
+    /// Continue if a hash does not match
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The summary for people.
+/// The text summary.
 pub(crate) fn show(file: &Table2File, ui: Ui) {
     let several = file.has_several_angles();
     for map in &file.maps {

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Arguments of `lateral`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Example: the compensation table of a simulated vehicle whose navigation and steering are mounted a little off
+Example: the compensation table of a simulated vehicle with small mounting errors of navigation and steering
   pivot-cal lateral record --vehicle data/vehicles/scrubber.toml -o lateral_logs
   pivot-cal lateral fit lateral_logs
   pivot-cal verify --scenario lateral-forward -v")]
@@ -46,7 +46,7 @@ Example: signals.toml names pose, reference and compensation
   reference_y  = { path = \"/reference/matched_point.point.y\" }
   compensation = { path = \"/steering/compensation.data\", unit = \"rad\" }
 
-The reference may also be a whole path (nav_msgs/Path, or arrays of another message); its nearest point is then found here:
+The reference may also be a whole path (nav_msgs/Path, or arrays of another message); its nearest point is then computed:
   reference_x  = { path = \"/reference/path.poses[:].pose.position.x\" }
   reference_y  = { path = \"/reference/path.poses[:].pose.position.y\" }
 
@@ -62,10 +62,10 @@ struct FitArguments {
     /// Entries at or beyond this mean error are dropped [m]
     #[arg(long, value_name = "M", default_value_t = 0.3)]
     threshold_m: f64,
-    /// Way after every start that is left out [m]
+    /// Distance after every start that is skipped [m]
     #[arg(long, value_name = "M", default_value_t = 4.0)]
     settle_m: f64,
-    /// Take means over control periods instead of the way
+    /// Take means over control periods instead of distance
     #[arg(long)]
     over_periods: bool,
 }
@@ -90,10 +90,10 @@ struct RecordArguments {
     /// Heading of the navigation minus that of the vehicle [°]
     #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true)]
     yaw_deg: f64,
-    /// True wheel angle minus the one that the steering takes it for [°]
+    /// True wheel angle minus the one that the steering reports [°]
     #[arg(long, value_name = "DEG", default_value_t = -0.8, allow_negative_numbers = true)]
     steering_zero_deg: f64,
-    /// How the log holds the reference: its matched point every period, the whole path once, or both
+    /// Form of the reference in the log: its matched point every period, the whole path once, or both
     #[arg(long, value_enum, value_name = "FORM", default_value_t = Reference::Both)]
     reference: Reference,
     /// Seed of everything random
@@ -188,7 +188,7 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
     let text = fs_err::read_to_string(&arguments.vehicle)?;
     let vehicle = VehicleFile::from_toml(&text).with_context(|| arguments.vehicle.display().to_string())?.settings();
     if let Some(angle) = arguments.angles_deg.iter().find(|a| !(a.is_finite() && a.abs() <= 20.0)) {
-        bail!("--angles-deg: {angle}° is no compensation; allowed: −20° to 20°");
+        bail!("--angles-deg: {angle}° is not a compensation; allowed: −20° to 20°");
     }
     for (name, value) in [("--yaw-deg", arguments.yaw_deg), ("--steering-zero-deg", arguments.steering_zero_deg)] {
         if !(value.is_finite() && value.abs() <= 20.0) {

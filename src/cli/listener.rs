@@ -1,4 +1,4 @@
-//! What stages say while they work, shown: lines by the terminal's rules, progress as bars.
+//! Shows the events of stages: lines on the terminal, progress as bars.
 
 use crate::calibrate::StageEvent;
 use crate::cli::Ui;
@@ -13,7 +13,7 @@ pub(crate) struct UiListener {
 }
 
 impl UiListener {
-    /// `what` is said beside a bar.
+    /// `what` is shown beside a bar.
     pub(crate) fn new(ui: Ui, what: &'static str) -> Self {
         Self { ui, what, bar: Mutex::new(None) }
     }

@@ -1,4 +1,4 @@
-//! Logs on the command line: where they are, where their signals are, and what is said of the vehicle.
+//! Logs on the command line: their paths, their signals, and the vehicle's data.
 
 use crate::calibrate::{LogSource, read_logs, survey};
 use crate::campaign::Survey;
@@ -30,7 +30,7 @@ pub(crate) struct LogArguments {
     /// Wheel angle of the test [°], left positive, over any signal map
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     test_angle_deg: Option<f64>,
-    /// Stop with status 3 when a log is damaged
+    /// Stop with status 3 if a log is damaged
     #[arg(long)]
     pub(crate) strict: bool,
 }
@@ -49,12 +49,12 @@ impl LogArguments {
         }
     }
 
-    /// Where the signals are, as the arguments say.
+    /// Places of the signals, from the arguments.
     pub(crate) fn source(&self) -> anyhow::Result<Source> {
         source(self.signals.as_deref(), self.preset)
     }
 
-    /// What the arguments say of the vehicle.
+    /// Data of the vehicle, from the arguments.
     pub(crate) fn overrides(&self) -> VehicleOverrides {
         VehicleOverrides {
             wheelbase_m: self.wheelbase_m,
@@ -64,12 +64,12 @@ impl LogArguments {
         }
     }
 
-    /// Where signals and vehicle come from, as the arguments say.
+    /// Sources of the signals and of the vehicle's data, from the arguments.
     pub(crate) fn log_source(&self) -> anyhow::Result<LogSource> {
         Ok(LogSource { signals: self.source()?, vehicle: self.overrides() })
     }
 
-    /// Reads and surveys every log. A log without anything to use is skipped with a warning, unless it is the only one.
+    /// Reads and surveys every log. A log without usable data is skipped with a warning, unless it is the only one.
     pub(crate) fn survey(&self, ui: Ui) -> anyhow::Result<Vec<Survey>> {
         let listener = UiListener::new(ui, "reading");
         let recordings = read_logs(&self.logs, &self.log_source()?, &|event| listener.hear(event))?;
@@ -77,7 +77,7 @@ impl LogArguments {
     }
 }
 
-/// Where the signals are, as the options `--signals` and `--preset` say.
+/// Places of the signals, from the options `--signals` and `--preset`.
 pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::Result<Source> {
     Ok(match (signals, preset) {
         (Some(path), _) => {

@@ -1,6 +1,6 @@
-//! How a command ended, as its exit status.
+//! Outcome of a command, as its exit status.
 
-/// How a command that did not fail ended.
+/// Outcome of a command that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// Finished, and good.

@@ -1,4 +1,4 @@
-//! `plan`: the campaign still to drive after Table 1.
+//! `plan`: the next campaign after Table 1.
 
 use crate::calibrate::{only_angle, read_table1};
 use crate::cli::Ui;
@@ -12,33 +12,33 @@ use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
 
-/// Entries that are listed without `-v`.
+/// Number of entries that are listed without `-v`.
 const SHOWN: usize = 12;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  pivot-cal plan                           what to drive next, as a table
+  pivot-cal plan                           the next runs, as a table
   pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
-  pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells that are to be known
+  pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells to plan for
 
-Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard
-error of the torque per second of driving, over the cells of the table, by the estimator's own information matrix.")]
+Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that reduces the standard
+error of the torque most per second of driving, over the cells of the table, by the estimator's own information matrix.")]
 pub(crate) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
-    /// Wheel angle whose map is planned for [°]; by default the test angle
+    /// Wheel angle of the map to plan for [°]; by default the test angle
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     angle: Option<f64>,
     /// Time to drive, with spin-ups, stops and pauses [min]
     #[arg(long, value_name = "MIN", default_value_t = 5.0)]
     minutes: f64,
-    /// Speeds of the cells that are to be known [m/s], as `start:step:stop` or a list; those of Table 1 that were driven if left out
+    /// Speeds of the cells to plan for [m/s], as `start:step:stop` or a list; by default the driven ones of Table 1
     #[arg(long, value_name = "BREAKS")]
     speed_breaks: Option<Breaks>,
-    /// Torques of the cells that are to be known [N·m]; those of Table 1 if left out
+    /// Torques of the cells to plan for [N·m]; by default those of Table 1
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
     torque_breaks: Option<Breaks>,
     /// Campaign file to write (TOML)

@@ -1,12 +1,12 @@
-//! Points of a polyline from a file: two numbers a line, x and y in metres, east and north of an origin of one's own.
+//! Points of a polyline from a file: two numbers per line, x and y in metres, east and north of any origin.
 
 use anyhow::{Context, bail};
 use std::path::Path;
 
-/// Most points of a file.
+/// Largest number of points of a file.
 const MOST: usize = 1000;
 
-/// Reads the points. A first line without numbers is a heading; empty lines are passed over.
+/// Reads the points. A first line without numbers is a heading; empty lines are skipped.
 pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<[f64; 2]>> {
     let text = fs_err::read_to_string(path)?;
     points(&text).with_context(|| path.display().to_string())
@@ -23,7 +23,7 @@ fn points(text: &str) -> anyhow::Result<Vec<[f64; 2]>> {
             _ => bail!("line {}: {line:?} is not a point; a line holds x and y in metres, as 6.0,4.0", k + 1),
         }
         if points.len() > MOST {
-            bail!("more than {MOST} points; a polyline has at most so many");
+            bail!("more than {MOST} points; this is the most for a polyline");
         }
     }
     Ok(points)

@@ -1,4 +1,4 @@
-//! `report`: the page that says whether to deploy a map.
+//! `report`: the page with the verdict on a map.
 
 use crate::calibrate::report_folder;
 use crate::cli::Ui;
@@ -11,11 +11,12 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   pivot-cal report                            the page of the map in ./maps
-  pivot-cal report --svg figures              the figures as SVG files, too
+  pivot-cal report --svg figures              also the figures as SVG files
   pivot-cal report --maps maps/monday -o monday.html
 
-Reads table1.json and, where they are there, table2.json, verify.json, fit_traces.json, verify_traces.json,
-manoeuvre_traces.json (of verify --scenario manoeuvres) and plan.json (of plan). The page is one file that needs no network; it says what is missing. The exit status is that of the writing, not of the map: 0 written, 1 error.")]
+Reads table1.json and, if they exist, table2.json, verify.json, fit_traces.json, verify_traces.json,
+manoeuvre_traces.json (of verify --scenario manoeuvres) and plan.json (of plan). The page is one file that needs no
+network; it lists missing files. The exit status is about the writing, not about the map: 0 written, 1 error.")]
 pub(crate) struct Arguments {
     /// Folder with the files of the map
     #[arg(long, value_name = "DIR", default_value = "maps")]
@@ -23,7 +24,7 @@ pub(crate) struct Arguments {
     /// Page to write, by default report.html in the folder of --maps
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write every figure as an SVG file into this folder, too
+    /// Also write every figure as an SVG file into this folder
     #[arg(long, value_name = "DIR")]
     svg: Option<PathBuf>,
 }

@@ -1,9 +1,9 @@
-//! What a command says, and where: summaries and JSON on standard output, errors, warnings and progress on standard error.
+//! Output of a command: summaries and JSON on standard output; errors, warnings and progress on standard error.
 
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
-/// Where a command prints.
+/// The output of a command.
 #[derive(Debug, Clone, Copy)]
 pub struct Ui {
     json: bool,
@@ -22,12 +22,12 @@ impl Ui {
         self.json
     }
 
-    /// Whether more detail is asked for.
+    /// Whether more detail is requested.
     pub fn is_verbose(self) -> bool {
         self.verbose
     }
 
-    /// A line of the summary for people; silent with `--json` or `-q`.
+    /// A line of the text summary; silent with `--json` or `-q`.
     pub fn say(self, text: impl AsRef<str>) {
         if !self.json && !self.quiet {
             let _ = writeln!(anstream::stdout(), "{}", text.as_ref());
@@ -48,7 +48,7 @@ impl Ui {
         }
     }
 
-    /// Text that is the command's very product (a completion script), printed whatever the options.
+    /// Text that is the command's product (a completion script); always printed.
     pub fn product(self, text: impl AsRef<str>) {
         let _ = writeln!(anstream::stdout(), "{}", text.as_ref());
     }
@@ -64,14 +64,14 @@ impl Ui {
         Ok(())
     }
 
-    /// Something that the user should know although the command goes on.
+    /// A warning; the command continues.
     pub fn warn(self, text: impl AsRef<str>) {
         if !self.quiet {
             let _ = writeln!(anstream::stderr(), "warning: {}", text.as_ref());
         }
     }
 
-    /// Why the command failed: the error and its causes on one line.
+    /// The error and its causes on one line.
     pub fn error(self, error: &anyhow::Error) {
         let _ = writeln!(anstream::stderr(), "error: {error:#}");
     }

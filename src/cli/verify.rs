@@ -21,9 +21,9 @@ Examples:
   pivot-cal verify                            all pivots on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
-  pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along points of your own
-  pivot-cal verify --gate strict.toml         limits of your own, over the built-in ones
-  pivot-cal verify --replay held_out.mcap     recorded runs through the plant, too
+  pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
+  pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
+  pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
 
 Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
 pub(crate) struct Arguments {
@@ -33,10 +33,10 @@ pub(crate) struct Arguments {
     /// Run this scenario, manoeuvre or group (pivots, manoeuvres, all) instead of the pivots (may be repeated)
     #[arg(long, value_name = "NAME")]
     scenario: Vec<String>,
-    /// List the scenarios and stop
+    /// List the scenarios and exit
     #[arg(long)]
     list: bool,
-    /// Go on when a hash does not match
+    /// Continue if a hash does not match
     #[arg(long)]
     force: bool,
     /// Write a log of each scenario's nominal run into this folder
@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
-    /// Also replay the runs of this log, best one that the fit has not seen, through the plant: recorded against simulated speed (may be
+    /// Also replay the runs of this log with the plant, recorded against simulated speed; best a log that the fit has not used (may be
     /// repeated)
     #[arg(long, value_name = "LOG")]
     replay: Vec<PathBuf>,
@@ -55,7 +55,7 @@ pub(crate) struct Arguments {
     /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
     #[arg(long, value_name = "NAME", requires = "replay")]
     preset: Option<Preset>,
-    /// Points that the polyline manoeuvres drive instead of their own (CSV: x and y in metres, a line each)
+    /// Points of the polyline manoeuvres instead of the built-in ones (CSV: x and y in metres, one point per line)
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
     /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, ..VerifySettings::new()? };
     let maps = Maps::read(&arguments.maps, arguments.force)?;
     for forced in &maps.forced {
-        ui.warn(format!("{forced}; going on, since --force was given"));
+        ui.warn(format!("{forced}; continued, since --force was given"));
     }
     let logs_wanted = arguments.log.is_some();
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     verdict.replayed = replay_logs(arguments, &maps, ui)?;
     let path = arguments.maps.join("verify.json");
     save_verdict(&verdict, traces.as_ref(), &arguments.maps)?;
-    // those of an earlier verdict stay: they name the Table 2 that they belong to
+    // those of an earlier verdict stay: they name their Table 2
     if let Some(traces) = judged.traces {
         write_whole(&arguments.maps.join("manoeuvre_traces.json"), traces.to_json()?.as_bytes())?;
     }
@@ -137,7 +137,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
 }
 
-/// Does `work` with a progress bar on a terminal. `work` calls its argument after every run, with the number of runs in all.
+/// Does `work` with a progress bar on a terminal. `work` calls its argument after every run, with the total number of runs.
 fn with_progress<T>(what: &'static str, ui: Ui, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> anyhow::Result<T>) -> anyhow::Result<T> {
     let bar = ui.progress_runs(what);
     let done = work(&|total| {
@@ -148,7 +148,7 @@ fn with_progress<T>(what: &'static str, ui: Ui, work: impl FnOnce(&(dyn Fn(usize
     Ok(done)
 }
 
-/// The runs of the logs of `--replay` through the plant of Table 1.
+/// The runs of the logs of `--replay`, replayed with the plant of Table 1.
 fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec<ReplayedRun>> {
     if arguments.replay.is_empty() {
         return Ok(Vec::new());
@@ -161,7 +161,7 @@ fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec
     Ok(runs)
 }
 
-/// The scenarios and manoeuvres named, in the order of the command line; without a name all pivots. Groups: `pivots`, `manoeuvres`, `all`.
+/// The named scenarios and manoeuvres, in the order of the command line; without a name all pivots. Groups: `pivots`, `manoeuvres`, `all`.
 fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
     let (all, all_manoeuvres) = (Scenario::all(), Manoeuvre::all());
     if names.is_empty() {
@@ -191,7 +191,7 @@ fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
     Ok((scenarios, manoeuvres))
 }
 
-/// How far a known name is from one that was given: none if it begins with it, else the letters to change.
+/// Distance of a known name from a given one: 0 if it begins with it, otherwise the number of letters to change.
 fn apart(known: &str, given: &str) -> usize {
     if !given.is_empty() && known.starts_with(given) { 0 } else { edits(known, given) }
 }

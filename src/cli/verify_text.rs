@@ -1,4 +1,4 @@
-//! A verdict for people: the table of the scenarios, replayed runs, manoeuvres, and the map beside the other laws.
+//! A verdict as text: the table of the scenarios, replayed runs, manoeuvres, and the comparison with other laws.
 
 use crate::cli::Ui;
 use crate::verify::{Class, LawComparison, LimitCheck, MapVerdict, Metric, ReplayedRun, ScenarioVerdict, Statistic, Status};
@@ -11,7 +11,7 @@ pub(crate) fn new_table(header: &[&str]) -> Table {
     table
 }
 
-/// Prints a verdict for people.
+/// Prints a verdict as text.
 pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
     for trip in &verdict.round_trip {
@@ -44,7 +44,7 @@ pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
 }
 
-/// Shown of a scenario: the limits that are not kept, or the one nearest to not being kept. `verify.json` has them all.
+/// Shown of a scenario: the broken limits, or the one nearest to being broken. `verify.json` has all of them.
 fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
     if scenario.status == Status::NotTested {
         table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
@@ -60,7 +60,7 @@ fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
     }
 }
 
-/// How much of a limit is used up: 1 at the limit. A limit from below counts little while it is kept.
+/// Used share of a limit: 1 at the limit. A lower limit counts little while it is kept.
 fn used(check: &LimitCheck) -> f64 {
     match (check.value, check.at_most) {
         (Some(value), Some(limit)) if limit > 0.0 => value / limit,
@@ -105,7 +105,7 @@ fn detail(scenario: &ScenarioVerdict, ui: Ui) {
     ui.detail(table.to_string());
 }
 
-/// The replayed runs, one a row, and their medians.
+/// The replayed runs, one per row, and their medians.
 fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
     if runs.is_empty() {
         return;
@@ -131,7 +131,7 @@ fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
     ));
 }
 
-/// The figures of manoeuvres of one class: nominal, and the largest over the draws.
+/// The values of manoeuvres of one class: nominal, and the largest over the draws.
 fn manoeuvres(verdict: &MapVerdict, class: Class, metrics: &[Metric], ui: Ui) {
     let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class == class && s.status != Status::NotTested).collect();
     if tested.is_empty() {
@@ -156,7 +156,7 @@ fn manoeuvres(verdict: &MapVerdict, class: Class, metrics: &[Metric], ui: Ui) {
     ui.say(table.to_string());
 }
 
-/// The map beside the other laws: medians over the draws.
+/// The map compared with the other laws: medians over the draws.
 fn compare(comparison: &LawComparison, ui: Ui) {
     let metrics = [
         Metric::AsExpected,
@@ -177,7 +177,7 @@ fn compare(comparison: &LawComparison, ui: Ui) {
         table.add_row(std::iter::once(law.name.clone()).chain(metrics.map(figure)));
     }
     ui.say(table.to_string());
-    let told = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| format!("{r:.2}"));
-    ui.say(format!("start jerk, map over conventional law: {} (goal: at most 0.33)", told(comparison.start_jerk_ratio)));
-    ui.say(format!("speed tracking, map over perfect inverse: {} (goal: at most 1.15)", told(comparison.speed_rms_ratio)));
+    let text = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| format!("{r:.2}"));
+    ui.say(format!("start jerk, map over conventional law: {} (goal: at most 0.33)", text(comparison.start_jerk_ratio)));
+    ui.say(format!("speed tracking, map over perfect inverse: {} (goal: at most 1.15)", text(comparison.speed_rms_ratio)));
 }

@@ -1,15 +1,16 @@
-//! What changes with the wheel angle, as a controller reads it: no allocation, no panic, no transcendental function.
+//! Inertia and friction over the wheel angle, for a controller: no allocation, no panic, no transcendental function.
 //!
-//! A vehicle with inertia M(δ) [N·m per m/s²] and friction F(V, δ) [N·m], both at the wheel, answers a torque U, of which the drive makes the
-//! driving torque H(V, U), with M(δ)·a = H(V, U) − F(V, δ). With
+//! A vehicle with inertia M(δ) [N·m per m/s²] and friction F(V, δ) [N·m], both at the wheel, and driving torque H(V, U) from
+//! the torque U follows M(δ)·a = H(V, U) − F(V, δ). With
 //!
 //! M(δ) = m₀ + m₁·sin²δ, F(V, δ) = f₀(V) + f₁(V)·sin²δ + f₂(V)·|sin δ|,
 //!
-//! a table of the angle δ' answers for δ, too, when it is asked for the acceleration a' that needs the same torque there:
-//! M(δ')·a' + F(V, δ') = M(δ)·a + F(V, δ). H never has to be known. The inertia is exact for a rigid vehicle (its reference point moves with
-//! v·cos δ and turns with v·sin δ/L); the friction is what torque steps at several angles show.
+//! M(δ')·a' + F(V, δ') = M(δ)·a + F(V, δ)
+//! gives the acceleration a' at which a table of the angle δ' holds the torque for δ. H need not be known. The inertia is exact for a rigid
+//! vehicle (its reference point moves with v·cos δ and turns with v·sin δ/L); the friction is estimated from torque steps at several
+//! angles.
 //!
-//! This file uses `core` only and can be carried to a microcontroller as it is.
+//! This file uses `core` only and can be used unchanged on a microcontroller.
 
 use crate::lookup::bracket;
 
@@ -18,7 +19,7 @@ use crate::lookup::bracket;
 pub struct AngleTerms<'a> {
     /// m₀ and m₁ [N·m per m/s²].
     pub inertia: [f64; 2],
-    /// Speed breaks [m/s] of the friction; beyond them it is held.
+    /// Speed breaks [m/s] of the friction; beyond them it is constant.
     pub speed_mps: &'a [f64],
     /// f₀, f₁ and f₂ [N·m] at the speed breaks; an empty one is zero.
     pub friction_nm: [&'a [f64]; 3],
@@ -30,7 +31,7 @@ impl AngleTerms<'_> {
         self.inertia[0] + self.inertia[1] * sin * sin
     }
 
-    /// F(V, δ) [N·m], by sin δ; 0 without breaks, and for a speed that is not a number.
+    /// F(V, δ) [N·m], by sin δ; 0 without breaks, and for a speed of NaN.
     pub fn friction_nm(&self, speed_mps: f64, sin: f64) -> f64 {
         let Some((i, share)) = bracket(self.speed_mps, speed_mps) else { return 0.0 };
         let at = |term: &[f64]| match (term.get(i), term.get(i + 1)) {
@@ -48,7 +49,7 @@ impl AngleTerms<'_> {
     }
 }
 
-/// Where an angle lies among others: between two of them, `share` of the way from the first to the second.
+/// Position of an angle among others: between two of them, at the fraction `share` from the first to the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Between {
     /// Number of the angle below, or of the nearest one.
@@ -57,12 +58,12 @@ pub struct Between {
     pub above: usize,
     /// 0 at the lower, 1 at the upper.
     pub share: f64,
-    /// Whether the angle lies outside of all, so that the nearest is meant.
+    /// Whether the angle lies outside all others, so that the nearest is used.
     pub outside: bool,
 }
 
-/// Places `angle` among `angles`, which come in any order, each with its number. Beyond all of them by no more than `tolerance` is not yet
-/// outside. `None` without angles, and for what is not a number.
+/// Places `angle` among `angles`, which come in any order, each with its number. Up to `tolerance` beyond all of them is not
+/// outside. `None` without angles and for NaN.
 pub fn between(angles: impl Iterator<Item = (usize, f64)>, angle: f64, tolerance: f64) -> Option<Between> {
     if angle.is_nan() {
         return None;
@@ -97,7 +98,7 @@ mod tests {
     const TERMS: AngleTerms = AngleTerms { inertia: [20.0, -8.0], speed_mps: &[0.0, 1.0], friction_nm: [&[4.0, 9.0], &[2.0, 2.0], &[]] };
 
     #[test]
-    fn a_table_elsewhere_is_asked_for_the_acceleration_of_the_same_torque() {
+    fn a_table_of_another_angle_is_read_at_the_acceleration_of_the_same_torque() {
         let (here, there) = (0.5, 1.0);
         let a = TERMS.accel_elsewhere_mps2(0.5, 0.4, here, there);
         let torque = |a: f64, sin: f64| TERMS.inertia(sin) * a + TERMS.friction_nm(0.5, sin);

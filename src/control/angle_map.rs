@@ -1,7 +1,7 @@
-//! The maps of several wheel angles as the controller reads them: Table 2 of every angle, and what changes between them.
+//! The maps of several wheel angles for the controller: Table 2 of every angle, with inertia and friction over the angle.
 //!
-//! Between two measured angles each table is asked for the acceleration that needs, at its own angle, the torque that is wanted here
-//! ([`AngleTerms`]), and the two torques are weighted by how near their angles are. At a measured angle the answer is its table's.
+//! Between two measured angles, each table is read at the acceleration that needs, at its own angle, the torque required here
+//! ([`AngleTerms`]). The two torques are weighted linearly by angle. At a measured angle the result is its table's value.
 
 use crate::angle::RAD_PER_DEG;
 use crate::angle_lookup::{AngleTerms, Between, between};
@@ -24,31 +24,31 @@ pub struct AngleTable<'a> {
 pub struct GearTerms<'a> {
     /// Gear.
     pub gear: Gear,
-    /// Whether they hold for the wheel turned to the left.
+    /// Whether they apply to the wheel turned to the left.
     pub left: bool,
     /// The terms.
     pub terms: AngleTerms<'a>,
 }
 
-/// Maps at several wheel angles, borrowed, in any order. Without the terms of a gear and side the tables are mixed as they are.
+/// Maps at several wheel angles, borrowed, in any order. Without the terms of a gear and side the tables are mixed unchanged.
 #[derive(Debug, Clone, Copy)]
 pub struct AngleTables<'a> {
     /// The tables.
     pub tables: &'a [AngleTable<'a>],
-    /// What changes with the angle.
+    /// Inertia and friction over the angle.
     pub terms: &'a [GearTerms<'a>],
 }
 
-/// A torque, and what it was not measured for.
+/// A torque, with flags for what was not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AngleLookup {
     /// Torque [N·m], gear frame.
     pub torque_nm: f64,
-    /// Whether speed or acceleration lay outside a table that was asked, so that its edge answered.
+    /// Whether speed or acceleration lay outside a table that was read, so that its edge value was used.
     pub outside: bool,
-    /// Whether the wheel angle lay beyond all measured ones of its side, so that the nearest one answered.
+    /// Whether the wheel angle lay beyond all measured ones of its side, so that the nearest one was used.
     pub beyond_angles: bool,
-    /// Whether the other side answered, since no angle of this one was measured: symmetry is assumed.
+    /// Whether the other side was used because no angle of this one was measured: symmetry is assumed.
     pub mirrored: bool,
 }
 
@@ -57,14 +57,14 @@ const SAME_ANGLE_RAD: f64 = RAD_PER_DEG;
 
 impl AngleTables<'_> {
     /// Torque [N·m] in the gear's frame for a speed [m/s], a desired acceleration [m/s²] and a wheel angle [rad]; `None` outside the measured
-    /// angles of the wheel's side, outside a table, without a table of the gear, and for what is not a number.
+    /// angles of the wheel's side, outside a table, without a table of the gear, and for NaN.
     pub fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> Option<f64> {
         let found = self.torque_clamped(gear, speed_mps, accel_mps2, wheel_angle_rad)?;
         (!found.outside && !found.beyond_angles && !found.mirrored).then_some(found.torque_nm)
     }
 
-    /// The same with speed, acceleration and angle held at the edges of what was measured, and the other side's tables where none of this
-    /// side's was: the answer tells which. `None` without a table of the gear, and for what is not a number.
+    /// The same with speed, acceleration and angle clamped to the measured range, and with the other side's tables if none of this
+    /// side was measured; the flags show which. `None` without a table of the gear, and for NaN.
     pub fn torque_clamped(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> Option<AngleLookup> {
         let mirrored = self.is_untested(gear, wheel_angle_rad);
         let angle_rad = if mirrored { -wheel_angle_rad } else { wheel_angle_rad };
@@ -84,7 +84,7 @@ impl AngleTables<'_> {
         angle_rad.abs() > SAME_ANGLE_RAD && !any(&turned) && any(&|at| turned(-at))
     }
 
-    /// Torque from the two neighbours, and whether a table's edge answered.
+    /// Torque from the two neighbours, and whether a table's edge value was used.
     fn mix(&self, place: &Between, terms: Option<&AngleTerms>, (speed_mps, accel_mps2, angle_rad): (f64, f64, f64)) -> Option<(f64, bool)> {
         let here = sin_cos(angle_rad).0;
         let asked = |k: usize| {
@@ -96,7 +96,7 @@ impl AngleTables<'_> {
             }
         };
         let ((low, low_outside), (high, high_outside)) = (asked(place.below)?, asked(place.above)?);
-        // one that was measured there knows better than an edge
+        // a table that was measured there is preferred to an edge value
         if terms.is_some() && low_outside != high_outside {
             return Some(if low_outside { (high, true) } else { (low, true) });
         }
@@ -112,7 +112,7 @@ mod tests {
 
     const TERMS: AngleTerms = AngleTerms { inertia: [20.0, -8.0], speed_mps: &[0.0, 1.0], friction_nm: [&[4.0, 9.0], &[2.0, 2.0], &[]] };
 
-    /// What the terms say at an angle, without losses in the drive.
+    /// Torque of the terms at an angle, without losses in the drive.
     fn needed(speed_mps: f64, accel_mps2: f64, angle_deg: f64) -> f64 {
         let sin = (angle_deg * RAD_PER_DEG).sin();
         TERMS.inertia(sin) * accel_mps2 + TERMS.friction_nm(speed_mps, sin)
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn between_two_angles_the_answer_is_what_inertia_and_friction_say() {
+    fn between_two_angles_the_torque_follows_inertia_and_friction() {
         with_tables(&[90.0, 0.0], |maps| {
             for (v, a, angle_deg) in [(0.3, 0.4, 20.0), (0.7, -0.6, 45.0), (0.0, 0.1, 80.0)] {
                 let torque = maps.torque(Gear::Forward, v, a, angle_deg * RAD_PER_DEG).unwrap();
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_angles_and_on_the_side_not_tested_only_the_clamped_look_up_answers_and_says_so() {
+    fn beyond_the_angles_and_on_the_side_not_tested_only_the_clamped_look_up_answers_with_a_flag() {
         with_tables(&[30.0, 60.0], |maps| {
             let at = |angle_deg: f64| (Gear::Forward, 0.3, 0.4, angle_deg * RAD_PER_DEG);
             let (gear, v, a, low) = at(10.0);

@@ -1,9 +1,9 @@
-//! What a drive law is: the part of the longitudinal module that turns speed and place into torque, once the wheel is at its angle.
+//! A drive law: the part of the longitudinal module that computes torque from speed and place, once the wheel is at its angle.
 
 use crate::Gear;
 use crate::messages::{DriveStep, PivotRequest, Pose};
 
-/// What a drive law reads each period.
+/// Inputs of a drive law in each period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveInputs {
     /// Front-wheel speed [m/s], gear frame.
@@ -14,10 +14,10 @@ pub struct DriveInputs {
 
 /// A law that drives a pivot from its start to its end.
 pub trait DriveLaw {
-    /// Forgets the pivot before and starts at `pose`.
+    /// Resets the law and starts at `pose`.
     fn start(&mut self, request: &PivotRequest, pose: Pose);
 
-    /// One period. `None` when the law has no torque to give: the pivot fails.
+    /// One period. `None` if the law gives no torque: the pivot fails.
     fn step(&mut self, request: &PivotRequest, inputs: &DriveInputs) -> Option<DriveStep>;
 
     /// Torque that brakes with `decel_mps2` (positive) at `speed_mps` in `gear`; the longitudinal module takes only its braking part.

@@ -1,15 +1,15 @@
-//! Why a pivot cannot even be requested, or settings cannot be used.
+//! Why a pivot cannot be requested, or settings cannot be used.
 
 use crate::Gear;
 use core::fmt;
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = core::result::Result<T, Error>;
 
 /// Why a pivot cannot be requested, or settings cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     Turn { found_deg: f64, smallest_deg: f64 },
     Pose { x_m: f64, y_m: f64, heading_rad: f64 },

@@ -17,7 +17,7 @@ impl Gear {
     /// Both gears, forward first.
     pub const ALL: [Self; 2] = [Self::Forward, Self::Reverse];
 
-    /// +1 or −1: what turns a quantity of the gear's frame into one of the vehicle's frame, and back.
+    /// +1 or −1: the factor between the gear's frame and the vehicle's frame.
     pub fn sign(self) -> f64 {
         match self {
             Self::Forward => 1.0,
@@ -25,7 +25,7 @@ impl Gear {
         }
     }
 
-    /// What stands between the table's name and `.csv`: nothing, or `.reverse`.
+    /// Suffix of the table's name before `.csv`: empty, or `.reverse`.
     pub fn file_infix(self) -> &'static str {
         match self {
             Self::Forward => "",

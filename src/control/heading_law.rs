@@ -1,7 +1,7 @@
-//! The conventional law, to compare with: PID on the heading error → speed command → PI → acceleration → constant-gain torque.
+//! The conventional law, for comparison: PID on the heading error → speed command → PI → acceleration → constant-gain torque.
 //!
-//! ψ is what is left of the turn, positive before the end. `v_c` = Kp·ψ + Ki·Σ ψ·Δt − Kd·ω, limited to 0…`v_max`, with ω the turning rate; then
-//! the speed loop of the map's law with the same acceleration limits, and τ = k·a within the same torque limit.
+//! `v_c` = Kp·ψ + Ki·Σ ψ·Δt − Kd·ω, limited to 0…`v_max`; ψ is the remaining turn, positive before the end, and ω the turning rate. Then
+//! follow the speed loop of the map's law with the same acceleration limits, and τ = k·a within the same torque limit.
 
 use crate::Gear;
 use crate::drive_law::{DriveInputs, DriveLaw};
@@ -26,9 +26,9 @@ pub struct HeadingLawSettings {
     pub max_speed_mps: f64,
     /// Gains and limits of the speed loop.
     pub speed_loop: SpeedLoopSettings,
-    /// Below this speed [m/s] the wheel counts as standing.
+    /// Below this speed [m/s] the wheel counts as resting.
     pub standstill_mps: f64,
-    /// The end is reached when less than this is left of the turn [rad] and the wheel is nearly standing, or when the turn is complete.
+    /// The end is reached when the remaining turn is less than this [rad] and the wheel nearly rests, or when the turn is complete.
     /// Default 0.3°.
     pub end_threshold_rad: f64,
     /// Torque per acceleration.

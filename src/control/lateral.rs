@@ -1,4 +1,4 @@
-//! Lateral: turns the front wheel to its angle, holds it, returns it, and watches the steering.
+//! Lateral: turns the front wheel to its angle, holds it, returns it, and monitors the steering.
 
 use crate::angle::RAD_PER_DEG;
 use crate::messages::{AngleStatus, LateralTask, SteeringFault};
@@ -13,7 +13,7 @@ pub struct LateralSettings {
     pub tolerance_rad: f64,
     /// … for this long [s], so that it is not only passing through. Default 0.1.
     pub settle_s: f64,
-    /// While driving the wheel is lost beyond this [rad] from its target. Default 5°.
+    /// While driving, the wheel is lost if it is further than this [rad] from its target. Default 5°.
     pub lost_rad: f64,
     /// Largest plausible angle either way [rad]. Default 110°: a usual stop is at 100°.
     pub plausible_rad: f64,
@@ -21,7 +21,7 @@ pub struct LateralSettings {
     pub stuck_rad: f64,
     /// … for this long [s] away from its target is stuck. Default 1.
     pub stuck_s: f64,
-    /// Longest way to a target [s]. Default 10: 180° at 30°/s, and some more.
+    /// Longest time to a target [s]. Default 10: 180° at 30°/s takes 6 s, the rest is reserve.
     pub slow_s: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct Lateral {
     settings: LateralSettings,
     task: LateralTask,
     target_rad: f64,
-    /// Where the wheel was when it last moved [rad].
+    /// Wheel angle at its last movement [rad].
     still_at_rad: f64,
     still_s: f64,
     under_way_s: f64,
@@ -75,7 +75,7 @@ impl Lateral {
         (self.still_at_rad, self.still_s, self.under_way_s, self.settled_s, self.reached) = (f64::NAN, 0.0, 0.0, 0.0, false);
     }
 
-    /// One period: the task, the measured angle [rad] → the target angle [rad] and how far the wheel is.
+    /// One period: the task, the measured angle [rad] → the target angle [rad] and the wheel's status.
     pub fn step(&mut self, task: LateralTask, angle_rad: f64) -> (f64, AngleStatus) {
         if task != self.task {
             self.task = task;
@@ -111,7 +111,7 @@ impl Lateral {
                 self.still_at_rad = angle_rad;
             }
         }
-        // half a period: sums of 0.02 s miss a round number by their rounding
+        // half a period: sums of 0.02 s differ from a round number by rounding
         let over = |time_s: f64, limit_s: f64| time_s >= limit_s - 0.5 * settings.period_s;
         if over(self.settled_s, settings.settle_s) {
             self.reached = true;
@@ -132,7 +132,7 @@ mod tests {
 
     const TARGET: f64 = 90.0 * RAD_PER_DEG;
 
-    /// Steps a wheel that `angle_deg(t)` describes until the module says something other than "in progress"; how long that took [s].
+    /// Steps a wheel at `angle_deg(t)` until the status is not "in progress"; also returns the elapsed time [s].
     fn outcome(task: LateralTask, angle_deg: impl Fn(f64) -> f64) -> (f64, AngleStatus) {
         let mut lateral = Lateral::new(LateralSettings::default());
         for k in 0..2000 {
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stuck_wheel_is_told_after_its_time_even_with_noise() {
+    fn a_stuck_wheel_is_reported_after_its_time_even_with_noise() {
         let noisy = |t: f64| 40.0 + 0.3 * (37.0 * t).sin();
         let (t_s, status) = outcome(LateralTask::Hold(TARGET), noisy);
         assert_eq!(status, AngleStatus::Fault(SteeringFault::Stuck));

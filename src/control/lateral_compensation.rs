@@ -1,20 +1,20 @@
 //! Lateral error compensation at run time: a small angle added to the tracking law's, so that the mean lateral error goes to zero.
 //!
-//! Accumulate the lateral error e over a distance or a number of periods; at the threshold take the mean m; look up the angle whose entry is
-//! −m (the entry of an angle is the mean error that it *adds*), exactly if there is such an entry, else on the fitted curve; *add* it to the
-//! compensation in force; begin again. The sum moves at a limited rate, and nothing is accumulated until it has arrived and the tracking law has
-//! settled again: the slow loop never works against the fast one.
+//! Accumulate the lateral error e over a distance or a number of periods. At the threshold take the mean m. Look up the angle whose entry
+//! is −m (the entry of an angle is the mean error that it *adds*): exactly if there is such an entry, otherwise on the fitted curve. *Add*
+//! it to the compensation in force. Begin again. The sum changes at a limited rate, and nothing is accumulated until the change is complete
+//! and the tracking law has settled again: the slow loop never works against the fast one.
 //!
-//! Nothing is accumulated where the path bends or within the settling way behind it: there the error is the tracking law's own.
+//! Nothing is accumulated in a bend or within the settling distance after it: there the error is the tracking law's own.
 //!
-//! Forward and reverse have a compensation each: an error of the navigation's yaw acts with the opposite sign in reverse, one of the steering's
-//! zero does not.
+//! Forward and reverse have separate compensations: an error of the navigation's yaw has the opposite sign in reverse, an error of the
+//! steering's zero does not.
 
 use crate::angle::RAD_PER_DEG;
 use crate::numeric::sqrt;
 use crate::{Error, Gear, Result};
 
-/// Most entries of a table.
+/// Largest number of entries of a table.
 pub const MAX_ENTRIES: usize = 32;
 
 /// One entry or one point of the curve: a compensation angle and the mean lateral error that it adds.
@@ -27,7 +27,7 @@ pub struct CompensationEntry {
     pub angle_rad: f64,
 }
 
-/// The table as the law reads it: entries as measured, and the fitted monotone curve through its points.
+/// The table for the law: measured entries, and the fitted monotone curve through its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompensationTable {
     entries: [CompensationEntry; MAX_ENTRIES],
@@ -39,8 +39,8 @@ pub struct CompensationTable {
 }
 
 impl CompensationTable {
-    /// From entries (any order) and curve points (errors strictly ascending, angles monotone). Slopes of the cubic pieces: Fritsch & Carlson
-    /// (1980), *Monotone Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17(2).
+    /// A table from entries (any order) and curve points (errors strictly ascending, angles monotone). Slopes of the cubic pieces: Fritsch
+    /// & Carlson (1980), *Monotone Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17(2).
     ///
     /// # Errors
     /// Fewer than two points, more than [`MAX_ENTRIES`], a number that is not finite, points that are not ascending or not monotone.
@@ -94,7 +94,8 @@ impl CompensationTable {
         Ok(table)
     }
 
-    /// The angle [rad] whose entry is `error_m`: an entry within `exact_m` of it, else the curve; beyond its ends the angle at the end.
+    /// The angle [rad] whose entry is `error_m`: an entry within `exact_m` of it, otherwise the curve; beyond its ends the angle at the
+    /// end.
     pub fn angle_rad(&self, error_m: f64, exact_m: f64) -> f64 {
         let nearest = self.entries[..self.entry_count].iter().fold(None, |best: Option<&CompensationEntry>, entry| match best {
             Some(b) if (b.error_m - error_m).abs() <= (entry.error_m - error_m).abs() => best,
@@ -106,7 +107,7 @@ impl CompensationTable {
         }
     }
 
-    /// The curve alone; clamped to its ends, 0 for an error that is not a number.
+    /// The curve alone; clamped to its ends, 0 for an error of NaN.
     pub fn curve_rad(&self, error_m: f64) -> f64 {
         let (points, last) = (&self.points, self.point_count - 1);
         if error_m.is_nan() {
@@ -133,7 +134,7 @@ impl CompensationTable {
     }
 }
 
-/// Over what the error is averaged.
+/// Averaging length of the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -148,20 +149,20 @@ pub enum Accumulation {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CompensationSettings {
-    /// Over what the error is averaged. Default 5 m.
+    /// Averaging length of the error. Default 5 m.
     pub accumulation: Accumulation,
-    /// How near an entry must be to be taken as it is [m]. Default 0.0005, a quarter of the noise of a good navigation.
+    /// Largest distance to an entry that is used exactly [m]. Default 0.0005, a quarter of the noise of a good navigation.
     pub exact_m: f64,
-    /// Mean errors up to this change nothing [m]. Default 0.001.
+    /// Mean errors up to this are ignored [m]. Default 0.001.
     pub dead_zone_m: f64,
     /// Largest compensation in force [rad]. Default 10°.
     pub limit_rad: f64,
-    /// Fastest change of what is added to the wheel angle [rad/s]. Default 0.5 °/s, a hundredth of what the steering can.
+    /// Fastest change of the angle added to the wheel angle [rad/s]. Default 0.5 °/s, a hundredth of the steering's rate.
     pub rate_rad_s: f64,
-    /// Way after a change before the accumulation begins again [m]. Default 4: the tracking law has settled.
+    /// Distance after a change before the accumulation begins again [m]. Default 4: the tracking law has settled.
     pub settle_m: f64,
-    /// Where the path curves more than this, nothing is accumulated [1/m]: in and after a bend the error is the tracking law's own, which comes
-    /// and goes. Default 0.02, a radius of 50 m.
+    /// Above this curvature nothing is accumulated [1/m]: in and after a bend the error is the tracking law's own and
+    /// temporary. Default 0.02, a radius of 50 m.
     pub straight_per_m: f64,
     /// An error beyond this is an event, not an offset: the accumulation begins again [m]. Default 0.5.
     pub plausible_m: f64,
@@ -185,7 +186,7 @@ impl Default for CompensationSettings {
     }
 }
 
-/// One direction's memory.
+/// State of one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Memory {
     sum: f64,
@@ -194,7 +195,7 @@ struct Memory {
     in_force_rad: f64,
 }
 
-/// The law with its memory.
+/// The law with its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LateralCompensation {
     settings: CompensationSettings,
@@ -205,7 +206,7 @@ pub struct LateralCompensation {
 }
 
 impl LateralCompensation {
-    /// A law that compensates nothing yet.
+    /// A law without compensation so far.
     pub fn new(settings: CompensationSettings, table: CompensationTable) -> Self {
         Self { settings, table, forward: Memory::default(), reverse: Memory::default(), out_rad: 0.0 }
     }
@@ -215,8 +216,9 @@ impl LateralCompensation {
         if gear == Gear::Forward { self.forward.in_force_rad } else { self.reverse.in_force_rad }
     }
 
-    /// One period. `error_m`: the instantaneous lateral error e; `travelled_m`: way since the last period, not negative; `curvature_per_m`: of the
-    /// path at the matched point; `tracking`: whether the tracking law is at work (standing or turning nothing is accumulated). Returns what to add to the law's wheel angle [rad].
+    /// One period. `error_m`: the instantaneous lateral error e; `travelled_m`: distance since the last period, not negative;
+    /// `curvature_per_m`: of the path at the matched point; `tracking`: whether the tracking law is active (nothing is accumulated at rest
+    /// or in a turn). Returns what to add to the law's wheel angle [rad].
     pub fn step(&mut self, gear: Gear, error_m: f64, travelled_m: f64, curvature_per_m: f64, tracking: bool) -> f64 {
         let settings = &self.settings;
         let memory = if gear == Gear::Forward { &mut self.forward } else { &mut self.reverse };
@@ -226,7 +228,7 @@ impl LateralCompensation {
         let straight = curvature_per_m.abs() <= settings.straight_per_m;
         let sound = straight && error_m.abs() <= settings.plausible_m && travelled_m >= 0.0 && travelled_m.is_finite();
         if !tracking || !sound || !arrived {
-            // a stop, a bend, an event or a change in progress: the law has to settle again before its error says anything
+            // a stop, a bend, an event or a change in progress: the law must settle again before its error is used
             (memory.sum, memory.weight, memory.settled_m) = (0.0, 0.0, 0.0);
             return self.out_rad;
         }
@@ -278,11 +280,11 @@ mod tests {
     }
 
     #[test]
-    fn the_angle_is_added_to_the_one_in_force_and_the_error_stays_away() {
+    fn the_angle_is_added_to_the_one_in_force_and_the_error_stays_zero() {
         let mut law = LateralCompensation::new(CompensationSettings::default(), table(-1.0));
         let (error_m, angles) = drive(0.05, 6000, &mut law);
         assert!(error_m.abs() <= 0.001, "{error_m}");
-        // replaced instead of added, the second mean of about zero would have taken the compensation back
+        // replaced instead of added, the second mean of about zero would have removed the compensation
         assert!(angles[3000..].iter().all(|a| (a - 0.05).abs() < 0.0015));
         let steepest = angles.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
         assert!(steepest <= CompensationSettings::default().rate_rad_s * 0.02 + 1e-15);
@@ -297,7 +299,7 @@ mod tests {
         assert_eq!(law.in_force_rad(Gear::Reverse), 0.0);
         let mut law = LateralCompensation::new(settings, table(-1.0));
         for k in 0..5000 {
-            // 8.75 m pass, fewer than settling and accumulating take, then an event: it begins again and again
+            // 8.75 m pass, less than settling and accumulating need, then an event: it begins again each time
             law.step(Gear::Forward, if k % 500 == 499 { 0.8 } else { 0.05 }, 0.0175, 0.0, true);
             law.step(Gear::Reverse, 0.05, 0.0175, if k % 300 == 0 { 0.2 } else { 0.0 }, k % 2 == 0);
         }
@@ -305,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn an_entry_is_taken_exactly_and_the_curve_in_between() {
+    fn an_entry_is_used_exactly_and_the_curve_in_between() {
         let point = |error_m, angle_rad| CompensationEntry { error_m, angle_rad };
         let entries = [point(0.0, 0.0), point(0.02, -0.03)];
         let points = [point(-0.04, 0.05), point(0.0, 0.0), point(0.04, -0.05)];

@@ -1,10 +1,10 @@
-//! The pivot controller: the law that is deployed, written as for the vehicle.
+//! The pivot controller: the law that is deployed on the vehicle.
 //!
-//! In: [`Inputs`], what is measured, once a period. Out: [`Outputs`], torque, wheel angle and gear. Planning lays waypoints with speeds along the
-//! front wheel's arc; lateral holds the wheel at its angle; longitudinal asks the drive law for torque. [`WaypointLaw`] is the law of the map;
-//! [`HeadingLaw`] is the conventional one, behind the same [`DriveLaw`].
+//! In: [`Inputs`], the measurements of a period. Out: [`Outputs`], torque, wheel angle and gear. Planning places waypoints with speeds
+//! along the front wheel's arc; lateral holds the wheel at its angle; longitudinal gets the torque from the drive law. [`WaypointLaw`] is
+//! the law of the map; [`HeadingLaw`] is the conventional one, behind the same [`DriveLaw`].
 //!
-//! Everything here is a pure step: state and inputs to state and outputs, without allocation, clock, input or output, and without a panic.
+//! Everything here is a pure step: state and inputs to state and outputs, without allocation, clock, input or output, or panic.
 //! The crate has no standard library and no allocator, and a test compiles it alone (`tests/alone.rs`); mathematics comes from `libm`
 //! ([`numeric`]), so that it gives the same bits on every processor.
 

@@ -1,11 +1,11 @@
-//! Longitudinal: waits for the wheel, sets the gear, lets the drive law drive, stops, hands back; and gives up when something is wrong.
+//! Longitudinal: waits for the wheel, sets the gear, runs the drive law, stops, returns the wheel; and fails on any fault.
 
 use crate::Gear;
 use crate::drive_law::{DriveInputs, DriveLaw};
 use crate::messages::{AngleStatus, DriveStep, Failure, Inputs, LateralTask, Phase, PivotRequest};
 use crate::phase::Event;
 
-/// What the vehicle does with its motion after a failure. Never a driving torque.
+/// Reaction after a failure. Never a driving torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -28,12 +28,12 @@ pub enum AfterFailure {
 pub struct LongitudinalSettings {
     /// Control period [s]. Default 0.02.
     pub period_s: f64,
-    /// Below this speed [m/s] the wheel counts as standing. Default 0.02.
+    /// Below this speed [m/s] the wheel counts as resting. Default 0.02.
     pub standstill_mps: f64,
-    /// Time constant of the low-pass through which standing is judged [s]. Default 0.1: a speed sensor's noise at rest, 0.015 m/s where it is
-    /// bad, then stays below the limit.
+    /// Time constant of the low-pass for the detection of rest [s]. Default 0.1: the noise of a speed sensor at rest, 0.015 m/s for a
+    /// bad one, then stays below the limit.
     pub standstill_filter_s: f64,
-    /// … for this long [s] after the end: it stands. Default 0.3.
+    /// … for this long [s] after the end: it rests. Default 0.3.
     pub stood_still_s: f64,
     /// … for this long [s] short of the end: the pivot has failed. Default 1.
     pub stood_short_s: f64,
@@ -47,7 +47,8 @@ pub struct LongitudinalSettings {
     pub drive_extra_s: f64,
     /// Longest wait for standstill after the end [s]. Default 3.
     pub standstill_wait_s: f64,
-    /// After a failure. Default: brake with 1 m/s², fading out below 0.15 m/s, which is the deceleration times 0.15 s of dead time and lag.
+    /// Reaction after a failure. Default: brake with 1 m/s², fading out below 0.15 m/s, which is the deceleration times 0.15 s of dead time
+    /// and lag.
     pub after_failure: AfterFailure,
 }
 
@@ -69,7 +70,7 @@ impl Default for LongitudinalSettings {
     }
 }
 
-/// What the longitudinal module commands and tells.
+/// Commands and messages of the longitudinal module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LongitudinalOutputs {
     /// Torque [N·m], vehicle frame.
@@ -80,11 +81,11 @@ pub struct LongitudinalOutputs {
     pub task: LateralTask,
     /// Message to planning.
     pub phase: Phase,
-    /// What the drive law did.
+    /// Output of the drive law.
     pub drive: Option<DriveStep>,
 }
 
-/// The longitudinal module with its drive law and memory.
+/// The longitudinal module with its drive law and state.
 #[derive(Debug, Clone)]
 pub struct Longitudinal<L> {
     settings: LongitudinalSettings,
@@ -94,9 +95,9 @@ pub struct Longitudinal<L> {
     in_phase_s: f64,
     standing_s: f64,
     no_speed_s: f64,
-    /// Last speed that was read [m/s], vehicle frame.
+    /// Last speed reading [m/s], vehicle frame.
     speed_mps: f64,
-    /// The same through a low-pass [m/s].
+    /// The same, low-pass filtered [m/s].
     smooth_mps: f64,
 }
 
@@ -116,7 +117,7 @@ impl<L: DriveLaw> Longitudinal<L> {
         }
     }
 
-    /// Where the pivot stands.
+    /// Phase of the pivot.
     pub fn phase(&self) -> Phase {
         self.phase
     }
@@ -126,7 +127,7 @@ impl<L: DriveLaw> Longitudinal<L> {
         self.request.as_ref()
     }
 
-    /// Takes planning's request. Ignored while a pivot is under way.
+    /// Accepts planning's request. Ignored during a pivot.
     pub fn request(&mut self, request: PivotRequest) {
         if !self.phase.is_active() {
             self.request = Some(request);
@@ -152,7 +153,7 @@ impl<L: DriveLaw> Longitudinal<L> {
         }
         self.smooth_mps +=
             (self.speed_mps - self.smooth_mps) * settings.period_s / (settings.standstill_filter_s.max(0.0) + settings.period_s);
-        // an absurd reading must not stay in the low-pass for ever
+        // an implausible reading must not stay in the low-pass
         if !self.smooth_mps.is_finite() || self.smooth_mps.abs() > 100.0 {
             self.smooth_mps = self.speed_mps;
         }
@@ -165,7 +166,7 @@ impl<L: DriveLaw> Longitudinal<L> {
         {
             self.go(event);
         }
-        // a law's torque counts only while driving goes on: neither at the end nor in the period of a failure
+        // a law's torque is used only while driving: neither at the end nor in the period of a failure
         let drive = drive.filter(|_| matches!(self.phase, Phase::Driving | Phase::WaitingForStandstill));
         let torque_nm = match self.phase {
             Phase::Driving => drive.map_or(0.0, |d: DriveStep| d.torque_nm),
@@ -176,7 +177,7 @@ impl<L: DriveLaw> Longitudinal<L> {
         LongitudinalOutputs { torque_nm: sign * torque_nm, gear: self.gear(), task: self.task(), phase: self.phase, drive }
     }
 
-    /// What may go wrong in every phase.
+    /// Failures that can occur in every phase.
     fn general_failure(&self, inputs: &Inputs, angle: AngleStatus) -> Option<Failure> {
         if inputs.estop {
             return Some(Failure::ObstacleStop);
@@ -187,7 +188,7 @@ impl<L: DriveLaw> Longitudinal<L> {
         }
     }
 
-    /// What this phase waits for, or its own failure.
+    /// The event that ends this phase, or its own failure.
     fn progress(&mut self, inputs: &Inputs, angle: AngleStatus, drive: &mut Option<DriveStep>) -> Option<Event> {
         let settings = self.settings;
         let request = self.request.as_ref()?;

@@ -1,11 +1,11 @@
-//! Two-dimensional linear interpolation in a table, as a controller does it: no allocation, no panic, no transcendental function.
+//! Two-dimensional linear interpolation in a table, for a controller: no allocation, no panic, no transcendental function.
 //!
 //! Between breaks x₀ ≤ x ≤ x₁ and y₀ ≤ y ≤ y₁ with p = (x − x₀)/(x₁ − x₀), q = (y − y₀)/(y₁ − y₀):
 //! z = (1−p)·((1−q)·z₀₀ + q·z₀₁) + p·((1−q)·z₁₀ + q·z₁₁).
 //!
-//! This file uses `core` only and can be carried to a microcontroller as it is.
+//! This file uses `core` only and can be used unchanged on a microcontroller.
 
-/// Value at (`row`, `col`), or `None` where either lies outside its breaks or is not a number.
+/// Value at (`row`, `col`), or `None` if either lies outside its breaks or is NaN.
 ///
 /// `values` is row-major: `row_breaks.len()` × `col_breaks.len()`. Slices that do not fit together give `None`.
 pub fn bilinear(row_breaks: &[f64], col_breaks: &[f64], values: &[f64], row: f64, col: f64) -> Option<f64> {
@@ -31,7 +31,7 @@ pub fn bilinear_clamped(row_breaks: &[f64], col_breaks: &[f64], values: &[f64], 
     Some((1.0 - p) * low + p * high)
 }
 
-/// Interval of `breaks` that holds `x` (clamped), and the fraction of the way through it, 0 to 1. `None` for NaN or fewer than two breaks.
+/// Interval of `breaks` that holds `x` (clamped), and the fraction within it, 0 to 1. `None` for NaN or fewer than two breaks.
 pub fn bracket(breaks: &[f64], x: f64) -> Option<(usize, f64)> {
     let last = breaks.len().checked_sub(1)?;
     if last == 0 || x.is_nan() {
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_is_none_or_the_edge_as_the_name_says() {
+    fn outside_is_none_or_the_edge_value() {
         assert_eq!(bilinear(&ROWS, &COLS, &VALUES, 3.1, 0.0), None);
         assert_eq!(bilinear_clamped(&ROWS, &COLS, &VALUES, f64::INFINITY, 9.0), Some(7.0));
         assert_eq!(bilinear_clamped(&ROWS, &COLS, &VALUES, f64::NAN, 0.0), None);

@@ -1,4 +1,4 @@
-//! What the modules tell one another, and what the controller reads and commands.
+//! Messages between the modules, and inputs and outputs of the controller.
 //!
 //! ```text
 //!   planning ── PivotRequest (pivot and direction flag, waypoints) ──► longitudinal ── LateralTask (hold, restore) ──► lateral
@@ -9,7 +9,7 @@
 use crate::Gear;
 use crate::waypoints::Path;
 
-/// Which way the vehicle turns.
+/// Direction of the turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -38,7 +38,7 @@ impl Direction {
     }
 }
 
-/// Where the reference point (middle of the rear axle) is, and where the vehicle looks.
+/// Position of the reference point (middle of the rear axle), and heading.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Pose {
@@ -50,7 +50,7 @@ pub struct Pose {
     pub heading_rad: f64,
 }
 
-/// What the controller reads each period, in the vehicle's frame.
+/// Readings of the controller in each period, vehicle frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
     /// Front-wheel rolling speed [m/s], forward positive; `None` while the sensor gives none.
@@ -65,7 +65,7 @@ pub struct Inputs {
     pub estop: bool,
 }
 
-/// What the controller commands each period, in the vehicle's frame.
+/// Commands of the controller in each period, vehicle frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outputs {
     /// Torque command [N·m], positive drives forward.
@@ -74,17 +74,17 @@ pub struct Outputs {
     pub wheel_angle_rad: f64,
     /// Gear command; `None` is neutral.
     pub gear: Option<Gear>,
-    /// Where the pivot stands.
+    /// Phase of the pivot.
     pub phase: Phase,
-    /// Which way it turns; `None` before the first request.
+    /// Direction of the turn; `None` before the first request.
     pub direction: Option<Direction>,
-    /// How far the front wheel is.
+    /// Status of the front wheel.
     pub angle: AngleStatus,
-    /// What the longitudinal module told the lateral one.
+    /// Message from longitudinal to lateral.
     pub task: LateralTask,
-    /// Whether that is to return the wheel.
+    /// Whether that task is to return the wheel.
     pub restore: bool,
-    /// What the drive law did; `None` unless it was asked.
+    /// Output of the drive law; `None` if it was not called.
     pub drive: Option<DriveStep>,
 }
 
@@ -93,13 +93,13 @@ pub struct Outputs {
 pub struct DriveStep {
     /// Torque [N·m], positive drives in the gear's direction.
     pub torque_nm: f64,
-    /// Speed that was asked for [m/s].
+    /// Desired speed [m/s].
     pub target_speed_mps: f64,
-    /// Speed that was looked up [m/s].
+    /// Speed of the look-up [m/s].
     pub speed_mps: f64,
     /// Desired acceleration [m/s²].
     pub accel_mps2: f64,
-    /// Arc length at which the front wheel is seen [m].
+    /// Measured arc length of the front wheel [m].
     pub arc_m: f64,
     /// Whether the desired acceleration is at its limit.
     pub limited: bool,
@@ -109,7 +109,7 @@ pub struct DriveStep {
     pub end_reached: bool,
 }
 
-/// From planning to the other modules: turn on the spot.
+/// From planning to the other modules: a pivot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PivotRequest {
     /// Pivot flag: the wheel goes to its pivot angle instead of following a curvature.
@@ -118,46 +118,46 @@ pub struct PivotRequest {
     pub direction: Direction,
     /// Angle that the front wheel holds [rad], left positive.
     pub wheel_angle_rad: f64,
-    /// Gear that turns that way at that angle.
+    /// Gear for that direction at that angle.
     pub gear: Gear,
     /// Size of the turn [rad], positive.
     pub turn_rad: f64,
-    /// Time that the speeds of the waypoints take [s].
+    /// Duration by the speeds of the waypoints [s].
     pub planned_s: f64,
     /// Waypoints along the front wheel's arc.
     pub path: Path,
 }
 
-/// From longitudinal to lateral: what the front wheel has to do.
+/// From longitudinal to lateral: task of the front wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LateralTask {
-    /// Nothing asked: straight ahead.
+    /// No task: straight ahead.
     Rest,
     /// Turn the wheel to this angle [rad] and hold it.
     Hold(f64),
     /// Return the wheel to 0.
     Restore,
-    /// Leave the target where it is: something failed.
+    /// Keep the target: something failed.
     Freeze,
 }
 
-/// From lateral to longitudinal: how far the front wheel is.
+/// From lateral to longitudinal: status of the front wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleStatus {
-    /// On its way, and nothing wrong with that.
+    /// On its way, without a fault.
     InProgress,
     /// Within tolerance of its target.
     Reached,
-    /// The steering is at fault.
+    /// The steering has a fault.
     Fault(SteeringFault),
 }
 
-/// What the steering can do wrong.
+/// Faults of the steering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum SteeringFault {
-    /// The angle is outside the plausible range, or not a number.
+    /// The angle is outside the plausible range, or NaN.
     Implausible,
     /// The angle has not changed for too long, away from its target.
     Stuck,
@@ -167,31 +167,31 @@ pub enum SteeringFault {
     Lost,
 }
 
-/// Where a pivot stands: the longitudinal module's state, and its message to planning.
+/// Phase of a pivot: the longitudinal module's state, and its message to planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Phase {
     /// Nothing requested.
     Idle,
-    /// Standing until the wheel is at its angle.
+    /// At rest until the wheel is at its angle.
     WaitingForAngle,
-    /// Standing until the drive is in gear.
+    /// At rest until the drive is in gear.
     SettingGear,
     /// Following the waypoints.
     Driving,
-    /// The end is reached; no torque, until the wheel stands still.
+    /// The end is reached; no torque until the wheel rests.
     WaitingForStandstill,
-    /// Standing until the wheel is back at 0.
+    /// At rest until the wheel is back at 0.
     RestoringAngle,
     /// Done.
     Succeeded,
-    /// Given up, with the reason; no driving torque until a new request.
+    /// Failed, with the reason; no driving torque until a new request.
     Failed(Failure),
 }
 
 impl Phase {
-    /// Whether a pivot is under way.
+    /// Whether a pivot is in progress.
     pub fn is_active(self) -> bool {
         !matches!(self, Self::Idle | Self::Succeeded | Self::Failed(_))
     }
@@ -204,13 +204,13 @@ impl Phase {
 pub enum Failure {
     /// Emergency stop for an obstacle before the pivot had succeeded.
     ObstacleStop,
-    /// The steering is at fault.
+    /// The steering has a fault.
     Steering(SteeringFault),
     /// The drive did not report the gear in time.
     GearNotSet,
     /// No speed reading for too long.
     SpeedLost,
-    /// Standing still short of the end for too long.
+    /// At rest before the end for too long.
     StoodStill,
     /// The phase took too long.
     TimeOut,

@@ -12,7 +12,7 @@ pub fn sqrt(x: f64) -> f64 {
     libm::sqrt(x.max(0.0))
 }
 
-/// `angle_rad` moved into −π…π by whole turns.
+/// `angle_rad` wrapped into −π…π by whole turns.
 pub fn wrapped(angle_rad: f64) -> f64 {
     let turns = (angle_rad / TAU + if angle_rad < 0.0 { -0.5 } else { 0.5 }) as i64;
     (angle_rad - turns as f64 * TAU).clamp(-PI, PI)

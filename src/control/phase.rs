@@ -1,4 +1,4 @@
-//! The state machine of a pivot: every transition, and no other.
+//! The state machine of a pivot, with all its transitions.
 //!
 //! ```text
 //!  Idle, Succeeded, Failed ──Requested──► WaitingForAngle ──AngleReached──► SettingGear ──GearSet──► Driving
@@ -8,10 +8,10 @@
 
 use crate::messages::{Failure, Phase};
 
-/// What moves the state machine on.
+/// Event of the state machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// Planning asks for a pivot.
+    /// Planning requests a pivot.
     Requested,
     /// The wheel is at its angle.
     AngleReached,
@@ -19,7 +19,7 @@ pub enum Event {
     GearSet,
     /// The end of the path is reached.
     EndReached,
-    /// The front wheel stands still.
+    /// The front wheel rests.
     StoodStill,
     /// The wheel is back at 0.
     AngleRestored,
@@ -28,7 +28,7 @@ pub enum Event {
 }
 
 impl Phase {
-    /// The phase after `event`; an event that means nothing in this phase leaves it as it is.
+    /// The phase after `event`; an event without a transition in this phase does not change it.
     #[must_use]
     pub fn after(self, event: Event) -> Self {
         match (self, event) {
@@ -60,24 +60,24 @@ mod tests {
         FAILED,
     ];
 
-    /// Every phase that `event` changes, with what it becomes.
+    /// Every phase that `event` changes, with the next phase.
     fn changes(event: Event) -> Vec<(Phase, Phase)> {
         PHASES.iter().map(|&p| (p, p.after(event))).filter(|(p, q)| p != q).collect()
     }
 
     #[test]
-    fn a_request_starts_a_pivot_only_where_none_is_under_way() {
+    fn a_request_starts_a_pivot_only_if_none_is_in_progress() {
         let next = Phase::WaitingForAngle;
         assert_eq!(changes(Event::Requested), [(Phase::Idle, next), (Phase::Succeeded, next), (FAILED, next)]);
     }
 
     #[test]
-    fn the_wheel_at_its_angle_lets_the_gear_be_set() {
+    fn after_the_wheel_is_at_its_angle_the_gear_is_set() {
         assert_eq!(changes(Event::AngleReached), [(Phase::WaitingForAngle, Phase::SettingGear)]);
     }
 
     #[test]
-    fn the_gear_lets_the_vehicle_drive() {
+    fn after_the_gear_is_set_the_vehicle_drives() {
         assert_eq!(changes(Event::GearSet), [(Phase::SettingGear, Phase::Driving)]);
     }
 
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_standing_wheel_is_returned() {
+    fn a_resting_wheel_is_returned() {
         assert_eq!(changes(Event::StoodStill), [(Phase::WaitingForStandstill, Phase::RestoringAngle)]);
     }
 
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_ends_every_phase_that_is_under_way_and_no_other() {
+    fn a_failure_ends_every_phase_in_progress_and_no_other() {
         let broken = Event::Broken(Failure::TimeOut);
         let after = Phase::Failed(Failure::TimeOut);
         let active: Vec<_> = PHASES.iter().filter(|p| p.is_active()).map(|&p| (p, after)).collect();

@@ -1,4 +1,4 @@
-//! The controller of a pivot: planning, lateral and longitudinal with their messages, one step per control period.
+//! The controller of a pivot: planning, lateral and longitudinal and their messages, one step per control period.
 
 use crate::drive_law::DriveLaw;
 use crate::lateral::{Lateral, LateralSettings};
@@ -7,7 +7,7 @@ use crate::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotReq
 use crate::planning::PlanningSettings;
 use crate::{Error, Result};
 
-/// Settings of the three modules; the drive law has its own.
+/// Settings of the three modules; the drive law has separate settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PivotSettings {
@@ -57,21 +57,21 @@ impl<L: DriveLaw> PivotController<L> {
         })
     }
 
-    /// Asks for a turn of `turn_rad` (left positive, at most ±360°) from `pose`.
+    /// Requests a turn of `turn_rad` (left positive, at most ±360°) from `pose`.
     ///
     /// # Errors
-    /// A pivot is under way, or the turn cannot be planned.
+    /// A pivot is in progress, or the turn cannot be planned.
     pub fn request(&mut self, turn_rad: f64, pose: Pose) -> Result<()> {
         if self.longitudinal.phase().is_active() {
             return Err(Error::Busy);
         }
         self.longitudinal.request(self.planning.plan(turn_rad, pose)?);
-        // the wheel may be at this very angle from the pivot before; it has to be seen there anew
+        // the wheel may still be at this angle from the previous pivot; the lateral module must confirm it again
         self.angle = AngleStatus::InProgress;
         Ok(())
     }
 
-    /// Where the pivot stands.
+    /// Phase of the pivot.
     pub fn phase(&self) -> Phase {
         self.longitudinal.phase()
     }
@@ -81,12 +81,12 @@ impl<L: DriveLaw> PivotController<L> {
         self.longitudinal.current()
     }
 
-    /// One control period: what is measured → what is commanded. Messages between the modules take one period.
+    /// One control period: readings → commands. Messages between the modules take one period.
     pub fn step(&mut self, inputs: &Inputs) -> Outputs {
         let done = self.longitudinal.step(inputs, self.angle);
         self.task = done.task;
         let (wheel_angle_rad, angle) = self.lateral.step(self.task, inputs.wheel_angle_rad);
-        // lateral starts afresh with each task, so this is never an answer to the task before
+        // lateral restarts with each task, so this status never belongs to the previous task
         self.angle = angle;
         Outputs {
             torque_nm: done.torque_nm,
@@ -123,7 +123,7 @@ mod tests {
         }
     }
 
-    /// A vehicle with inertia, Coulomb friction, a 50 ms lag, and steering of 90°/s; its knobs break it.
+    /// A vehicle with inertia, Coulomb friction, a 50 ms lag, and steering of 90°/s; its fields set faults.
     struct Toy {
         inputs: Inputs,
         speed_mps: f64,
@@ -213,7 +213,7 @@ mod tests {
                 let (mut controller, mut toy) = (controller(policy), Toy::new());
                 assert_eq!(run(&mut controller, &mut toy, turn_deg, |_, _| {}), SUCCESS, "{policy:?} {turn_deg}°");
                 let error_deg = toy.inputs.pose.heading_rad / RAD_PER_DEG - turn_deg;
-                // the end threshold is 0.02 m of arc, 1.25°, and the coasting makes up for some of it
+                // the end threshold is 0.02 m of arc, 1.25°; coasting covers part of it
                 assert!(error_deg.abs() < 1.25, "{policy:?} {turn_deg}°: {error_deg}°");
             }
         }
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn an_obstacle_stop_in_any_phase_fails_the_pivot_and_a_new_request_starts_afresh() {
+    fn an_obstacle_stop_in_any_phase_fails_the_pivot_and_a_new_request_restarts_it() {
         for stop_in in &SUCCESS[..5] {
             let (mut controller, mut toy) = (controller(WheelPolicy::HoldLeft), Toy::new());
             let phases = run(&mut controller, &mut toy, 90.0, |toy, phase| toy.inputs.estop = phase == *stop_in);

@@ -1,4 +1,4 @@
-//! Planning: which way, in which gear, along which arc, at which speeds.
+//! Planning: direction, gear, arc and speeds of a turn.
 //!
 //! With the wheel at δ the vehicle turns about a point on the rear axle's line, L/tan δ to the left of its middle: at δ = ±90° about the middle
 //! itself. The front wheel runs on a circle of radius L/|sin δ|; a turn of Δθ is an arc of L·|Δθ|/|sin δ|.
@@ -10,15 +10,15 @@ use crate::waypoints::{MAX_WAYPOINTS, Path, Waypoint};
 use crate::{Error, Gear, Profile, Result};
 use core::f64::consts::TAU;
 
-/// Which wheel angle and gear turn the vehicle left and right.
+/// Wheel angle and gear for turns to the left and to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum WheelPolicy {
-    /// The wheel at its test angle always: left in forward gear, right in reverse gear.
+    /// The wheel always at its test angle: left in forward gear, right in reverse gear.
     #[default]
     HoldLeft,
-    /// The wheel to the left for left, to the right for right: always forward gear.
+    /// The wheel to the left for left turns, to the right for right turns; always forward gear.
     Mirror,
 }
 
@@ -34,7 +34,7 @@ impl WheelPolicy {
     }
 }
 
-/// What planning needs to know.
+/// Settings of planning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PlanningSettings {
@@ -59,7 +59,7 @@ impl PlanningSettings {
     /// Checks that every number is finite and possible.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first invalid one.
     pub fn checked(self) -> Result<Self> {
         let check = |field, value: f64, allowed, good: bool| if good { Ok(()) } else { Err(Error::Setting { field, value, allowed }) };
         check("wheelbase_m", self.wheelbase_m, "0.05 to 20", (0.05..=20.0).contains(&self.wheelbase_m))?;
@@ -70,7 +70,7 @@ impl PlanningSettings {
         Ok(self)
     }
 
-    /// Lays the waypoints of a turn of `turn_rad` (left positive, at most a full turn) from `pose`.
+    /// Places the waypoints of a turn of `turn_rad` (left positive, at most a full turn) from `pose`.
     ///
     /// # Errors
     /// A turn of less than one waypoint spacing, of more than 360°, or not a number; a pose that is not a number; an arc with too many
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_that_cannot_be_planned_says_what_can() {
+    fn the_error_of_an_impossible_turn_names_the_allowed_range() {
         for turn in [0.0, 0.01, 7.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(settings().plan(turn, Pose::default()), Err(Error::Turn { .. })), "{turn}");
         }

@@ -1,8 +1,8 @@
-//! Formula (1): how far ahead the controller looks.
+//! Formula (1): the preview distance of the controller.
 
 /// `d_p = v·t_lag + ½·a·t_lag² + d_min`, never less than `d_min`.
 ///
-/// What the vehicle does now was commanded `t_lag` ago; so the speed it is asked for is the one planned where it will be.
+/// The present motion was commanded `t_lag` ago. So the desired speed is the one planned at the future place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Preview {
@@ -19,7 +19,7 @@ impl Default for Preview {
 }
 
 impl Preview {
-    /// Preview distance [m] at speed v [m/s] and acceleration a [m/s²], gear frame. The minimum when either is not a number.
+    /// Preview distance [m] at speed v [m/s] and acceleration a [m/s²], gear frame. The minimum if either is NaN.
     pub fn distance_m(self, speed_mps: f64, accel_mps2: f64) -> f64 {
         let ahead = speed_mps * self.lag_s + 0.5 * accel_mps2 * self.lag_s * self.lag_s;
         self.min_m + if ahead > 0.0 { ahead } else { 0.0 }

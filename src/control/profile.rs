@@ -1,7 +1,7 @@
 //! The speed along the arc: a trapezoid over time, a triangle when the arc is short.
 //!
-//! `v(s)² = min(v₀² + 2·a·s, v_c², 2·d·(S − s))`: from the start speed v₀ with acceleration a, cruise at `v_c`, down to 0 at the end S with
-//! deceleration d. The smallest of the three is the trapezoid, and the triangle where the cruise speed is not reached.
+//! `v(s)² = min(v₀² + 2·a·s, v_c², 2·d·(S − s))`: start speed v₀, acceleration a, cruise speed `v_c`, speed 0 at the end S with
+//! deceleration d. The smallest of the three is a trapezoid, or a triangle if the cruise speed is not reached.
 
 use crate::numeric::sqrt;
 use crate::{Error, Result};
@@ -10,7 +10,7 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Profile {
-    /// Speed of the first waypoint [m/s]. Default 0.1: a standing vehicle is asked to move.
+    /// Speed of the first waypoint [m/s]. Default 0.1: a resting vehicle must start.
     pub start_mps: f64,
     /// Highest speed [m/s]. Default 0.6.
     pub cruise_mps: f64,
@@ -30,7 +30,7 @@ impl Profile {
     /// Checks that every number is finite and possible.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first invalid one.
     pub fn checked(self) -> Result<Self> {
         let check = |field, value: f64, allowed, good: bool| if good { Ok(()) } else { Err(Error::Setting { field, value, allowed }) };
         check("start_mps", self.start_mps, "above 0 to 1", self.start_mps > 0.0 && self.start_mps <= 1.0)?;

@@ -1,6 +1,6 @@
 //! Formula (2): from the speed error to the desired acceleration.
 //!
-//! e(k) = `v_p` − v;  a = Kp·e(k) + Ki·Σ e(i)·Δt, limited; while the limit (or the drive's) holds, the sum is held (anti-windup by
+//! e(k) = `v_p` − v;  a = Kp·e(k) + Ki·Σ e(i)·Δt, limited; at the limit (or the drive's) the sum is held (anti-windup by
 //! conditional integration. Source: Åström & Hägglund, *Advanced PID Control*, §3.5).
 
 /// Gains and limits of the speed loop.
@@ -23,7 +23,7 @@ impl Default for SpeedLoopSettings {
     }
 }
 
-/// The loop's memory.
+/// State of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpeedLoop {
     /// Σ e·Δt [m].
@@ -31,8 +31,8 @@ pub struct SpeedLoop {
 }
 
 impl SpeedLoop {
-    /// Desired acceleration [m/s²] for an error [m/s], and whether it is at a limit. `saturated`: the drive gave less than was asked for in
-    /// the last period. An error that is not a number counts as none.
+    /// Desired acceleration [m/s²] for an error [m/s], and whether it is at a limit. `saturated`: the drive gave less than the command in
+    /// the last period. An error of NaN counts as 0.
     pub fn step(&mut self, settings: &SpeedLoopSettings, error_mps: f64, saturated: bool, period_s: f64) -> (f64, bool) {
         let error = if error_mps.is_finite() { error_mps } else { 0.0 };
         let sum = self.sum_m + error * period_s;

@@ -1,40 +1,41 @@
-//! Where the wheel will be once a command acts, and how hard it then has to brake to stop at the end.
+//! The wheel's place when a command acts, and the deceleration that then stops it at the end.
 //!
-//! What is commanded now acts a reaction time T later; until then the commands of the last T act. With their mean a the wheel then does
-//! v' = max(v + a·T, 0) and has covered ½·(v + v')·T; with s' left it needs the deceleration v'²/(2·s') to stop at the end. This is the classical
-//! stopping distance, seen through a predictor of the dead time (Source: Smith 1959; Åström & Hägglund, *Advanced PID Control*, §8.2).
+//! A command acts after the reaction time T; until then the commands of the last T act, with mean a. Then the speed is
+//! v' = max(v + a·T, 0), the covered distance ½·(v + v')·T, and with s' remaining the deceleration v'²/(2·s') stops the wheel at the end.
+//! This is the classical stopping distance with a predictor of the dead time (Source: Smith 1959; Åström & Hägglund, *Advanced PID
+//! Control*, §8.2).
 
 /// The wheel at the time when a command that is given now acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arrival {
     /// Speed [m/s], 0 or more.
     pub(crate) speed_mps: f64,
-    /// What is left of the path [m]; negative past the end.
+    /// Remaining path [m]; negative past the end.
     pub(crate) left_m: f64,
 }
 
-/// What is left counts as at least this [m].
+/// The remaining path counts as at least this [m].
 const LEAST_LEFT_M: f64 = 5e-3;
 
 impl Arrival {
-    /// From the speed [m/s], the mean acceleration under way [m/s²], what is left [m], and the reaction time [s].
+    /// From the speed [m/s], the mean pending acceleration [m/s²], the remaining path [m], and the reaction time [s].
     pub(crate) fn after(reaction_s: f64, speed_mps: f64, accel_mps2: f64, left_m: f64) -> Self {
         let now_mps = speed_mps.max(0.0);
         let later_mps = (now_mps + accel_mps2 * reaction_s).max(0.0);
         Self { speed_mps: later_mps, left_m: left_m - 0.5 * (now_mps + later_mps) * reaction_s }
     }
 
-    /// Deceleration that stops the wheel at the end [m/s²], positive; as if 5 mm were left where less is, so that noise
-    /// does not ask for more than the brakes have.
+    /// Deceleration that stops the wheel at the end [m/s²], positive; computed with at least 5 mm remaining, so that noise
+    /// does not command more than the brakes can give.
     pub(crate) fn needed_mps2(self) -> f64 {
         self.speed_mps * self.speed_mps / (2.0 * self.left_m.max(LEAST_LEFT_M))
     }
 }
 
-/// Most periods that a reaction time may last: 1.28 s at 50 Hz.
+/// Largest number of periods of a reaction time: 1.28 s at 50 Hz.
 const MOST_PERIODS: usize = 64;
 
-/// The accelerations that were commanded and have not acted yet.
+/// The pending accelerations: commanded, not yet acting.
 #[derive(Debug, Clone)]
 pub(crate) struct UnderWay {
     accel_mps2: [f64; MOST_PERIODS],
@@ -43,14 +44,14 @@ pub(crate) struct UnderWay {
 }
 
 impl UnderWay {
-    /// None under way; `reaction_s` is rounded to whole periods, and cut at `MOST_PERIODS`.
+    /// None pending; `reaction_s` is rounded to whole periods, and cut at `MOST_PERIODS`.
     pub(crate) fn new(reaction_s: f64, period_s: f64) -> Self {
-        // a float that is not a number or negative becomes 0
+        // a negative float or NaN becomes 0
         let periods = ((reaction_s / period_s + 0.5) as usize).min(MOST_PERIODS);
         Self { accel_mps2: [0.0; MOST_PERIODS], next: 0, periods }
     }
 
-    /// A command is given [m/s²].
+    /// Adds a command [m/s²].
     pub(crate) fn push(&mut self, accel_mps2: f64) {
         if let Some(place) = self.accel_mps2.get_mut(self.next) {
             *place = accel_mps2;
@@ -65,14 +66,14 @@ impl UnderWay {
     }
 }
 
-/// What is left of the path [m]: the localisation, smoothed by the speed.
+/// Remaining path [m]: the localisation, smoothed with the speed.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Left {
     left_m: f64,
 }
 
 impl Left {
-    /// Share of the difference to the localisation that is taken over per period: its noise is divided by three, and an error of the speed
+    /// Share of the difference to the localisation that is corrected per period: its noise is divided by three, and an error of the speed
     /// of 2 % costs 1 mm at 0.6 m/s.
     const SHARE: f64 = 0.2;
 
@@ -81,7 +82,7 @@ impl Left {
         Self { left_m: length_m }
     }
 
-    /// One period at `speed_mps`, at the end of which the localisation sees `seen_m` left [m].
+    /// One period at `speed_mps`, at the end of which `seen_m` [m] remain by the localisation.
     pub(crate) fn step(&mut self, speed_mps: f64, seen_m: f64, period_s: f64) -> f64 {
         let rolled_m = self.left_m - speed_mps * period_s;
         let left_m = rolled_m + Self::SHARE * (seen_m - rolled_m);
@@ -90,15 +91,15 @@ impl Left {
     }
 }
 
-/// Brakes for the end when the speed loop would not.
+/// Brakes for the end if the speed loop would not.
 ///
-/// The speed loop follows the planned speeds with a lag and an error; where the wheel is heavier or rolls easier than the map says, it comes to
-/// the end too fast. The guard looks at what is left alone: its error shrinks with the distance.
+/// The speed loop follows the planned speeds with a lag and an error; if the wheel is heavier or rolls more easily than in the map, it
+/// reaches the end too fast. The guard uses only the remaining path: its error shrinks with the distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StoppingGuard {
-    /// It acts when stopping at the end needs more than this deceleration [m/s²]. Default 0.5: a quarter above the plan's 0.4, so that a wheel
-    /// that follows the plan never feels it.
+    /// It acts when stopping at the end needs more than this deceleration [m/s²]. Default 0.5: a quarter above the plan's 0.4, so that it
+    /// never acts on a wheel that follows the plan.
     pub from_mps2: f64,
 }
 
@@ -109,7 +110,7 @@ impl Default for StoppingGuard {
 }
 
 impl StoppingGuard {
-    /// The highest acceleration [m/s²] that still stops at the end; infinity while the guard need not act.
+    /// The highest acceleration [m/s²] that still stops at the end; infinity while the guard is inactive.
     pub(crate) fn ceiling_mps2(self, arrival: Arrival) -> f64 {
         let needed_mps2 = arrival.needed_mps2();
         if needed_mps2 > self.from_mps2 { -needed_mps2 } else { f64::INFINITY }
@@ -130,17 +131,17 @@ mod tests {
     }
 
     #[test]
-    fn the_guard_sleeps_on_the_plan_and_wakes_above_it() {
+    fn the_guard_is_inactive_on_the_plan_and_active_above_it() {
         let guard = StoppingGuard::default();
         let on_plan = Arrival { speed_mps: 0.4, left_m: 0.2 };
         assert_eq!(guard.ceiling_mps2(on_plan), f64::INFINITY);
         assert!((guard.ceiling_mps2(Arrival { speed_mps: 0.5, ..on_plan }) + 0.625).abs() < 1e-12);
-        // it will stand before the command acts: nothing to brake
+        // it will rest before the command acts: no braking
         assert_eq!(guard.ceiling_mps2(Arrival::after(0.2, 0.1, -2.0, 0.0)), f64::INFINITY);
     }
 
     #[test]
-    fn the_commands_of_the_last_reaction_time_are_under_way() {
+    fn the_commands_of_the_last_reaction_time_are_pending() {
         let mut under_way = UnderWay::new(0.1, 0.02);
         (0..5).for_each(|k| under_way.push(f64::from(k)));
         assert_eq!(under_way.mean_mps2(), 2.0);
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_noisy_place_is_smoothed_and_a_wrong_speed_forgiven() {
+    fn a_noisy_place_is_smoothed_and_a_wrong_speed_tolerated() {
         let mut left = Left::new(1.0);
         let mut largest: f64 = 0.0;
         for k in 1..=100 {

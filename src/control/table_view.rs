@@ -1,8 +1,8 @@
-//! Table 2 as the controller reads it: three slices, in read-only memory or borrowed from whoever holds the table.
+//! Table 2 for the controller: three slices, in read-only memory or borrowed from the owner of the table.
 
 use crate::lookup;
 
-/// τ(v, a) [N·m] in the gear's frame, borrowed. Slices that do not fit together have no answer anywhere.
+/// τ(v, a) [N·m] in the gear's frame, borrowed. Slices that do not fit together give `None` everywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableView<'a> {
     /// Speed breaks [m/s], rising: the rows.

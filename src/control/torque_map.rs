@@ -1,4 +1,4 @@
-//! What the controller asks for torque: the map, one table per gear, read with two-dimensional linear interpolation.
+//! The controller's torque source: the map, one table per gear, read with two-dimensional linear interpolation.
 
 use crate::{Gear, TableView};
 
@@ -7,13 +7,13 @@ use crate::{Gear, TableView};
 pub struct Lookup {
     /// Torque [N·m], gear frame.
     pub torque_nm: f64,
-    /// Whether speed or acceleration lay outside the axes, so that the edge's value was taken.
+    /// Whether speed or acceleration lay outside the axes, so that the edge value was used.
     pub outside: bool,
 }
 
-/// Anything that tells the torque for an acceleration, in the gear's frame.
+/// Gives the torque for an acceleration, in the gear's frame.
 pub trait TorqueFromAccel {
-    /// Torque at a speed [m/s] and a desired acceleration [m/s²]; `None` where the map has no answer: not a number, no table for the gear,
+    /// Torque at a speed [m/s] and a desired acceleration [m/s²]; `None` if the map gives no torque: NaN, no table for the gear,
     /// or outside a table whose policy is to refuse.
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup>;
 }
@@ -24,15 +24,15 @@ impl<M: TorqueFromAccel + ?Sized> TorqueFromAccel for &M {
     }
 }
 
-/// What to do outside the table's axes.
+/// Policy outside the table's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum OutsidePolicy {
-    /// Take the edge's value, and say so. Default: the torque is limited and right in sign, and a stop in mid-turn is worse.
+    /// Use the edge value and set a flag. Default: the torque is limited and has the right sign, and a stop during the turn is worse.
     #[default]
     Clamp,
-    /// Give no answer: the pivot fails.
+    /// Give no torque: the pivot fails.
     Refuse,
 }
 
@@ -41,9 +41,9 @@ pub enum OutsidePolicy {
 pub struct Tables<'a> {
     /// Table 2 of forward gear.
     pub forward: TableView<'a>,
-    /// Table 2 of reverse gear, when it was tested.
+    /// Table 2 of reverse gear, if it was tested.
     pub reverse: Option<TableView<'a>>,
-    /// Outside the axes.
+    /// Policy outside the axes.
     pub policy: OutsidePolicy,
 }
 
@@ -63,7 +63,7 @@ impl TorqueFromAccel for Tables<'_> {
     }
 }
 
-/// Torque proportional to the acceleration: what is used where nobody has measured a map.
+/// Torque proportional to the acceleration: the usual choice without a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ConstantGain {
@@ -96,7 +96,7 @@ mod tests {
     };
 
     #[test]
-    fn outside_the_axes_the_policy_decides() {
+    fn outside_the_axes_the_policy_applies() {
         let clamp = Tables { forward: TABLE, reverse: None, policy: OutsidePolicy::Clamp };
         assert_eq!(clamp.torque(Gear::Forward, 0.5, 0.0), Some(Lookup { torque_nm: 12.0, outside: true }));
         assert_eq!(clamp.torque(Gear::Forward, 0.4, 0.0), Some(Lookup { torque_nm: 12.0, outside: false }));

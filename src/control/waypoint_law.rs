@@ -1,4 +1,4 @@
-//! The law of the map: waypoints that carry speeds → preview → desired acceleration → look-up → torque.
+//! The law of the map: waypoints with speeds → preview → desired acceleration → look-up → torque.
 
 use crate::drive_law::{DriveInputs, DriveLaw};
 use crate::messages::{DriveStep, PivotRequest, Pose};
@@ -17,32 +17,32 @@ pub struct WaypointLawSettings {
     pub period_s: f64,
     /// Distance from the rear axle to the front wheel's centre [m].
     pub wheelbase_m: f64,
-    /// How the wheel is placed on the path. Default projection.
+    /// Method of locating the wheel on the path. Default projection.
     pub nearest: Nearest,
-    /// How far the law looks ahead.
+    /// Preview distance.
     pub preview: Preview,
     /// Gains and limits of the speed loop.
     pub speed_loop: SpeedLoopSettings,
-    /// Below this speed [m/s] the wheel counts as standing: a desired acceleration of zero or less then gives no torque. Default 0.02, above
+    /// Below this speed [m/s] the wheel counts as resting: a desired acceleration of zero or less then gives no torque. Default 0.02, above
     /// the quantum of a usual encoder.
     pub standstill_mps: f64,
-    /// The end is reached when less than this is left of the arc [m]. Default 0.02.
+    /// The end is reached when the remaining arc is less than this [m]. Default 0.02.
     pub end_threshold_m: f64,
-    /// Time from a command to its effect [s], dead time and lag together, for what looks at the end. Default 0.1; a map tells its own.
+    /// Time from a command to its effect [s], dead time plus lag, for stopping at the end. Default 0.1; a map gives its own.
     pub reaction_s: f64,
-    /// Age of the pose when it is read [s]: what the wheel has covered since is no longer left. Default 0.015: half a period of a
-    /// localisation at 50 Hz, and 5 ms for its way.
+    /// Age of the pose when it is read [s]; the distance covered since is subtracted. Default 0.015: half a period of a
+    /// localisation at 50 Hz, and 5 ms for its transmission.
     pub pose_age_s: f64,
-    /// Fastest rise of a driving acceleration [m/s³]; `None` leaves it free. Default 2.5: the plan's 0.4 m/s² within 0.16 s, about
-    /// what dead time and lag of a drive take anyway. A desired
+    /// Fastest rise of a driving acceleration [m/s³]; `None`: no limit. Default 2.5: the plan's 0.4 m/s² within 0.16 s, about
+    /// the dead time and lag of a drive. A desired
     /// acceleration may always fall, and rise up to zero, at once.
     pub accel_rise_mps3: Option<f64>,
-    /// Brakes for the end when the speed loop would come there too fast; `None` leaves that to the speed loop.
+    /// Brakes for the end if the speed loop would arrive too fast; `None` leaves that to the speed loop.
     pub guard: Option<StoppingGuard>,
-    /// What happens on the last piece. Default: rolling out, with 0.06 m/s: half of the median error of the bare threshold,
-    /// and nothing worse than its 99th percentile, over the Monte Carlo of the bundled vehicle.
+    /// Finish on the last piece. Default: rolling out, with 0.06 m/s: half of the median error of the plain threshold,
+    /// and no larger 99th percentile, over the Monte Carlo of the bundled vehicle.
     pub finish: Finish,
-    /// Fastest change of the torque [N·m/s]; `None`, the default, leaves it free.
+    /// Fastest change of the torque [N·m/s]; `None`, the default: no limit.
     pub torque_rate_nm_s: Option<f64>,
 }
 
@@ -67,17 +67,17 @@ impl WaypointLawSettings {
     }
 }
 
-/// How the law finishes.
+/// Finish of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Finish {
-    /// The torque goes as soon as less than the end threshold is left: where the wheel then comes to rest depends on its friction.
+    /// The torque ends as soon as less than the end threshold remains; the place of rest then depends on friction.
     Threshold,
-    /// With less than the end threshold left, the torque goes when the wheel would roll out to the end by itself, as the map tells; until
-    /// then the wheel is not asked to go slower than it can without standing short of the end.
+    /// With less than the end threshold left, the torque ends when the wheel would roll out to the end by itself, by the map. Until
+    /// then the desired speed is not so low that the wheel would stop before the end.
     RollOut {
-        /// Slowest speed that is asked for [m/s].
+        /// Lowest desired speed [m/s].
         creep_mps: f64,
     },
 }
@@ -85,7 +85,7 @@ pub enum Finish {
 /// Share of the end threshold that the wheel may roll past the end without being braked: 5 mm of 0.02 m, the noise of a usual localisation.
 const OVERRUN: f64 = 0.25;
 
-/// The law with its map and memory.
+/// The law with its map and state.
 #[derive(Debug, Clone)]
 pub struct WaypointLaw<M> {
     settings: WaypointLawSettings,
@@ -100,7 +100,7 @@ pub struct WaypointLaw<M> {
 }
 
 impl<M: TorqueFromAccel> WaypointLaw<M> {
-    /// A law that asks `map`.
+    /// A law that uses `map`.
     pub fn new(settings: WaypointLawSettings, map: M) -> Self {
         Self {
             settings,
@@ -123,8 +123,8 @@ impl<M: TorqueFromAccel> WaypointLaw<M> {
         accel_mps2.min(risen).min(ceiling).max(settings.speed_loop.min_accel_mps2)
     }
 
-    /// How far the wheel rolls by itself from `speed_mps` [m], with the acceleration for which the map gives no torque. Infinity when it would
-    /// not come to rest.
+    /// Distance that the wheel rolls by itself from `speed_mps` [m], with the acceleration at which the map's torque is zero. Infinity if
+    /// it would not come to rest.
     fn rolling_m(&self, gear: Gear, speed_mps: f64) -> f64 {
         let (mut low, mut high) = (self.settings.speed_loop.min_accel_mps2, 0.0);
         let drives = |accel| self.map.torque(gear, speed_mps, accel).is_some_and(|found| found.torque_nm > 0.0);
@@ -143,8 +143,8 @@ impl<M: TorqueFromAccel> WaypointLaw<M> {
         speed_mps * speed_mps / (-2.0 * high.min(-1e-3))
     }
 
-    /// Whether the torque goes now. With a threshold: less than it is left. With rolling out: the wheel would roll to the end by itself, and
-    /// not so far past it that braking on were better.
+    /// Whether the torque ends now. With a threshold: less than the threshold remains. With rolling out: the wheel would roll to the end by
+    /// itself, and not so far past it that further braking is better.
     fn ends(&self, gear: Gear, left_m: f64, arrival: Arrival) -> bool {
         let settings = &self.settings;
         if left_m >= settings.end_threshold_m {
@@ -182,7 +182,7 @@ impl<M: TorqueFromAccel> DriveLaw for WaypointLaw<M> {
         let arrival = Arrival::after(settings.reaction_s, speed_mps, self.under_way.mean_mps2(), left_m);
         let ahead_m = settings.preview.distance_m(speed_mps, self.accel_mps2);
         let planned_mps = path.speed_at(self.place.arc_m + ahead_m, self.place.index);
-        // e = v_p − v, but at least 2·(creep − v'): braking from well above the creep speed is as ever, at the creep speed it ends
+        // e = v_p − v, but at least 2·(creep − v'): braking from well above the creep speed is unchanged, at the creep speed it ends
         let target_speed_mps = match settings.finish {
             Finish::Threshold => planned_mps,
             Finish::RollOut { creep_mps } => planned_mps.max(speed_mps + 2.0 * (creep_mps - arrival.speed_mps)),
@@ -190,10 +190,10 @@ impl<M: TorqueFromAccel> DriveLaw for WaypointLaw<M> {
         let error_mps = target_speed_mps - speed_mps;
         let (looped_mps2, limited) = self.speed_loop.step(&settings.speed_loop, error_mps, self.saturated, settings.period_s);
         let accel_mps2 = self.bounded(looped_mps2, arrival);
-        // a wheel that the sensor sees rolling back a little is looked up as standing
+        // a wheel with a small negative speed reading is looked up as resting
         let looked_up_mps = if speed_mps < 0.0 { 0.0 } else { speed_mps };
         let found = self.map.torque(request.gear, looked_up_mps, accel_mps2)?;
-        // standing, and nothing wanted: the table's row at v = 0 holds the torque of a wheel that just moves, which would be held for nothing
+        // at rest, without a desired motion: the table's row at v = 0 holds the torque of a wheel that just moves, which is not needed
         let wanted_nm = if speed_mps < settings.standstill_mps && accel_mps2 <= 0.0 { 0.0 } else { found.torque_nm };
         let torque_nm = match settings.torque_rate_nm_s {
             Some(rate) => {

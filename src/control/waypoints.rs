@@ -1,9 +1,9 @@
 //! Waypoints along the front wheel's arc, and the point of them that is nearest to the wheel.
 //!
-//! The wheel is only ever sought forward of where it was last seen, and only as far as it gets nearer: a full turn ends where it began, and the
-//! end must not be taken for the start.
+//! The search starts at the wheel's last place, goes forward only, and stops when the distance grows: a full turn ends where it began, and
+//! its end must not be taken for its start.
 
-/// Most waypoints that a path may hold: 10 m of arc every 0.02 m, a full turn with a wheelbase of 1.6 m.
+/// Largest number of waypoints of a path: 10 m of arc every 0.02 m, a full turn with a wheelbase of 1.6 m.
 pub const MAX_WAYPOINTS: usize = 512;
 
 /// A point of the path with the speed planned there.
@@ -19,14 +19,14 @@ pub struct Waypoint {
     pub speed_mps: f64,
 }
 
-/// How the wheel is placed on the path.
+/// Method of locating the wheel on the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Nearest {
     /// The nearest waypoint.
     Waypoint,
-    /// The foot of the perpendicular on the path's nearest piece. Default: the desired acceleration has no stairs.
+    /// The foot of the perpendicular on the path's nearest piece. Default: the desired acceleration has no steps.
     #[default]
     Projection,
 }
@@ -38,7 +38,7 @@ pub struct Path {
     count: usize,
 }
 
-/// A place on the path, carried from one period to the next.
+/// A place on the path, kept from one period to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Place {
     /// Index of the waypoint at or before the wheel.
@@ -82,7 +82,7 @@ impl Path {
         self.waypoints().last().map_or(0.0, |p| p.arc_m)
     }
 
-    /// Where on the path the wheel at (`x_m`, `y_m`) is, seen from where it was: never further back than `from`.
+    /// Place on the path of the wheel at (`x_m`, `y_m`), searched from its last place: never before `from`.
     pub fn locate(&self, nearest: Nearest, x_m: f64, y_m: f64, from: Place) -> Place {
         let points = self.waypoints();
         let distance =
@@ -113,7 +113,7 @@ impl Path {
         }
     }
 
-    /// Arc length of the foot of the perpendicular from (`x_m`, `y_m`) near `place` [m], which may lie behind it: noise both ways.
+    /// Arc length of the foot of the perpendicular from (`x_m`, `y_m`) near `place` [m]. It may lie behind it, since noise has both signs.
     pub fn foot_m(&self, x_m: f64, y_m: f64, place: Place) -> f64 {
         self.locate(Nearest::Projection, x_m, y_m, Place { index: place.index.saturating_sub(2), arc_m: 0.0 }).arc_m
     }

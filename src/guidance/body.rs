@@ -36,7 +36,7 @@ impl BodyShape {
         Self { wheelbase_m, width_m: 0.8 * wheelbase_m, front_overhang_m: 0.25 * wheelbase_m, rear_overhang_m: 0.3 * wheelbase_m }
     }
 
-    /// Length over all [m].
+    /// Overall length [m].
     pub fn length_m(&self) -> f64 {
         self.rear_overhang_m + self.wheelbase_m + self.front_overhang_m
     }

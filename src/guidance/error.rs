@@ -1,4 +1,4 @@
-//! Why a manoeuvre cannot be planned, with the nearest parameter that can.
+//! Why a manoeuvre cannot be planned, with the nearest feasible parameter.
 
 /// Result of planning.
 pub type Result<T> = core::result::Result<T, Error>;
@@ -6,7 +6,7 @@ pub type Result<T> = core::result::Result<T, Error>;
 /// Why a manoeuvre cannot be planned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("{field} is {value}; allowed: {allowed}")]
     Setting { field: &'static str, value: f64, allowed: &'static str },

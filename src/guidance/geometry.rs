@@ -1,7 +1,8 @@
-//! Plane geometry of bodies and obstacles: points, convex polygons, how far they are apart or how deep they are in each other.
+//! Plane geometry of bodies and obstacles: points, convex polygons, their distance or depth of overlap.
 //!
-//! Apart, the distance of two convex polygons is the least distance of an edge of one from a corner of the other. In each other, the depth is
-//! the shortest translation that parts them, by the axes of the edges (Source: Ericson, *Real-Time Collision Detection*, §5.2.1 and §5.1.9).
+//! The distance of two separate convex polygons is the least distance of an edge of one from a corner of the other. The depth of overlap is
+//! the shortest translation that separates them, along the edges' normals (Source: Ericson, *Real-Time Collision Detection*, §5.2.1 and
+//! §5.1.9).
 
 use crate::guidance::{Error, Result};
 use serde::Serialize;
@@ -47,7 +48,7 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// Of at least three corners in either sense of rotation.
+    /// A polygon of at least three corners in either sense of rotation.
     ///
     /// # Errors
     /// Fewer than three corners, one that is not finite, or corners that are repeated, on one line, or not convex.
@@ -70,7 +71,7 @@ impl Polygon {
         Ok(Self { corners })
     }
 
-    /// The body's rectangle and nothing else may skip the check.
+    /// Without the check; only for the body's rectangle.
     pub(crate) fn trusted(corners: Vec<PlanePoint>) -> Self {
         Self { corners }
     }
@@ -80,7 +81,7 @@ impl Polygon {
         &self.corners
     }
 
-    /// Distance of two polygons [m]; negative when they overlap, by the shortest way that parts them.
+    /// Distance of two polygons [m]; negative when they overlap: the shortest translation that separates them.
     pub fn separation_m(&self, other: &Self) -> f64 {
         let gap = self.widest_axis_gap_m(other).max(other.widest_axis_gap_m(self));
         if gap > 0.0 { self.corner_distance_m(other).min(other.corner_distance_m(self)) } else { gap }
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn apart_it_is_the_distance_and_in_each_other_the_depth() {
+    fn separate_polygons_have_a_distance_and_overlapping_ones_a_depth() {
         let one = square(0.0, 0.0, 1.0);
         assert!((one.separation_m(&square(3.0, 0.0, 1.0)) - 1.0).abs() < 1e-12);
         assert!((one.separation_m(&square(5.0, 6.0, 1.0)) - 5.0).abs() < 1e-12, "corner to corner: 3, 4, 5");
@@ -155,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_convex_polygon_is_refused() {
+    fn a_polygon_that_is_not_convex_is_an_error() {
         let p = PlanePoint::new;
         assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0)]).is_err());
         assert!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 0.0), p(1.0, 0.0)]).is_err());

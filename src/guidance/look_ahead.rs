@@ -1,14 +1,14 @@
 //! The look-ahead window method: a path of continuous curvature along a [`ReferenceLine`], step by step.
 //!
-//! Each step: the middle of the rear axle is mapped onto the reference, in a window ahead of where it was last mapped; the goal lies the look-ahead
-//! distance further along; the circle that is tangent to the vehicle in its rear axle and goes through the goal has
+//! In each step the middle of the rear axle is projected onto the reference, in a window ahead of its last projection. The goal is the
+//! look-ahead distance further along. The circle that is tangent to the vehicle at its rear axle and passes through the goal has
 //!
 //! ```text
 //! κ = 2 y_g/(x_g² + y_g²)      δ = arctan(L κ)
 //! ```
 //!
-//! with (x_g, y_g) the goal in the vehicle's frame: forward and in reverse alike, since the circle is the same. The wheel angle goes toward δ by
-//! no more than a given change per step, within its limit, and the vehicle goes one step of fixed length along its own circle.
+//! (x_g, y_g) is the goal in the vehicle's frame; forward and reverse have the same circle. The wheel angle changes toward δ by at most a
+//! given amount per step, within its limit. The vehicle moves one step of fixed length along its own circle.
 //! Source: Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm* (CMU-RI-TR-92-01).
 
 use crate::guidance::body::within;
@@ -19,14 +19,14 @@ use crate::guidance::{Error, Result};
 use crate::map::Gear;
 use serde::Serialize;
 
-/// How a reference is followed.
+/// Settings of following a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LookAhead {
     /// Length of a step of the rear axle [m]. Default 0.02.
     pub step_m: f64,
     /// Distance of the goal along the reference [m]. Default 0.35.
     pub distance_m: f64,
-    /// How far ahead of the last match the rear axle is looked for [m]. Default 0.5.
+    /// Length of the search window ahead of the last match [m]. Default 0.5.
     pub window_m: f64,
     /// Largest change of the wheel angle per step [rad]. Default 3°: at 0.25 m/s and 0.02 m it is 37°/s, within a steering of 60°/s.
     pub wheel_step_rad: f64,
@@ -53,7 +53,7 @@ impl LookAhead {
         within("look_ahead.wheel_limit_rad", self.wheel_limit_rad, 0.02, 1.48, "0.02 to 1.48 (85°)").map(|()| self)
     }
 
-    /// Largest change of the curvature per step [1/m]: the wheel's at its limit, where the tangent is steepest.
+    /// Largest change of the curvature per step [1/m]: that at the wheel limit, where the tangent is steepest.
     pub fn curvature_step_per_m(&self, wheelbase_m: f64) -> f64 {
         (self.wheel_limit_rad.tan() - (self.wheel_limit_rad - self.wheel_step_rad).tan()) / wheelbase_m
     }
@@ -68,7 +68,7 @@ pub(crate) struct LookAheadFollower {
 }
 
 impl LookAheadFollower {
-    /// At a pose, with the wheel at `wheel_angle_rad` (limited).
+    /// A path that starts at a pose, with the wheel at `wheel_angle_rad` (limited).
     pub(crate) fn new(x_m: f64, y_m: f64, heading_rad: f64, wheel_angle_rad: f64, wheelbase_m: f64, settings: LookAhead) -> Self {
         let angle = wheel_angle_rad.clamp(-settings.wheel_limit_rad, settings.wheel_limit_rad);
         let pose = PathPose {
@@ -88,7 +88,8 @@ impl LookAheadFollower {
         self.path.poses[self.path.poses.len() - 1]
     }
 
-    /// Follows `reference` in `gear` from where it is nearest, until `done` says so or `most_m` are travelled. Returns whether it was done.
+    /// Follows `reference` in `gear` from its nearest point until `done` is true or `most_m` are travelled. Returns whether `done` was
+    /// true.
     pub(crate) fn follow(
         &mut self,
         reference: &ReferenceLine,
@@ -110,7 +111,7 @@ impl LookAheadFollower {
         false
     }
 
-    /// The nearest place of the whole reference, looked for every step and refined. It may lie before the start, where the reference is a line.
+    /// The nearest place of the whole reference, searched at every step and refined. It may lie on the line before the start.
     fn first_match(&self, reference: &ReferenceLine) -> f64 {
         let here = self.last();
         let place = PlanePoint::new(here.x_m, here.y_m);
@@ -139,7 +140,7 @@ impl LookAheadFollower {
         let change = (wanted - here.wheel_angle_rad).clamp(-settings.wheel_step_rad, settings.wheel_step_rad);
         let angle = here.wheel_angle_rad + change;
         let last = self.path.poses.len() - 1;
-        // the wheel turns, then the step is taken: the pose holds the angle that leads away from it
+        // the wheel turns, then the vehicle moves: a pose holds the angle of the step after it
         self.path.poses[last].direction = gear;
         let moved = arc(&here, angle.tan() / self.wheelbase_m, gear.sign() * settings.step_m);
         self.path.poses.push(PathPose { wheel_angle_rad: angle, direction: gear, s_m: here.s_m + settings.step_m, ..moved });
@@ -164,7 +165,7 @@ pub fn largest_steps(path: &PosePath) -> (f64, f64) {
     })
 }
 
-/// Checks that a start can be used at all.
+/// Checks a start.
 pub(crate) fn finite_start(x_m: f64, y_m: f64, heading_rad: f64) -> Result<()> {
     let check =
         |field, value: f64| if value.abs() <= 1e3 { Ok(()) } else { Err(Error::Setting { field, value, allowed: "-1000 to 1000" }) };

@@ -1,8 +1,8 @@
 //! Perpendicular and slanted parking, in reverse: start and adjust on a line beside the row, enter on a circle, shuffle until straight.
 //!
 //! Frame: x along the row in the direction of travel, y away from it; the row's edge is y = 0, and the middle of the slot's mouth is the origin.
-//! The vehicle comes along the row with the slot to its right, drives past it and backs in. In: a [`ParkingScene`] and a start; out: a [`ParkingPlan`].
-//! Stages and equations: `docs/manoeuvres.md`.
+//! The vehicle drives along the row with the slot to its right, passes it and backs in. In: a [`ParkingScene`] and a start; out: a
+//! [`ParkingPlan`]. Stages and equations: `docs/manoeuvres.md`.
 
 mod check;
 mod entry;
@@ -20,27 +20,27 @@ pub use tolerance::Tolerance;
 
 use serde::Serialize;
 
-/// From a grid of starts: how many are usable, and how many of these end parked.
+/// Counts over a grid of starts: the usable ones, and those of them that end parked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Success {
     /// Starts that do not touch anything.
     pub tried: usize,
     /// Starts from which a path was found that passes every check.
     pub parked: usize,
-    /// Those of them that went straight in.
+    /// Of these, the ones that went straight in.
     pub direct: usize,
-    /// Those of them that had to shuffle.
+    /// Of these, the ones that had to shuffle.
     pub shuffled: usize,
 }
 
 impl Success {
-    /// Share of the usable starts [0 to 1]; 0 without any.
+    /// Share of the usable starts [0 to 1]; 0 if there are none.
     pub fn share(&self) -> f64 {
         if self.tried == 0 { 0.0 } else { self.parked as f64 / self.tried as f64 }
     }
 }
 
-/// Plans from every start and counts. Starts that already touch something are left out.
+/// Plans from every start and counts. Starts that already touch something are skipped.
 pub fn success(scene: &ParkingScene, starts: &[ParkingStart]) -> Success {
     let mut count = Success::default();
     for start in starts {

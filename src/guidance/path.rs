@@ -3,7 +3,7 @@
 use crate::map::Gear;
 use serde::Serialize;
 
-/// A pose of a path with what belongs to it.
+/// A pose of a path with its curvature, wheel angle, gear and distance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PathPose {
     /// East of the origin [m], middle of the rear axle.
@@ -16,7 +16,7 @@ pub struct PathPose {
     pub curvature_per_m: f64,
     /// Front-wheel angle that belongs to it [rad], left positive.
     pub wheel_angle_rad: f64,
-    /// Direction of travel from here to the next pose; the last pose has that of the one before.
+    /// Direction of travel from here to the next pose; the last pose has that of the previous one.
     pub direction: Gear,
     /// Distance travelled by the rear axle's middle from the start [m]; it grows in reverse too.
     pub s_m: f64,

@@ -16,7 +16,7 @@ struct ReferencePiece {
     length_m: f64,
 }
 
-/// Straight lines and circles, one after the other; before its start and past its end it goes straight on.
+/// Straight lines and circles, one after the other; it continues straight before its start and past its end.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReferenceLine {
     pieces: Vec<ReferencePiece>,
@@ -36,7 +36,7 @@ impl ReferenceLine {
         }
     }
 
-    /// The same with a piece of `length_m` (none below 0) behind it, which bends by `bend_per_m` (left positive in the direction of travel).
+    /// Appends a piece of `length_m` (none below 0) with curvature `bend_per_m` (left positive in the direction of travel).
     #[must_use]
     pub fn then(mut self, length_m: f64, bend_per_m: f64) -> Self {
         let piece = ReferencePiece {
@@ -70,8 +70,8 @@ impl ReferenceLine {
         piece.at(s_m - piece.from_m)
     }
 
-    /// Where on the reference `place` is [m from the start], looked for from `from_m` forward within `window_m`: Newton's iteration on the
-    /// distance along the tangent.
+    /// Position of `place` on the reference [m from the start], searched from `from_m` forward within `window_m` by Newton's iteration
+    /// on the distance along the tangent.
     pub fn project(&self, place: PlanePoint, from_m: f64, window_m: f64) -> f64 {
         let mut s_m = from_m;
         for _ in 0..4 {
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_beside_is_projected_on_its_foot() {
+    fn a_place_beside_the_line_is_projected_onto_it() {
         let reference = ReferenceLine::starting(PlanePoint::new(0.0, 0.0), 0.0).then(10.0, 0.0);
         assert!((reference.project(PlanePoint::new(4.0, 0.7), 3.5, 1.0) - 4.0).abs() < 1e-12);
         assert!((reference.project(PlanePoint::new(9.0, 0.7), 3.5, 1.0) - 4.5).abs() < 1e-12, "not beyond the window");

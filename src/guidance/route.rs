@@ -1,6 +1,6 @@
 //! Routes of manoeuvres: polylines with turns on the spot, the laws that track a path of poses, and the speed along it.
 //!
-//! Unlike the pivot's own files these allocate: they plan on a computer, and their laws run where one is.
+//! Unlike the pivot's own files these allocate: they plan, and their laws run, on a computer.
 
 pub mod clothoid_path;
 pub mod follower;

@@ -1,4 +1,4 @@
-//! What a manoeuvre is driven with.
+//! The inputs of a manoeuvre's run.
 
 use crate::manoeuvre::Result;
 use crate::manoeuvre::planned_task::Planned;
@@ -6,7 +6,7 @@ use crate::manoeuvre::torque::ManoeuvreTorque;
 use crate::sim;
 use crate::verify::Maps;
 
-/// What a manoeuvre is run with.
+/// The inputs of a manoeuvre's run.
 #[derive(Debug, Clone)]
 pub(crate) struct ManoeuvreBench<'a> {
     /// The map, with the compensation table if the folder has one.
@@ -20,7 +20,7 @@ pub(crate) struct ManoeuvreBench<'a> {
 }
 
 impl<'a> ManoeuvreBench<'a> {
-    /// Of a map and a physical vehicle, without a plan.
+    /// The inputs for a map and a physical vehicle, without a plan.
     ///
     /// # Errors
     /// A vehicle that cannot be simulated.

@@ -17,20 +17,20 @@ use crate::units::RAD_PER_DEG;
 use crate::verify::Values;
 use serde::Serialize;
 
-/// What is driven and what is mounted wrongly.
+/// The task and the mounting errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CompensationScenario {
     /// Direction of travel.
     pub direction: Gear,
-    /// Tracking law; that of the calibration.
+    /// Tracking law; the same as in the calibration.
     pub law: LawName,
     /// Navigation's heading minus the vehicle's [°]. Default 1.0.
     pub yaw_deg: f64,
-    /// The wheel's angle minus what the steering takes it for [°]. Default −0.8 forward, 0.8 in reverse, so that both errors push to the same side.
+    /// True wheel angle minus reported wheel angle [°]. Default −0.8 forward, 0.8 in reverse, so that both errors push to the same side.
     pub steering_zero_deg: f64,
-    /// Way on which the compensation is found [m]. Default 50.
+    /// Distance on which the compensation is estimated [m]. Default 50.
     pub learning_m: f64,
-    /// Way on which before and after are compared [m]: a straight, a bend of 90° and a straight. Default 35.
+    /// Distance on which both drives are compared [m]: a straight, a bend of 90° and a straight. Default 35.
     pub measured_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The driver of a manoeuvre in the closed loop: readings with the mounting errors go to a controller, and its commands to the vehicle.
+//! The driver of a manoeuvre in the closed loop: the controller gets readings with mounting errors, and the vehicle gets its commands.
 
 use crate::control::{Inputs, Pose};
 use crate::guidance::route::follower::{DriveCommand, DriveStage};
@@ -8,16 +8,16 @@ use crate::sim::{Measurement, TrueState, World, WorldCommand};
 use crate::verify;
 use crate::verify::drive::{Driver, Observer, drive, inputs, steps_of};
 
-/// How the navigation and the steering are mounted wrongly.
+/// Mounting errors of navigation and steering.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Mounting {
     /// Navigation's heading minus the vehicle's [rad].
     pub yaw_rad: f64,
-    /// The wheel's angle minus what the steering takes it for [rad]: commanded 0, it stands at this.
+    /// True wheel angle minus reported wheel angle [rad]: the true angle at a command of 0.
     pub steering_zero_rad: f64,
 }
 
-/// Where a manoeuvre starts.
+/// Start of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct ManoeuvreStart {
     /// Pose of the rear axle's middle.
@@ -31,22 +31,22 @@ pub(crate) struct ManoeuvreStart {
 pub struct ManoeuvreMoment {
     /// The truth at its start.
     pub state: TrueState,
-    /// What the controller read, mounting errors included.
+    /// Readings of the controller, mounting errors included.
     pub seen: Measurement,
-    /// What it commanded.
+    /// Command of the controller.
     pub command: DriveCommand,
     /// Compensation that was added to the tracking law's angle [rad].
     pub compensation_rad: f64,
-    /// Leg that was driven.
+    /// Number of the leg.
     pub leg: usize,
 }
 
-/// What a controller answers in one period.
+/// Output of a controller in one period.
 pub(crate) struct Commanded {
     pub(crate) command: DriveCommand,
     /// Compensation in it [rad].
     pub(crate) compensation_rad: f64,
-    /// Leg that is driven.
+    /// Number of the leg.
     pub(crate) leg: usize,
 }
 
@@ -60,7 +60,7 @@ pub(crate) trait ManoeuvreObserver: for<'a> Observer<ManoeuvreDriver<'a>> {}
 
 impl<O: for<'a> Observer<ManoeuvreDriver<'a>>> ManoeuvreObserver for O {}
 
-/// A controller with what lies between it and the vehicle.
+/// A controller and its connection to the vehicle.
 pub(crate) struct ManoeuvreDriver<'a> {
     start: &'a ManoeuvreStart,
     mounting: &'a Mounting,
@@ -99,7 +99,7 @@ impl Driver for ManoeuvreDriver<'_> {
     }
 }
 
-/// Drives until the controller has arrived or failed, and returns how it ended; [`DriveStage::Driving`] when it has done neither in 15 minutes.
+/// Drives until the controller has arrived or failed, and returns the last stage: [`DriveStage::Driving`] after 15 minutes.
 ///
 /// # Errors
 /// A world that cannot be simulated.
@@ -172,7 +172,7 @@ mod tests {
         let (moments, _) = driven(&start, &mounting, |_| DriveStage::Arrived);
         let (state, seen) = (moments[0].state, moments[0].seen);
         assert_eq!((state.x_m, state.y_m, state.heading_rad), (3.0, -2.0, 1.0));
-        assert!((state.wheel_angle_rad - 0.26).abs() < 1e-9, "commanded 0.3, it stands 0.04 to the right of it");
+        assert!((state.wheel_angle_rad - 0.26).abs() < 1e-9, "commanded 0.3, the wheel is 0.04 to the right of it");
         // noise of 2 mm and 0.05°, of 0.15° with a bias of 0.25° at the wheel
         assert!((seen.x_m - 3.0).abs() < 0.01 && (seen.heading_rad - 1.05).abs() < 0.005, "{seen:?}");
         assert!((seen.wheel_angle_rad - 0.3).abs() < 0.016, "{seen:?}");
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_does_not_end_is_given_up() {
+    fn a_drive_that_does_not_end_is_stopped() {
         let (moments, found) = driven(&ManoeuvreStart::default(), &Mounting::default(), |_| DriveStage::Steering);
         assert_eq!((moments.len(), found), (45_000, DriveStage::Driving));
     }

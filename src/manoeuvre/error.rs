@@ -1,14 +1,14 @@
-//! Why a manoeuvre cannot be driven. One that is driven badly is a verdict, not an error.
+//! Why a manoeuvre cannot be driven. A badly driven manoeuvre is a verdict, not an error.
 
 use crate::{control, guidance, map, record, sim, verify};
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// Why a manoeuvre cannot be driven.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("the polyline cannot be planned: {0}")]
     Polyline(#[from] guidance::route::polyline::PolylineError),

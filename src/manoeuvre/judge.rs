@@ -14,27 +14,27 @@ use crate::verify::perturbations::draws;
 use crate::verify::{Maps, MetricSummary, RunLog, ScenarioVerdict, Values, Wanted};
 use rayon::prelude::*;
 
-/// The manoeuvres judged, and what was wanted beside it.
+/// The verdicts on the manoeuvres, and the requested traces and logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JudgedManoeuvres {
-    /// The verdict on each manoeuvre, to be added to that on the map ([`crate::verify::MapVerdict::with_scenarios`]).
+    /// The verdict on each manoeuvre, to be added to the verdict on the map ([`crate::verify::MapVerdict::with_scenarios`]).
     pub verdicts: Vec<ScenarioVerdict>,
-    /// By which torque they were driven; `None` without a manoeuvre.
+    /// Their torque source, in words; `None` without a manoeuvre.
     pub note: Option<String>,
-    /// The nominal runs over time; `None` when they were not wanted or no manoeuvre was tested.
+    /// The nominal runs over time; `None` when they were not requested or no manoeuvre was tested.
     pub traces: Option<ManoeuvreTraces>,
-    /// Logs of the nominal runs, one for each manoeuvre that was tested; empty when they were not wanted.
+    /// Logs of the nominal runs, one for each manoeuvre that was tested; empty when they were not requested.
     pub logs: Vec<RunLog>,
 }
 
 /// Judges every manoeuvre of `settings`; traces and logs are taken from the same runs.
 ///
 /// # Errors
-/// A vehicle that cannot be simulated, a path that cannot be planned. A manoeuvre driven badly is no error: it is the verdict.
+/// A vehicle that cannot be simulated, a path that cannot be planned. A badly driven manoeuvre is a verdict, not an error.
 pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wanted<'_>) -> Result<JudgedManoeuvres> {
     let vehicle = &settings.vehicle;
     let varied = draws(vehicle, &settings.spread, settings.draws, settings.seed)?;
-    let total = settings.manoeuvres.iter().filter(|m| m.hindrance(maps, vehicle).is_none()).count() * (varied.len() + 1);
+    let total = settings.manoeuvres.iter().filter(|m| m.reason_against(maps, vehicle).is_none()).count() * (varied.len() + 1);
     let done = || {
         if let Some(progress) = wanted.progress {
             progress(total);
@@ -58,7 +58,7 @@ pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wante
     Ok(all)
 }
 
-/// Everything that a manoeuvre is judged with.
+/// The inputs of the judgement.
 struct ManoeuvreStage<'a> {
     maps: &'a Maps,
     settings: &'a ManoeuvreSettings,
@@ -69,7 +69,7 @@ struct ManoeuvreStage<'a> {
     done: &'a (dyn Fn() + Sync),
 }
 
-/// One manoeuvre judged.
+/// Judges one manoeuvre.
 struct Judged {
     verdict: ScenarioVerdict,
     trace: Option<ManoeuvreTrace>,
@@ -80,7 +80,7 @@ impl ManoeuvreStage<'_> {
     fn judge(&self, manoeuvre: &Manoeuvre) -> Result<Judged> {
         let (settings, vehicle) = (self.settings, &self.settings.vehicle);
         let (name, what, class) = (&manoeuvre.name, &manoeuvre.what, manoeuvre.class);
-        if let Some(why) = manoeuvre.hindrance(self.maps, vehicle) {
+        if let Some(why) = manoeuvre.reason_against(self.maps, vehicle) {
             return Ok(Judged { verdict: ScenarioVerdict::not_tested(name, what, class, why), trace: None, log: None });
         }
         let planned = manoeuvre.plan(self.bench.wheelbase_m)?;

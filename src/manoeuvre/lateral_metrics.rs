@@ -8,10 +8,10 @@ use crate::verify::drive::{Observer, Period};
 use crate::verify::{Metric, Values};
 use std::ops::Range;
 
-/// What was measured in one drive.
+/// Sums of one drive.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LateralFigures {
-    /// Lateral error times the way [m²], and the way [m].
+    /// Integral of the lateral error over the distance [m²], and the distance [m].
     error_m2: f64,
     way_m: f64,
     /// Σ θ̇² and their number over the whole stretch, and over its straights alone.
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stretch_that_is_never_reached_has_no_figures() {
+    fn a_stretch_that_is_never_reached_has_no_values() {
         let values = compared(&LateralFigures::default(), &LateralFigures::default(), false);
         assert_eq!((values.get(Metric::LateralBeforeM), values.get(Metric::AsExpected)), (None, Some(0.0)));
     }

@@ -19,13 +19,13 @@ pub struct CalibrationDrive {
     pub law: LawName,
     /// Compensation angle [rad].
     pub compensation_rad: f64,
-    /// What is mounted wrongly.
+    /// Mounting errors.
     pub mounting: Mounting,
     /// Seed of everything random.
     pub seed: u64,
 }
 
-/// In what form a log holds the reference.
+/// Form of the reference in a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoggedReference {
     /// The matched point, every period.
@@ -42,7 +42,7 @@ fn task(vehicle: &sim::WorldSettings) -> PosePath {
     course(&lateral_task(), vehicle.vehicle.wheelbase_m)
 }
 
-/// Drives the path of the lateral calibration; returns how it ended.
+/// Drives the path of the lateral calibration; returns the last stage.
 fn lateral_run(vehicle: &sim::WorldSettings, run: &CalibrationDrive, observer: impl ManoeuvreObserver) -> Result<DriveStage> {
     let path = task(vehicle);
     let settings = FollowerSettings::new(vehicle.vehicle.wheelbase_m, TrackingSettings::new(run.law));
@@ -55,10 +55,10 @@ fn lateral_run(vehicle: &sim::WorldSettings, run: &CalibrationDrive, observer: i
     drive_manoeuvre(vehicle, run.seed, &ManoeuvreStart::default(), &run.mounting, settings.limits.period_s, controller, observer)
 }
 
-/// The log of a run: the bytes of an MCAP file, and how it ended.
+/// The log of a run: the bytes of an MCAP file, and the last stage.
 ///
 /// # Errors
-/// A vehicle that cannot be simulated, and what the MCAP writer refuses.
+/// A vehicle that cannot be simulated, or any error of the MCAP writer.
 pub fn lateral_log(vehicle: &sim::WorldSettings, run: &CalibrationDrive, reference: LoggedReference) -> Result<(Vec<u8>, DriveStage)> {
     let mut log = ManoeuvreLog::new(&vehicle.vehicle);
     if reference == LoggedReference::Path {

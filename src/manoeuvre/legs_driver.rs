@@ -26,7 +26,7 @@ impl<'a> LegsDriver<'a> {
         self.leg
     }
 
-    /// One period. `compensation_rad` is added to the tracking law's angle. A path without a leg is one whose end is reached. At the end of a
+    /// One period. `compensation_rad` is added to the tracking law's angle. A path without a leg counts as completed. At the end of a
     /// leg that is not the last one, the stage is still [`DriveStage::Stopping`].
     pub(crate) fn step<T: TorqueSource>(&mut self, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
         let Some(leg) = self.path.poses.get(self.first..).and_then(Leg::first) else {
@@ -71,7 +71,7 @@ mod tests {
         let mut driver = LegsDriver::new(&path, settings);
         let mut legs = Vec::new();
         let mut last = DriveStage::Steering;
-        // held at the end of each leg the follower stops there, half a second later
+        // if the pose stays at the end of each leg, the follower stops there half a second later
         for x_m in [2.0, 1.0] {
             for _ in 0..40 {
                 let command = driver.step(&standing_at(x_m), &NoTorque, 0.0);

@@ -1,4 +1,4 @@
-//! A manoeuvre as a log of standard ROS 2 messages: pose as navigated and as true, commands, reference path and matched point.
+//! A manoeuvre as a log of standard ROS 2 messages: navigated and true pose, commands, reference path and matched point.
 
 use crate::guidance::path::PosePath;
 use crate::guidance::route::follower::DriveStage;
@@ -34,7 +34,7 @@ impl ManoeuvreLog {
         Self { log, wheel_radius_m: vehicle.wheel_radius_m, points: true, last_stage: None, outcome: Ok(()) }
     }
 
-    /// Leaves out the matched point.
+    /// Skips the matched point.
     pub(crate) fn without_points(self) -> Self {
         Self { points: false, ..self }
     }
@@ -42,7 +42,7 @@ impl ManoeuvreLog {
     /// The log of a manoeuvre, which begins with its name and its path.
     ///
     /// # Errors
-    /// What the MCAP writer refuses.
+    /// Any error of the MCAP writer.
     pub(crate) fn of_scenario(vehicle: &Vehicle, name: &str, what: &str, path: &PosePath) -> Result<Self> {
         let mut log = Self::new(vehicle);
         log.log.metadata("pivot-cal/scenario", [("name", name.to_owned()), ("what", what.to_owned())]);
@@ -97,7 +97,7 @@ impl ManoeuvreLog {
     /// The bytes of the MCAP file.
     ///
     /// # Errors
-    /// What the MCAP writer refuses.
+    /// Any error of the MCAP writer.
     pub(crate) fn finish(self) -> Result<Vec<u8>> {
         self.outcome?;
         Ok(self.log.finish()?)

@@ -1,4 +1,4 @@
-//! A planned path from above as SVG: field, obstacles, bodies along the way, the path, and the driven one over it.
+//! A planned path from above as SVG: field, obstacles, bodies along the path, the planned path and, over it, the driven path.
 
 use crate::guidance::{PathPose, Polygon};
 use crate::manoeuvre::planned_task::Planned;

@@ -1,4 +1,4 @@
-//! Parking and the U-turn in closed loop: the planned path is driven leg by leg, and the body's true distance from everything is measured.
+//! Parking and the U-turn in closed loop: the planned path is driven leg by leg, and the body's true clearance is measured.
 
 use crate::control::{Inputs, Pose};
 use crate::guidance::look_ahead::largest_steps;
@@ -20,7 +20,7 @@ use crate::verify::{Metric, Values};
 use std::f64::consts::PI;
 
 fn follower_settings(planned: &Planned, wheelbase_m: f64) -> FollowerSettings {
-    // feedback over the length of the vehicle's own turning: back onto the path within a metre
+    // feedback over about a turning radius: back onto the path within a metre
     let law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 4.0 };
     let mut settings = FollowerSettings::new(wheelbase_m, TrackingSettings::RearAxle(law));
     settings.speed =
@@ -28,14 +28,14 @@ fn follower_settings(planned: &Planned, wheelbase_m: f64) -> FollowerSettings {
     settings
 }
 
-/// Observes a planned manoeuvre and adds up its metrics.
+/// Observes a planned manoeuvre and accumulates its metrics.
 struct PlannedMetrics<'a> {
     planned: &'a Planned,
     clearance_m: f64,
     largest_m: f64,
     squares: f64,
     way_m: f64,
-    /// Index of the first pose of the leg, its number, and the piece of it where the vehicle was last.
+    /// Index of the first pose of the leg, its number, and the vehicle's last piece of it.
     leg_from: usize,
     leg: usize,
     index: usize,
@@ -89,7 +89,7 @@ impl<'b> Observer<ManoeuvreDriver<'b>> for PlannedMetrics<'_> {
     }
 }
 
-/// Drives a plan and measures.
+/// Drives a plan and computes its metrics.
 pub(crate) fn run(
     bench: &ManoeuvreBench<'_>,
     planned: &Planned,
@@ -106,7 +106,7 @@ pub(crate) fn run(
         let leg = driver.leg();
         let mut command = driver.step(inputs, &bench.torque, 0.0);
         if driver.leg() != leg {
-            // the wheel goes to the angle of the next leg at once
+            // the wheel turns at once to the angle of the next leg
             command.stage = DriveStage::Steering;
         }
         Commanded { command, compensation_rad: 0.0, leg: driver.leg() }

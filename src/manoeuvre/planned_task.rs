@@ -1,11 +1,11 @@
-//! Parking and the U-turn planned for a vehicle: the path, and what the body may not touch on it.
+//! Parking and the U-turn planned for a vehicle: the path, and the obstacles and borders.
 
 use crate::guidance::{BodyShape, PlanePoint, Polygon, PosePath, parking, u_turn};
 use crate::manoeuvre::Result;
 use crate::units::RAD_PER_DEG;
 use serde::Serialize;
 
-/// What is planned and driven.
+/// The task that is planned and driven.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlannedTask {
@@ -13,9 +13,9 @@ pub enum PlannedTask {
     Parking {
         /// Angle of the slot's axis against the row [°].
         angle_deg: f64,
-        /// Whether something stands on the side from which the vehicle backs in.
+        /// Whether there is an obstacle on the side from which the vehicle backs in.
         obstacle_right: bool,
-        /// Whether it goes in forward.
+        /// Whether the vehicle goes in forward.
         nose_in: bool,
     },
     /// A U-turn around the end of a shelf into the next aisle.
@@ -39,7 +39,7 @@ pub struct Planned {
     pub clearance_m: f64,
 }
 
-/// Wheel limit of both manoeuvres: the tracking keeps 9° of its own limit of 69° for itself.
+/// Wheel limit of both manoeuvres: it leaves 9° of the tracking limit of 69° as a reserve.
 const WHEEL_LIMIT_RAD: f64 = 60.0 * RAD_PER_DEG;
 
 impl PlannedTask {
@@ -78,7 +78,7 @@ impl PlannedTask {
     }
 }
 
-/// The parking scene for a wheelbase, and where it starts: beside the row, 2.2 wheelbases before the slot, 3° askew.
+/// The parking scene for a wheelbase, and the start: beside the row, 2.2 wheelbases before the slot, 3° askew.
 pub(crate) fn parking_scene(wheelbase_m: f64, angle_deg: f64, obstacle_right: bool) -> (parking::ParkingScene, parking::ParkingStart) {
     let body = BodyShape::usual(wheelbase_m);
     let mut slot = parking::Slot::usual(&body, 0.2);
@@ -98,7 +98,7 @@ pub(crate) fn parking_scene(wheelbase_m: f64, angle_deg: f64, obstacle_right: bo
 /// longer than 0.9 m.
 ///
 /// # Errors
-/// A wheelbase that makes no scene.
+/// A wheelbase for which there is no scene.
 pub(crate) fn u_turn_scene(wheelbase_m: f64) -> Result<(u_turn::Car, u_turn::UTurnScene, u_turn::Ranges, u_turn::UTurnSettings)> {
     let k = (wheelbase_m / 0.9).max(1.0);
     let box_of = |x0: f64, x1: f64, y0: f64, y1: f64| {
@@ -113,7 +113,7 @@ pub(crate) fn u_turn_scene(wheelbase_m: f64) -> Result<(u_turn::Car, u_turn::UTu
     };
     let ranges = u_turn::Ranges {
         run_up_m: [1.0 * k, 5.5 * k],
-        // a longer vehicle needs more way for the same change of angle: slower
+        // a longer vehicle needs more distance for the same change of angle, so it drives slower
         speed_mps: [0.3 / k, 0.8],
         steering_rate_rad_s: [12.0 * RAD_PER_DEG, 40.0 * RAD_PER_DEG],
         yaw_rate_rad_s: None,

@@ -16,7 +16,7 @@ use crate::verify::drive::{Observer, Period};
 use crate::verify::{Metric, Values};
 
 /// The corners [m]: a left turn of 90°, a right one, a bend of 3° without a stop, a short segment in reverse (half/half), and corners sharper
-/// than 90°, which are left in reverse.
+/// than 90°, after which the vehicle drives in reverse.
 pub const DEMO_POINTS: [[f64; 2]; 9] =
     [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [10.0, 4.0], [14.0, 4.2], [14.0, 2.8], [8.0, 1.0], [3.0, -2.0], [0.0, -2.0]];
 
@@ -25,19 +25,19 @@ fn polyline_settings(wheelbase_m: f64, law: LawName) -> (FollowerSettings, TurnS
     (FollowerSettings::new(wheelbase_m, TrackingSettings::new(law)), TurnSettings::new(wheelbase_m))
 }
 
-/// What was measured on one leg.
+/// Measurements on one leg.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct LegResult {
-    /// Distance from its end when the vehicle stood there, before or after the turn, the larger one [m].
+    /// Distance from its end while the vehicle rests there: the larger of the values before and after the turn [m].
     corner_error_m: f64,
     /// Largest distance from its line while driving [m].
     segment_error_m: f64,
-    /// Squares of that distance times the way, and the way [m].
+    /// Integral of the square of that distance over the driven distance, and the driven distance [m].
     squares: f64,
     way_m: f64,
 }
 
-/// Observes a polyline and adds up its metrics.
+/// Observes a polyline and accumulates its metrics.
 struct PolylineMetrics<'a> {
     plan: &'a PolylinePlan,
     settings: FollowerSettings,
@@ -110,7 +110,7 @@ impl<'a> PolylineMetrics<'a> {
             self.largest_mps = self.largest_mps.max(error.abs());
             self.count += 1.0;
         }
-        // standing at its start after the turn: where did the turn leave it?
+        // at rest at its start after the turn: position error of the turn
         if moment.command.stage == DriveStage::Driving && self.leg > 0 && moved_m < 1e-9 {
             let start = self.plan.legs[self.leg].poses[0];
             let error_m = f64::hypot(pose.x_m - start.x_m, pose.y_m - start.y_m);
@@ -132,7 +132,7 @@ impl<'b> Observer<ManoeuvreDriver<'b>> for PolylineMetrics<'_> {
     }
 }
 
-/// Drives the points and measures.
+/// Drives the points and computes the metrics.
 pub(crate) fn run(
     bench: &ManoeuvreBench<'_>,
     law: LawName,
@@ -180,7 +180,7 @@ mod tests {
         for (x_m, y_m) in [(0.0, 0.0), (1.0, 0.02), (3.0, -0.05)] {
             metrics.add(&moment(0, driving, x_m, y_m, settings.speed.speed_at(x_m, 6.0) + 0.1));
         }
-        // a corner cut by 0.3 m is no lateral error
+        // a corner cut by 0.3 m is not a lateral error
         metrics.add(&moment(1, DriveStage::Turning, 5.7, 0.0, 0.0));
         metrics.add(&moment(1, driving, 6.04, 2.0, settings.speed.speed_at(2.0, 4.0)));
         metrics.add(&moment(1, DriveStage::Arrived, 6.0, 3.9, 0.0));

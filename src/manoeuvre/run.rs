@@ -11,8 +11,8 @@ use crate::verify::drive::EachMoment;
 use crate::verify::{Maps, Values};
 
 impl Manoeuvre {
-    /// Runs it on `plant` and measures. `observer` sees every period; of a compensation that is driven twice it sees the second drive, and
-    /// `uncompensated` the first.
+    /// Runs it on `plant` and computes the metrics. `observer` sees every period. A compensation is driven twice: `uncompensated` sees the
+    /// first drive, `observer` the second.
     pub(crate) fn run(
         &self,
         bench: &ManoeuvreBench<'_>,

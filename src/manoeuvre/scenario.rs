@@ -1,4 +1,4 @@
-//! The manoeuvres: name, what it is, class, and what is driven.
+//! The manoeuvres: name, description, class and task.
 
 use crate::guidance::path::PosePath;
 use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
@@ -12,7 +12,7 @@ use crate::sim;
 use crate::verify::{Class, Maps};
 use serde::Serialize;
 
-/// What a manoeuvre drives.
+/// Task of a manoeuvre.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ManoeuvreKind {
@@ -34,16 +34,16 @@ pub enum ManoeuvreKind {
 pub struct Manoeuvre {
     /// Its name on the command line.
     pub name: String,
-    /// What it is, for people.
+    /// Description.
     pub what: String,
-    /// Class, by which limits are chosen.
+    /// Class; it determines the limits.
     pub class: Class,
-    /// What is driven.
+    /// Task.
     pub kind: ManoeuvreKind,
 }
 
 impl Manoeuvre {
-    /// Every manoeuvre, in the order in which they are shown.
+    /// Every manoeuvre, in display order.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = LawName::ALL
             .into_iter()
@@ -85,18 +85,18 @@ impl Manoeuvre {
     /// The same along other points [m], if it is a polyline.
     ///
     /// # Errors
-    /// Points that are no path, with the nearest that would be.
+    /// Points that are not a path, with the nearest valid choice.
     pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
         if let ManoeuvreKind::Polyline { law, points_m: own } = &mut self.kind {
             let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
-            self.what = format!("{} segments of one's own with turns on the spot, tracked by {}", plan.segments.len(), law.title());
+            self.what = format!("{} given segments with turns on the spot, tracked by {}", plan.segments.len(), law.title());
             *own = points_m.to_vec();
         }
         Ok(self)
     }
 
-    /// Why it cannot be run, if it cannot.
-    pub(crate) fn hindrance(&self, maps: &Maps, plant: &sim::WorldSettings) -> Option<String> {
+    /// The reason why it cannot be run, if there is one.
+    pub(crate) fn reason_against(&self, maps: &Maps, plant: &sim::WorldSettings) -> Option<String> {
         let (map_m, plant_m) = (maps.table2.vehicle.wheelbase_m, plant.vehicle.wheelbase_m);
         if (map_m - plant_m).abs() > 0.01 * plant_m {
             return Some(format!(
@@ -115,7 +115,7 @@ impl Manoeuvre {
     /// The path that it should drive, for a log or a picture.
     ///
     /// # Errors
-    /// Points that are no path.
+    /// Points that are not a path.
     pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
         match &self.kind {
             ManoeuvreKind::Polyline { points_m, .. } => {
@@ -127,7 +127,7 @@ impl Manoeuvre {
         }
     }
 
-    /// Its plan, if it is a task that is planned beforehand.
+    /// Its plan, if it is planned beforehand.
     pub(crate) fn plan(&self, wheelbase_m: f64) -> Result<Option<Planned>> {
         match &self.kind {
             ManoeuvreKind::Planned(task) => task.plan(wheelbase_m).map(Some),
@@ -176,12 +176,12 @@ mod tests {
         let vehicle = VehicleFile::bundled().unwrap().settings();
         let (table1, table2) = known_maps(&vehicle).unwrap();
         let maps = Maps::new(table1, table2).unwrap();
-        let hindered = |vehicle: &sim::WorldSettings| -> Vec<Class> {
-            Manoeuvre::all().iter().filter(|m| m.hindrance(&maps, vehicle).is_some()).map(|m| m.class).collect()
+        let not_tested = |vehicle: &sim::WorldSettings| -> Vec<Class> {
+            Manoeuvre::all().iter().filter(|m| m.reason_against(&maps, vehicle).is_some()).map(|m| m.class).collect()
         };
-        assert_eq!(hindered(&vehicle), [Class::Compensation; 2]);
+        assert_eq!(not_tested(&vehicle), [Class::Compensation; 2]);
         let mut longer = vehicle.clone();
         longer.vehicle.wheelbase_m *= 1.02;
-        assert_eq!(hindered(&longer).len(), Manoeuvre::all().len());
+        assert_eq!(not_tested(&longer).len(), Manoeuvre::all().len());
     }
 }

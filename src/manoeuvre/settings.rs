@@ -1,4 +1,4 @@
-//! Which manoeuvres are driven, and how.
+//! Settings of the manoeuvres.
 
 use crate::manoeuvre::Result;
 use crate::manoeuvre::scenario::Manoeuvre;
@@ -6,7 +6,7 @@ use crate::sim;
 use crate::sim::VehicleFile;
 use crate::verify::{Gate, Spread};
 
-/// Which manoeuvres are driven, and how.
+/// Settings of the manoeuvres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ManoeuvreSettings {
     /// The manoeuvres. Default none: they judge the vehicle's other maps and laws, and take longer than all pivots.

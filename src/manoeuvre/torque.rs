@@ -1,5 +1,5 @@
-//! Torque for a manoeuvre: the maps under test over the wheel angle; with the map of one angle alone, that one where the wheel is at its
-//! angle, and the exact inverse of the physical plant elsewhere.
+//! Torque for a manoeuvre: the maps under test over the wheel angle. With the map of one angle only, that map is used at its angle and
+//! the exact inverse of the physical plant at all others.
 
 use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueFromAccel};
 use crate::guidance::torque_source::TorqueSource;
@@ -10,7 +10,7 @@ use crate::sim::{MotionSettings, Truth};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Maps;
 
-/// What a perfect map of every wheel angle would answer: the plant's own equation, solved for the torque.
+/// A perfect map of every wheel angle: the plant's own equation, solved for the torque.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExactTorque {
     truth: Option<Truth>,
@@ -21,7 +21,7 @@ pub(crate) struct ExactTorque {
 const HALVINGS: u32 = 40;
 
 impl ExactTorque {
-    /// Of a world with a physical plant; an identified one knows no other wheel angle and gives no torque.
+    /// For a world with a physical plant; an identified plant has no other wheel angle and gives no torque.
     ///
     /// # Errors
     /// A plant out of its range.
@@ -54,11 +54,11 @@ impl TorqueSource for ExactTorque {
     }
 }
 
-/// Nearer than this to the map's wheel angle the map answers [rad]: the tolerance within which the wheel is held during a turn.
+/// The map is used within this of its wheel angle [rad]: the tolerance within which the wheel is held during a turn.
 const AT_MAP_RAD: f64 = 3.0 * RAD_PER_DEG;
 
-/// The maps under test: over the measured wheel angles where there are several, else for turns on the spot; the exact inverse at every other
-/// angle.
+/// The maps under test: over the measured wheel angles if there are several, otherwise for pivots only. The exact inverse is used at every
+/// other angle.
 #[derive(Debug, Clone)]
 pub(crate) struct ManoeuvreTorque<'a> {
     tables: Option<Tables<'a>>,
@@ -69,7 +69,7 @@ pub(crate) struct ManoeuvreTorque<'a> {
 }
 
 impl<'a> ManoeuvreTorque<'a> {
-    /// Of a map and a physical world; without a map the exact inverse answers everywhere.
+    /// For a map and a physical world; without a map the exact inverse is used everywhere.
     ///
     /// # Errors
     /// A plant out of its range.
@@ -88,7 +88,7 @@ impl<'a> ManoeuvreTorque<'a> {
         Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, angles, terms, exact: ExactTorque::new(world)? })
     }
 
-    /// By which torque manoeuvres are driven, for people.
+    /// The torque source of the manoeuvres, in words.
     pub(crate) fn what(maps: &Maps) -> String {
         if maps.angles.is_empty() {
             let angle_deg = maps.table2.vehicle.test_angle_deg;
@@ -109,7 +109,7 @@ impl<'a> ManoeuvreTorque<'a> {
         )
     }
 
-    /// What the map of the test angle alone says, where the wheel is at its angle.
+    /// Torque of the test angle's map, if the wheel is at that angle.
     fn at_test_angle(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> Option<f64> {
         let tables = self.tables.as_ref().filter(|_| (wheel_angle_rad - self.angle_rad).abs() <= AT_MAP_RAD)?;
         Some(tables.torque(gear, speed_mps, accel_mps2)?.torque_nm)
@@ -123,7 +123,7 @@ impl TorqueSource for ManoeuvreTorque<'_> {
         let found = if self.angles.is_empty() {
             self.at_test_angle(gear, speed, accel, wheel_angle_rad)
         } else {
-            // beyond the measured angles a map would be asked for what it does not know
+            // a map holds nothing beyond the measured angles
             let maps = AngleTables { tables: &self.angles, terms: &self.terms };
             maps.torque_clamped(gear, speed, accel, wheel_angle_rad).filter(|found| !found.beyond_angles).map(|found| found.torque_nm)
         };

@@ -1,7 +1,7 @@
-//! `manoeuvre_traces.json`: what every manoeuvre drives, its nominal run, and what it was judged by. For people to look at; the verdict does
-//! not depend on it.
+//! `manoeuvre_traces.json`: the path, the nominal run and the judged errors of every manoeuvre. For display only; the verdict does not
+//! depend on it.
 //!
-//! It belongs to a Table 2, not to one `verify.json`: a later verdict on the pivots alone leaves it as it is.
+//! It belongs to a Table 2, not to one `verify.json`: a later verdict on the pivots alone does not change it.
 
 use crate::control::Pose;
 use crate::guidance::Polygon;
@@ -16,7 +16,7 @@ use crate::units::RAD_PER_DEG;
 use crate::verify::{Maps, Result, ScenarioVerdict};
 use serde::{Deserialize, Serialize};
 
-/// What the `format` field says.
+/// Value of the `format` field.
 const FORMAT: &str = "pivot-cal/manoeuvre_traces";
 
 /// `manoeuvre_traces.json`.
@@ -39,19 +39,19 @@ pub struct ManoeuvreTraces {
 /// One manoeuvre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ManoeuvreTrace {
-    /// How it was judged.
+    /// Its verdict.
     pub verdict: ScenarioVerdict,
     /// The path of the rear axle's middle, a piece per direction of travel.
     pub planned: Vec<TracePiece>,
     /// True places of the rear axle's middle in the nominal run [m].
     pub driven_m: Vec<[f64; 2]>,
-    /// Outlines of the vehicle along the planned path [m], the last one at its end; none where there is nothing to touch.
+    /// Outlines of the vehicle along the planned path [m], the last one at its end; none without obstacles.
     pub outlines: Vec<TracePiece>,
     /// Corners of the field [m], if it has one.
     pub field_m: Vec<[f64; 2]>,
     /// Corners of each obstacle [m].
     pub obstacles_m: Vec<Vec<[f64; 2]>>,
-    /// Lateral error over time or way, a line per piece of the run, for manoeuvres that are judged by it.
+    /// Lateral error over time or distance, a line per piece of the run, for manoeuvres that are judged by it.
     pub errors: Vec<ErrorTrace>,
 }
 
@@ -73,14 +73,14 @@ pub struct ErrorTrace {
     pub t_s: Vec<f64>,
     /// Place on the path [m].
     pub way_m: Vec<f64>,
-    /// Lateral error [m], left of the vehicle positive: true in compensation runs, as the controller saw it elsewhere; means of 0.1 s.
+    /// Lateral error [m], left of the vehicle positive: true in compensation runs, the controller's elsewhere; means of 0.1 s.
     pub error_m: Vec<f64>,
     /// Compensation in force [°].
     pub compensation_deg: Vec<f64>,
 }
 
 impl ManoeuvreTraces {
-    /// Of the manoeuvres that were tested.
+    /// The traces of the tested manoeuvres.
     pub(crate) fn new(maps: &Maps, draws: usize, manoeuvres: Vec<ManoeuvreTrace>) -> Self {
         Self {
             format: FORMAT.to_owned(),
@@ -118,18 +118,18 @@ const PERIODS: usize = 5;
 
 /// A nominal run.
 pub(crate) struct NominalRun<'a> {
-    /// The path that was to be driven.
+    /// The path to be driven.
     pub(crate) path: &'a PosePath,
     /// Its plan, if it was planned beforehand.
     pub(crate) planned: Option<&'a Planned>,
-    /// The drive without compensation, where there are two.
+    /// The drive without compensation, if there are two.
     pub(crate) uncompensated: &'a [ManoeuvreMoment],
     /// The drive.
     pub(crate) moments: &'a [ManoeuvreMoment],
 }
 
 impl ManoeuvreTrace {
-    /// From the nominal run of a manoeuvre.
+    /// The trace of a manoeuvre's nominal run.
     pub(crate) fn new(manoeuvre: &Manoeuvre, verdict: ScenarioVerdict, run: &NominalRun<'_>) -> Self {
         let mut found = Self {
             verdict,
@@ -159,7 +159,7 @@ impl ManoeuvreTrace {
     }
 }
 
-/// To a tenth of a millimetre, and of a millidegree.
+/// Rounds to a tenth of a millimetre and of a millidegree.
 fn short(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
@@ -168,7 +168,7 @@ fn corners(polygon: &Polygon) -> Vec<[f64; 2]> {
     polygon.corners().iter().map(|c| [short(c.x_m), short(c.y_m)]).collect()
 }
 
-/// The path by direction of travel, points left out where it is straight.
+/// The path by direction of travel, without needless points on straights.
 fn pieces(path: &PosePath) -> Vec<TracePiece> {
     let poses = &path.poses;
     let mut pieces: Vec<TracePiece> = Vec::new();
@@ -196,7 +196,7 @@ fn driven(moments: &[ManoeuvreMoment]) -> Vec<[f64; 2]> {
     thinned(&kept)
 }
 
-/// Points left out that lie within half a millimetre of the line between those that are kept. Source: Douglas & Peucker (1973).
+/// Removes points that lie within half a millimetre of the line between the kept ones. Source: Douglas & Peucker (1973).
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     const WITHIN_M: f64 = 5e-4;
     if points.len() < 3 {
@@ -222,7 +222,7 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     points.iter().zip(keep).filter_map(|(point, keep)| keep.then_some(*point)).collect()
 }
 
-/// The error as the controller saw it while it drove, a trace per leg.
+/// The controller's error while driving, a trace per leg.
 fn seen_errors(moments: &[ManoeuvreMoment]) -> Vec<ErrorTrace> {
     let driving: Vec<&ManoeuvreMoment> =
         moments.iter().filter(|m| m.command.stage == DriveStage::Driving && m.command.matched.is_some()).collect();
@@ -245,7 +245,7 @@ fn true_errors(path: &PosePath, moments: &[ManoeuvreMoment], compensated: bool) 
     let mut trace = ErrorTrace::new(compensated);
     let Some(leg) = Leg::first(&path.poses) else { return trace };
     let mut index = 0;
-    // time, way, error, compensation
+    // time, distance, error, compensation
     let places: Vec<[f64; 4]> = moments
         .iter()
         .map(|m| {

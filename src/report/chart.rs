@@ -35,11 +35,11 @@ pub(crate) struct Panel {
     pub(crate) lines: Vec<Line>,
     /// Single points with their class and radius.
     pub(crate) dots: Vec<(f64, f64, &'static str, f64)>,
-    /// Straight lines across at this value, with what they mean.
+    /// Horizontal lines at this value, with their meaning.
     pub(crate) levels: Vec<(f64, String)>,
     /// Whether zero is on the axis.
     pub(crate) with_zero: bool,
-    /// Top of the axis; what is above is cut off.
+    /// Top of the axis; values above are cut off.
     pub(crate) most: Option<f64>,
 }
 
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_above_the_top_of_the_axis_is_drawn_at_the_top() {
+    fn a_value_above_the_top_of_the_axis_is_drawn_at_the_top() {
         let points = vec![(0.0, 0.0), (1.0, 50.0), (2.0, 10.0)];
         // 500 px from 0 to 2 s, 100 px from 10 at the top to 0
         let cut = drawn(vec![Panel { lines: vec![line("", points.clone())], with_zero: true, most: Some(10.0), ..Panel::default() }]);

@@ -52,7 +52,7 @@ fn pivot(traces: &ClosedLoop) -> Chart {
     };
     let mut speed = panel("front-wheel speed [m/s]", &|l| &l.speed_mps);
     let target: Points = traces.t_s.iter().zip(&traces.target_speed_mps).filter_map(|(t, v)| Some((*t, (*v)?))).collect();
-    speed.lines.insert(0, Line { name: "asked for", class: "k", points: target });
+    speed.lines.insert(0, Line { name: "desired", class: "k", points: target });
     Chart {
         id: "pivot".to_owned(),
         label: format!("{}: map and conventional law over time", traces.what),
@@ -68,7 +68,7 @@ fn pivot(traces: &ClosedLoop) -> Chart {
     }
 }
 
-/// The map beside other laws, on one scenario.
+/// The map compared with other laws, on one scenario.
 fn laws(comparison: &LawComparison, draws: usize) -> Markup {
     let metrics = [
         Metric::HeadingErrorDeg,
@@ -88,7 +88,7 @@ fn laws(comparison: &LawComparison, draws: usize) -> Markup {
         .collect();
     let ratio = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| num(r, 2));
     html! {
-        h3 { "The map beside other laws: " (comparison.scenario) ", medians over " (draws) " perturbed plants" }
+        h3 { "The map compared with other laws: " (comparison.scenario) ", medians over " (draws) " perturbed plants" }
         (table("", &columns, &rows))
         p {
             "Start jerk, map over conventional law: " (ratio(comparison.start_jerk_ratio)) " (goal: at most 0.33). "
@@ -97,7 +97,7 @@ fn laws(comparison: &LawComparison, draws: usize) -> Markup {
     }
 }
 
-/// Every pivot; the manoeuvres have a section of their own.
+/// Every pivot; the manoeuvres have a separate section.
 fn scenarios(verdict: &MapVerdict) -> Markup {
     let columns = [
         Text("scenario"),
@@ -143,7 +143,7 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
     ]
 }
 
-/// How much of a limit is used up: 1 at the limit.
+/// Used share of a limit: 1 at the limit.
 fn used(check: &LimitCheck) -> f64 {
     match (check.pass, check.value, check.at_most) {
         (false, ..) => f64::INFINITY,
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_limit_is_the_one_of_which_most_is_used_and_a_broken_one_is_nearest() {
+    fn the_nearest_limit_is_the_most_used_one_and_a_broken_one_is_nearest() {
         let close = check(Metric::HeadingErrorDeg, Some(0.9), 1.0, true);
         let far = check(Metric::SettlingTimeS, Some(1.0), 4.0, true);
         let cells = |checks| scenario(&verdict(checks)).into_iter().map(maud::PreEscaped::into_string).collect::<Vec<_>>();

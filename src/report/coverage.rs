@@ -1,4 +1,4 @@
-//! Coverage: how sure each cell is, and where its value comes from.
+//! Coverage: standard error and status of each cell.
 
 use crate::map::{AccelMap, CellStatus};
 use crate::report::ReportFiles;
@@ -15,7 +15,7 @@ use maud::html;
 use std::fmt::Write as _;
 
 const CONFIDENCE: Quantity = Quantity { name: "confidence", unit: "", digits: 2 };
-/// Most characters of a line of cells in the terminal.
+/// Largest number of characters of a line of cells in the terminal.
 const MOST_COLUMNS: usize = 64;
 
 /// Coverage as a section.
@@ -65,7 +65,7 @@ fn confidence(map: &AccelMap) -> Heat<'_> {
     }
 }
 
-/// A row of the table: how many of a gear's cells are measured, interpolated and extrapolated.
+/// A row of the table: numbers of measured, interpolated and extrapolated cells of a gear.
 fn shares(map: &AccelMap) -> Vec<String> {
     let all: Vec<CellStatus> = map.status.iter().flatten().copied().collect();
     let share = |status| {

@@ -1,4 +1,4 @@
-//! Delay likelihood: how sure dead time and lag are, and whether another pair would do.
+//! Delay likelihood: uncertainty of dead time and lag, and other possible pairs.
 
 use crate::map::{Actuator, DeadTimeLikelihood, DelayEstimate, DelayLikelihood};
 use crate::report::ReportFiles;
@@ -19,9 +19,9 @@ const LAG: Quantity = Quantity { name: "lag", unit: "ms", digits: 1 };
 const DEVIANCE: Quantity = Quantity { name: "√(−2 ln ratio)", unit: "σ", digits: 1 };
 /// The joint 95 % region of two parameters: χ² with two degrees of freedom.
 const JOINT_95: f64 = 5.991;
-/// Deviations beyond this many standard deviations look alike [σ].
+/// The colours end at this many standard deviations [σ].
 const MOST_SIGMA: f64 = 12.0;
-/// Logs of which the dead time is drawn.
+/// Number of logs whose dead time is drawn.
 const MOST_LOGS: usize = 8;
 
 /// The delays as a section.
@@ -60,14 +60,14 @@ fn estimates(actuator: &Actuator) -> Markup {
     table("narrow", &[Text("delay"), Number("ms"), Number("± ms"), Text("status")], &rows)
 }
 
-/// What the figures show.
+/// Explanation of the figures.
 fn meaning(likelihood: &DelayLikelihood) -> Markup {
     html! {
-        "How many standard deviations worse other delays explain the recorded speed, the surface being free to give way in its main directions."
+        "By how many standard deviations other delays explain the recorded speed worse, with the surface free in its main directions."
         @if likelihood.lag_s.len() > 1 {
-            " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second answer."
+            " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second solution."
         } @else {
-            " No lag is tried: the feedback holds it."
+            " No lag is varied: the feedback includes it."
         }
     }
 }
@@ -77,7 +77,7 @@ fn sigma(deviance: f64) -> f64 {
     deviance.max(0.0).sqrt()
 }
 
-/// Dead time and lag together, where both were varied.
+/// Dead time and lag together, if both were varied.
 fn joint(figures: &mut Figures, likelihood: &DelayLikelihood, actuator: &Actuator) -> Markup {
     let centre_s = actuator.dead_time.value_s;
     let dead_ms: Vec<f64> = likelihood.dead_time_shift_s.iter().map(|s| rounded(1e3 * (centre_s + s))).collect();
@@ -90,7 +90,7 @@ fn joint(figures: &mut Figures, likelihood: &DelayLikelihood, actuator: &Actuato
     let outline = outline(rows, &dead_ms, &lag_ms);
     figures.heat(&Heat {
         id: "delay".to_owned(),
-        title: "Dead time and lag, all logs shifted alike".to_owned(),
+        title: "Dead time and lag, all logs shifted equally".to_owned(),
         x: (DEAD_TIME, &dead_ms),
         y: (LAG, &lag_ms),
         value: (DEVIANCE, Box::new(move |i, j| Some(sigma(*rows.get(j)?.get(i)?)))),
@@ -136,7 +136,7 @@ fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
-/// The 95 % region around the best pair: per direction from it the place where the deviance passes its bound.
+/// The 95 % region around the best pair: in each direction the place where the deviance exceeds its bound.
 fn outline(deviance: &[Vec<f64>], x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
     let at = |px: f64, py: f64| crate::map::lookup::bilinear(y, x, &deviance.concat(), py, px);
     let mut best = (f64::INFINITY, 0, 0);

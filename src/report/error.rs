@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why there is no report. A file that is absent and not needed is no error: the page says so.
+/// Why there is no report. A missing optional file is not an error: the page notes it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("{}: {source}; Table 1 is made by `pivot-cal fit LOG…`, and --maps names its folder", path.display())]
     NoTable1 { path: PathBuf, source: std::io::Error },

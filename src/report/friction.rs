@@ -1,4 +1,4 @@
-//! Breakaway and friction: the torque that sets the wheel in motion, and the torque that keeps it there.
+//! Breakaway and friction: the torque that sets the wheel in motion, and the torque that keeps its speed.
 
 use crate::map::{AccelMap, Gear};
 use crate::report::ReportFiles;
@@ -29,7 +29,7 @@ pub(crate) fn friction(inputs: &ReportFiles) -> Section {
     let rows: Vec<Vec<String>> = inputs.table1.maps.iter().map(row).collect();
     let body = html! {
         p {
-            "The torque at which the speed neither rises nor falls: friction, over speed. At standstill it meets the breakaway torque, which \
+            "The torque at which the speed is constant: friction, over speed. At standstill it meets the breakaway torque, which \
              lies between the largest torque that left the wheel at rest and the smallest that moved it."
         }
         (figures.chart(&chart(&inputs.table1.maps)))

@@ -1,4 +1,4 @@
-//! Heat maps: one coloured cell per node of a table, drawn to scale; what is known of a cell is hatched or dotted over it.
+//! Heat maps: one coloured cell per node of a table, drawn to scale; hatching or dots over a cell show its status.
 
 use crate::map::CellStatus;
 use crate::report::scale::{Colours, Scale};
@@ -6,7 +6,7 @@ use crate::report::svg::{Svg, num, px};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Most cells along an axis; larger tables are thinned out for drawing.
+/// Largest number of cells along an axis; larger tables are thinned out for drawing.
 const MOST: usize = 64;
 /// Room around the cells [px].
 const LEFT: f64 = 56.0;
@@ -17,7 +17,7 @@ const BELOW: f64 = 62.0;
 /// A quantity along an axis or in the cells.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Quantity {
-    /// Its name for people.
+    /// Its display name.
     pub(crate) name: &'static str,
     /// Its unit.
     pub(crate) unit: &'static str,
@@ -28,18 +28,18 @@ pub(crate) struct Quantity {
 /// A value per cell, by index along x and along y.
 pub(crate) type Field<'a> = Box<dyn Fn(usize, usize) -> Option<f64> + 'a>;
 
-/// What is drawn.
+/// The drawn quantity.
 pub(crate) struct Heat<'a> {
     pub(crate) id: String,
     pub(crate) title: String,
     pub(crate) x: (Quantity, &'a [f64]),
     pub(crate) y: (Quantity, &'a [f64]),
     pub(crate) value: (Quantity, Field<'a>),
-    /// Also told when a cell is pointed at.
+    /// Also shown when the pointer is on a cell.
     pub(crate) beside: Vec<(Quantity, Field<'a>)>,
     pub(crate) status: Option<Box<dyn Fn(usize, usize) -> CellStatus + 'a>>,
     pub(crate) colours: Colours,
-    /// Values of the colours' ends; `None` takes them from the cells.
+    /// Values at the ends of the colour scale; `None` takes them from the cells.
     pub(crate) range: Option<(f64, f64)>,
     /// A line over the cells, x and y in the axes' units, with its name.
     pub(crate) curve: Option<(&'static str, Vec<(f64, f64)>)>,
@@ -123,7 +123,7 @@ impl Heat<'_> {
                     Some(v) => format!("fill=\"{}\"", self.colours.at((v - low) / (high - low))),
                     None => "class=\"no\"".to_owned(),
                 };
-                // a little overlap, so that no seam shows
+                // a little overlap, so that no seam is visible
                 svg.rect(x0, y0, x1 - x0 + 0.3, y1 - y0 + 0.3, &format!("{fill} data-c=\"{a} {b}\""));
                 let Some(status) = self.status.as_ref().map(|s| s(*i, *j)) else { continue };
                 let list = match status {
@@ -206,7 +206,7 @@ impl Heat<'_> {
         for k in 0..pieces {
             let (a, b) = (f64::from(k) / f64::from(pieces), f64::from(k + 1) / f64::from(pieces));
             let (top, end) = (bottom - b * (bottom - TOP), bottom - a * (bottom - TOP));
-            // a little overlap, so that no seam shows
+            // a little overlap, so that no seam is visible
             svg.rect(x, top, 11.0, end - top + 0.4, &format!("fill=\"{}\"", self.colours.at(0.5 * (a + b))));
         }
         let (ticks, digits) = scale.ticks(5.0);
@@ -216,7 +216,7 @@ impl Heat<'_> {
         svg.text(x, TOP - 11.0, "m", self.value.0.unit);
     }
 
-    /// What the marks over the cells mean, of those that occur.
+    /// Legend of the marks that occur over the cells.
     fn draw_marks(&self, svg: &mut Svg, seen: [bool; 4]) {
         if self.status.is_none() || !self.legend {
             return;
@@ -237,7 +237,7 @@ impl Heat<'_> {
         }
     }
 
-    /// What the page tells of a cell that is pointed at, and draws as a surface.
+    /// Data of a cell that the page shows under the pointer and draws as a surface.
     pub(crate) fn data(&self) -> Value {
         let (xs, ys) = self.axes();
         let axis = |q: &Quantity, breaks: &[f64], kept: &[usize]| json!({ "n": q.name, "u": q.unit, "b": kept.iter().map(|k| breaks[*k]).collect::<Vec<f64>>() });

@@ -1,6 +1,6 @@
 //! Pieces of the page that several sections use: tables, and numbers that may be missing.
 //!
-//! Text is escaped where it enters the page, by its type: `html!` takes only [`Markup`] as it stands.
+//! The type escapes text where it enters the page: `html!` takes only [`Markup`] unchanged.
 
 use crate::report::svg::num;
 use maud::{Markup, Render, html};
@@ -28,7 +28,7 @@ impl<'a> TableColumn<'a> {
     }
 }
 
-/// A table that scrolls sideways where it is too wide; `class` is the table's. A cell is a text, or markup.
+/// A table that scrolls sideways if it is too wide; `class` is the table's. A cell is a text, or markup.
 pub(crate) fn table<C: Render>(class: &str, columns: &[TableColumn], rows: &[Vec<C>]) -> Markup {
     html! {
         div.scroll {
@@ -50,7 +50,7 @@ pub(crate) fn table<C: Render>(class: &str, columns: &[TableColumn], rows: &[Vec
     }
 }
 
-/// A number with `digits` decimals, a dash where there is none.
+/// A number with `digits` decimals, a dash if there is none.
 pub(crate) fn num_or_dash(value: Option<f64>, digits: usize) -> String {
     value.map_or("–".to_owned(), |v| num(v, digits))
 }

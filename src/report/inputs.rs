@@ -1,4 +1,4 @@
-//! What a folder of maps holds, and whether its files belong together.
+//! The files in a folder of maps, and whether they belong together.
 
 use crate::manoeuvre::ManoeuvreTraces;
 use crate::map::{FitTraces, FolderError, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File};
@@ -6,7 +6,7 @@ use crate::report::{Error, Result};
 use crate::verify::{ClosedLoop, MapVerdict, Scenario};
 use std::path::{Path, PathBuf};
 
-/// The files that a report is made from. Only `table1.json` is needed.
+/// The input files of a report. Only `table1.json` is needed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportFiles {
     /// `table1.json`.
@@ -25,31 +25,31 @@ pub struct ReportFiles {
     pub plan: Option<PlanFile>,
     /// Name and SHA-256 of every file that was read, and of the tables' CSVs.
     pub files: Vec<(String, String)>,
-    /// What is missing or does not belong together; empty when all is well.
+    /// Missing files and mismatches; empty if there are none.
     pub notes: Vec<String>,
     /// Whether the verdict is about these tables.
     pub verdict_is_current: bool,
-    /// Wheel angles [°] of which the files hold maps, too, and which are not shown: the page is about the test angle.
+    /// Other wheel angles [°] with maps in the files. They are not shown: the page is about the test angle.
     pub other_angles_deg: Vec<f64>,
 }
 
-/// Whether a map may be deployed, as far as the files show.
+/// Whether a map may be deployed, according to the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// The verdict of these very tables is a pass.
+    /// The verdict on these tables is a pass.
     Pass,
-    /// It is a fail.
+    /// The verdict is a fail.
     Fail,
-    /// There is none, it is about other tables, or it leaves out pivots.
+    /// There is no verdict, it is about other tables, or it lacks pivots.
     NotJudged,
 }
 
 impl ReportFiles {
-    /// Reads the folder. What is absent, or belongs to other tables, is left out and noted.
+    /// Reads the folder. A file that is missing or belongs to other tables is skipped and noted.
     ///
     /// # Errors
-    /// No `table1.json`, or a file that is there and cannot be read.
+    /// No `table1.json`, or an existing file that cannot be read.
     pub fn read(folder: &Path) -> Result<Self> {
         let (maps, mismatches) = MapFolder::read(folder).map_err(|error| unread(folder, error))?;
         let mut beside = Beside { maps: &maps, files: Vec::new() };
@@ -118,7 +118,7 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// Reads a file, `None` where there is none.
+    /// Reads a file; `None` if it does not exist.
     fn read<T, E>(
         &mut self,
         name: &str,
@@ -150,7 +150,7 @@ fn unread(folder: &Path, error: FolderError) -> Error {
     }
 }
 
-/// What a reader should know of a mismatch. That there is no Table 2 yet is said with the verdict.
+/// Note on a mismatch. The note on a missing Table 2 is given with the verdict.
 fn mismatch_note(mismatch: &Mismatch, maps: &MapFolder) -> Option<String> {
     match mismatch {
         Mismatch::Hash { file, expected, .. } if *file == maps.table1_json.name => {
@@ -164,7 +164,7 @@ fn mismatch_note(mismatch: &Mismatch, maps: &MapFolder) -> Option<String> {
     }
 }
 
-/// What the verdict lacks.
+/// Note on an incomplete verdict.
 fn verdict_note(has_table2: bool, verdict: Option<&MapVerdict>, of_table2: impl Fn(&[String]) -> bool) -> Option<String> {
     if !has_table2 {
         return Some("there is no table2.json: run `pivot-cal invert`".to_owned());
@@ -177,7 +177,7 @@ fn verdict_note(has_table2: bool, verdict: Option<&MapVerdict>, of_table2: impl 
     (missing > 0).then(|| format!("verify.json leaves out {missing} of the pivots: run `pivot-cal verify` without --scenario"))
 }
 
-/// Keeps the maps at the test angle, where there are any, and returns the other wheel angles [°].
+/// Keeps the maps at the test angle, if there are any, and returns the other wheel angles [°].
 fn keep_test_angle(table1: &mut Table1File, table2: Option<&mut Table2File>) -> Vec<f64> {
     let test_angle = table1.vehicle.test_angle();
     if !table1.maps.iter().any(|m| m.angle().is_same(test_angle)) {
@@ -193,7 +193,7 @@ fn keep_test_angle(table1: &mut Table1File, table2: Option<&mut Table2File>) -> 
     others
 }
 
-/// How many of the pivots a verdict says nothing of: one of chosen scenarios alone judges no map.
+/// Number of pivots that a verdict lacks: a verdict on chosen scenarios alone does not judge a map.
 fn pivots_left_out(verdict: &MapVerdict) -> usize {
     Scenario::all().iter().filter(|pivot| verdict.scenarios.iter().all(|judged| judged.name != pivot.name)).count()
 }

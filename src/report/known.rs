@@ -1,4 +1,4 @@
-//! Maps of a vehicle whose plant is known, for the tests of this room.
+//! Maps of a vehicle whose plant is known, for the tests of this module.
 
 use crate::map::{Gear, Table1File, Table2File, Vehicle};
 use crate::sim::{PhysicalSettings, WorldSettings};

@@ -1,4 +1,4 @@
-//! Manoeuvres: each as a picture with its figures; of the lateral compensation the error before and after.
+//! Manoeuvres: each as a picture with its values; for the lateral compensation, the error before and after.
 
 use crate::manoeuvre::{ErrorTrace, ManoeuvreTrace, ManoeuvreTraces};
 use crate::report::ReportFiles;
@@ -68,7 +68,7 @@ fn polyline_errors(all: &[&ManoeuvreTrace]) -> Chart {
     }
 }
 
-/// The tracking law, as the manoeuvre's description ends with it.
+/// The tracking law, from the end of the manoeuvre's description.
 fn law(trace: &ManoeuvreTrace) -> &str {
     trace.verdict.what.rsplit(" tracked by ").next().unwrap_or(&trace.verdict.name)
 }
@@ -86,8 +86,8 @@ fn compensation(figures: &mut Figures, all: &[&ManoeuvreTrace]) -> Markup {
     html! {
         h3 { "Lateral error, before and after compensation" }
         p {
-            "Navigation and steering are mounted a little off. The same drive on the same noise, without compensation and with the table of \
-             lateral_table.json; the error is the true one, means of 0.2 s."
+            "Navigation and steering have small mounting errors. The same drive on the same noise, without compensation and with the table \
+             of lateral_table.json; the error is the true one, means of 0.2 s."
         }
         (figures.chart(&compensation_errors(all)))
         (results(all, &metrics))
@@ -119,15 +119,15 @@ fn compensation_errors(all: &[&ManoeuvreTrace]) -> Chart {
     }
     Chart {
         id: "manoeuvre-lateral".to_owned(),
-        label: "Lateral error before and after compensation, and the compensation, over the way".to_owned(),
-        x_title: "way [m]",
+        label: "Lateral error before and after compensation, and the compensation, over the distance".to_owned(),
+        x_title: "distance [m]",
         width: 1010.0,
         panel: 100.0,
         panels,
     }
 }
 
-/// Manoeuvres among obstacles, two pictures side by side; `border` is what else must be kept.
+/// Manoeuvres among obstacles, two pictures side by side; `border` describes further limits.
 fn from_above(figures: &mut Figures, title: &str, border: &str, all: &[&ManoeuvreTrace]) -> Markup {
     if all.is_empty() {
         return html! {};
@@ -147,7 +147,7 @@ fn from_above(figures: &mut Figures, title: &str, border: &str, all: &[&Manoeuvr
     }
 }
 
-/// Nominal figures, and the largest over the draws in brackets. Of a clearance the smallest counts, which the table of limits shows.
+/// Nominal values, and the largest over the draws in brackets; the table of limits shows the smallest clearance.
 fn results(all: &[&ManoeuvreTrace], metrics: &[Metric]) -> Markup {
     let unit = |m: Metric| match m.unit() {
         "m" => " mm".to_owned(),
@@ -192,7 +192,7 @@ fn passed(pass: bool) -> Markup {
     html! { @if pass { "pass" } @else { strong { "FAIL" } } }
 }
 
-/// Every limit with what was reached; those that are broken stand out.
+/// Every limit with the reached value; broken limits are highlighted.
 fn kept(checks: &[LimitCheck]) -> Markup {
     html! {
         @for (k, check) in checks.iter().enumerate() {
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_limit_stands_out_among_the_kept_ones() {
+    fn a_broken_limit_is_highlighted() {
         let check = |pass, value| LimitCheck {
             metric: Metric::FinalPositionM,
             statistic: Statistic::Max,

@@ -1,4 +1,4 @@
-//! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
+//! Runs to drive next: the planned runs, and the torques and cells with the largest standard errors.
 
 use crate::map::{AccelMap, CellStatus, PlanEntry, Proposal};
 use crate::report::ReportFiles;
@@ -10,9 +10,9 @@ use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
 use maud::{Markup, html};
 
-/// Rows shown of each list.
+/// Number of rows shown of each list.
 const SHOWN: usize = 8;
-/// Planned runs that are shown.
+/// Number of planned runs that are shown.
 const PLANNED: usize = 12;
 
 /// One torque level of a gear.
@@ -27,7 +27,7 @@ struct Level {
     how: String,
 }
 
-/// What to drive next as a section.
+/// The next runs as a section.
 pub(crate) fn next(inputs: &ReportFiles) -> Section {
     let body = html! {
         @if let Some(file) = &inputs.plan {
@@ -35,13 +35,13 @@ pub(crate) fn next(inputs: &ReportFiles) -> Section {
         } @else {
             p.absent { "No runs are planned yet: run pivot-cal plan, and then report again." }
         }
-        h3 { "Where doubt is" }
+        h3 { "Torques with the most doubt" }
         p {
-            "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the speeds that are missing. A \
+            "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the missing speeds. A \
              level far from the torques of a pivot matters less than one within them."
         }
         (doubtful_levels(&inputs.table1.maps))
-        h3 { "The least sure cells within what was measured" }
+        h3 { "The most uncertain cells within the measured region" }
         (doubtful_cells(&inputs.table1.maps))
     };
     Section { id: "next", title: "What to drive next", body, figures: Figures::default() }
@@ -77,9 +77,9 @@ fn planned(plan: &Proposal) -> Markup {
     let rows: Vec<Vec<String>> = plan.entries.iter().take(PLANNED).enumerate().map(row).collect();
     html! {
         p {
-            (plan.runs) " runs in " ((plan.seconds / 60.0).floor()) " min " (num(plan.seconds % 60.0, 0)) " s, the most useful first, are \
-             expected to take the standard error of the torque from " (num(plan.std_err_nm, 3)) " to " (num(plan.std_err_after_nm, 3)) " N·m \
-             (root mean square over the cells, by the plan's own model). Gain: what the first run of a row takes off it."
+            (plan.runs) " runs in " ((plan.seconds / 60.0).floor()) " min " (num(plan.seconds % 60.0, 0)) " s, the most useful first, \
+             are expected to reduce the standard error of the torque from " (num(plan.std_err_nm, 3)) " to " (num(plan.std_err_after_nm, 3)) " N·m \
+             (root mean square over the cells, by the plan's own model). Gain: the reduction by the first run of a row."
         }
         (table("", &columns, &rows))
         @if plan.entries.len() > PLANNED {
@@ -88,7 +88,7 @@ fn planned(plan: &Proposal) -> Markup {
     }
 }
 
-/// The torques whose cells are least known together.
+/// The torques whose cells have the most doubt in total.
 fn doubtful_levels(maps: &[AccelMap]) -> Markup {
     let columns =
         [Text("gear"), Number("torque N·m"), Number("cells measured"), Number("mean standard error m/s²"), Number("doubt"), Text("how")];
@@ -145,7 +145,7 @@ fn levels(map: &AccelMap) -> Vec<Level> {
                 }
             }
             (Some(first), Some(last)) => format!("spin up to {} m/s, then hold it down to {} m/s", num(*last, 2), num(*first, 2)),
-            _ => "repeat it: every cell is measured, but not surely".to_owned(),
+            _ => "repeat it: every cell is measured, but uncertain".to_owned(),
         };
         Level {
             gear: map.gear.to_string(),
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use crate::report::known::known;
 
-    /// Everything is measured, but nothing of one level above the breakaway torque and of one below it.
+    /// Everything is measured except one level above the breakaway torque and one below it.
     fn map_with_gaps() -> (AccelMap, usize, usize) {
         let mut map = known().0.maps.remove(0);
         let (low, high) = (0, map.torque_nm.len() - 1);
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_sure_cell_comes_first_and_an_extrapolated_one_never() {
+    fn the_most_uncertain_cell_comes_first_and_an_extrapolated_one_never() {
         let (mut map, low, high) = map_with_gaps();
         map.std_err_mps2[high][1] = 8.125;
         map.std_err_mps2[low][2] = 9.125;

@@ -1,4 +1,4 @@
-//! A manoeuvre seen from above: obstacles, outlines of the vehicle along the way, the path by direction of travel, the driven path over it.
+//! A manoeuvre from above: obstacles, outlines of the vehicle along the path, the path by direction of travel, and the driven path.
 
 use crate::manoeuvre::{ManoeuvreTrace, TracePiece};
 use crate::map::Gear;
@@ -12,17 +12,17 @@ const TOP: f64 = 26.0;
 const BELOW: f64 = 62.0;
 /// Tallest drawing [px]; above that it is made narrower.
 const TALLEST: f64 = 470.0;
-/// Shown around what is driven [m].
+/// Margin around the driven area [m].
 const AROUND_M: f64 = 0.4;
 
 type Point = [f64; 2];
 
-/// The picture, at most `width` pixels wide. `title` stands above it.
+/// The picture, at most `width` pixels wide, with `title` above it.
 pub(crate) fn overhead(trace: &ManoeuvreTrace, id: &str, title: &str, width: f64) -> Svg {
     let view = view(trace);
     let [left, right, low, high] = view;
     let scale = ((width - LEFT - RIGHT) / (right - left)).min(TALLEST / (high - low));
-    // the names of the lines need their room
+    // the names of the lines need room
     let width = (LEFT + RIGHT + scale * (right - left)).max(350.0);
     let right = left + (width - LEFT - RIGHT) / scale;
     let view = [left, right, low, high];
@@ -72,7 +72,7 @@ pub(crate) fn overhead(trace: &ManoeuvreTrace, id: &str, title: &str, width: f64
     svg
 }
 
-/// What the lines are, below the picture.
+/// Legend of the lines, below the picture.
 fn key(svg: &mut Svg, planned: &[TracePiece], y: f64) {
     let gears: Vec<Gear> = Gear::ALL.into_iter().filter(|g| planned.iter().any(|p| p.gear == *g)).collect();
     let lines = gears.iter().map(|g| (format!("l wide {}", colours(*g).1), format!("planned, {g}")));
@@ -92,7 +92,7 @@ fn colours(gear: Gear) -> (&'static str, &'static str) {
     }
 }
 
-/// What is shown [m]: left, right, low, high.
+/// The view [m]: left, right, low, high.
 fn view(trace: &ManoeuvreTrace) -> [f64; 4] {
     let points = trace.planned.iter().chain(&trace.outlines).flat_map(|p| &p.points_m).chain(&trace.driven_m).chain(&trace.field_m);
     let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];

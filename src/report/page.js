@@ -23,7 +23,7 @@
     tip.style.top = (y + box.height > innerHeight ? event.clientY - box.height - 12 : y) + "px";
   };
   const hide = () => { tip.hidden = true; };
-  const told = (heat, a, b) => {
+  const describe = (heat, a, b) => {
     const decimals = breaks => Math.min(4, Math.max(...breaks.map(v => (String(Math.round(v * 1e4) / 1e4).split(".")[1] || "").length)));
     const lines = [heat.x, heat.y].map((axis, k) => `${axis.n} ${num(axis.b[k ? b : a], decimals(axis.b))} ${axis.u}`);
     heat.v.forEach((field, k) => {
@@ -39,7 +39,7 @@
       const cell = event.target.dataset.c;
       if (!cell || !heat) return hide();
       const [a, b] = cell.split(" ").map(Number);
-      show(told(heat, a, b), event);
+      show(describe(heat, a, b), event);
     });
     group.addEventListener("pointerleave", hide);
   }
@@ -113,7 +113,7 @@
         make("text", { x: Math.min(Math.max(x, room), 440 - room).toFixed(1), y: Math.min(Math.max(y + 4, 12), 374).toFixed(1), class: "c m" }, svg, text);
       };
       title([side[0] * 1.04, side[1] * 1.04, up(high) + 0.3], `${heat.v[0].n} [${heat.v[0].u}]`);
-      // below the labels of their axis, the second a line lower where it would run into the first
+      // below the labels of their axis, the second a line lower if it would overlap the first
       const names = [[[-1, -back[1] * 1.1, base], [1, -back[1] * 1.1, base], `${heat.x.n} [${heat.x.u}]`],
         [[-back[0] * 1.1, -1, base], [-back[0] * 1.1, 1, base], `${heat.y.n} [${heat.y.u}]`]];
       let taken = null;
@@ -258,7 +258,7 @@
         const missing = v => typeof v === "number" && isNaN(v);
         rows.sort((p, q) => {
           const [a, b] = [key(p), key(q)];
-          // what is not told comes last either way
+          // missing values come last in both orders
           if (missing(a) || missing(b)) return missing(a) - missing(b);
           const order = typeof a === "string" ? a.localeCompare(b) : a - b;
           return falling ? -order : order;

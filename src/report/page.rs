@@ -1,4 +1,4 @@
-//! The page put together, and the figures as files.
+//! Assembles the page, and the figures as files.
 
 use crate::report::scale::Colours;
 use crate::report::section::Section;
@@ -14,7 +14,7 @@ const SCRIPT: &str = include_str!("page.js");
 /// A report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Report {
-    /// The page: HTML, one file, nothing is fetched.
+    /// The page: HTML, one file that loads nothing.
     pub html: String,
     /// Name without extension and text of every figure as an SVG file of its own.
     pub pictures: Vec<(String, String)>,
@@ -23,7 +23,7 @@ pub struct Report {
 /// Makes the report.
 ///
 /// # Errors
-/// A table that is not sound; what was read by [`ReportFiles::read`] is.
+/// A table that is not sound; tables read by [`ReportFiles::read`] are sound.
 pub fn report(inputs: &ReportFiles) -> Result<Report> {
     let sections = [
         tables::table1(inputs),
@@ -76,7 +76,7 @@ fn page(inputs: &ReportFiles, sections: &[Section]) -> Result<Markup> {
     })
 }
 
-/// The log by its name, or how many there are.
+/// The log by its name, or the number of logs.
 fn logs(inputs: &ReportFiles) -> String {
     match &inputs.table1.logs[..] {
         [one] => one.file.clone(),
@@ -115,16 +115,16 @@ fn short_title(section: &Section) -> &'static str {
     }
 }
 
-/// What the script reads, as the text of its element.
+/// The script's data, as the text of its element.
 fn data(inputs: &ReportFiles, sections: &[Section]) -> Result<Markup> {
     let heats: serde_json::Map<String, serde_json::Value> = sections.iter().flat_map(|s| s.figures.heats.iter().cloned()).collect();
     let data = json!({ "heats": heats, "traces": runs::data(inputs), "viridis": Colours::Viridis.all() });
     Ok(script_text(&serde_json::to_string(&data)?))
 }
 
-/// JSON as the text of a script element, where HTML knows no escapes: "</script" would end it, and "<!--" with "<script" would hide its end.
+/// JSON as the text of a script element, where HTML has no escapes: "</script" would end it, and "<!--" with "<script" would hide its end.
 fn script_text(json: &str) -> Markup {
-    // in JSON that is only found within strings
+    // in JSON that occurs only within strings
     PreEscaped(json.replace('<', "\\u003c"))
 }
 
@@ -135,7 +135,7 @@ mod tests {
     use crate::report::section::Figures;
 
     #[test]
-    fn no_text_of_the_data_ends_the_script_and_all_of_it_comes_back() {
+    fn no_text_of_the_data_ends_the_script_and_all_of_it_is_recovered() {
         let data = json!({ "log": "<!--<script></script>& \\" });
         let text = script_text(&data.to_string()).into_string();
         assert!(!text.contains('<'), "{text}");

@@ -1,4 +1,4 @@
-//! Provenance: logs, files, settings and versions behind the page.
+//! Provenance: logs, files, settings and versions of the page.
 
 use crate::report::ReportFiles;
 use crate::report::html::{
@@ -56,15 +56,15 @@ fn vehicle_and_signals(inputs: &ReportFiles) -> Vec<Vec<String>> {
         vec!["wheel angle".to_owned(), format!("{}°, left positive{others}", num(vehicle.test_angle_deg, 1))],
         vec!["torque limit".to_owned(), vehicle.torque_limit_nm.map_or("unknown".to_owned(), |l| format!("{} N·m", num(l, 1)))],
     ];
-    for witness in &file.witnesses {
-        let error = witness.scale_std_err.map_or(String::new(), |e| format!(" ± {}", num(e, 4)));
+    for source in &file.witnesses {
+        let error = source.scale_std_err.map_or(String::new(), |e| format!(" ± {}", num(e, 4)));
         rows.push(vec![
-            format!("speed by {}", witness.name),
+            format!("speed by {}", source.name),
             format!(
                 "scale {}{error}, {} ms late, noise {} m/s",
-                num(witness.scale, 4),
-                num(1e3 * witness.delay_s, 1),
-                num(witness.noise_mps, 4)
+                num(source.scale, 4),
+                num(1e3 * source.delay_s, 1),
+                num(source.noise_mps, 4)
             ),
         ]);
     }
@@ -84,7 +84,7 @@ fn vehicle_and_signals(inputs: &ReportFiles) -> Vec<Vec<String>> {
     rows
 }
 
-/// Settings of every step, and what the fit found on its way.
+/// Settings of every step, and diagnostics of the fit.
 fn settings(inputs: &ReportFiles) -> Map<String, Value> {
     let mut settings = Map::new();
     settings.insert("fit".to_owned(), inputs.table1.settings.clone());

@@ -1,4 +1,4 @@
-//! Residuals: where and when the table does not explain the recorded acceleration.
+//! Residuals: the part of the recorded acceleration that the table does not explain, per cell and over time.
 
 use crate::map::{AccelMap, ResidualCells, ResidualTimes};
 use crate::report::ReportFiles;
@@ -12,7 +12,7 @@ use maud::html;
 const MEAN: Quantity = Quantity { name: "mean residual", unit: "m/s²", digits: 3 };
 const RMS: Quantity = Quantity { name: "root mean square", unit: "m/s²", digits: 3 };
 const WINDOWS: Quantity = Quantity { name: "windows", unit: "", digits: 0 };
-/// Logs drawn over time.
+/// Number of logs drawn over time.
 const MOST_LOGS: usize = 8;
 
 /// The residuals as a section.
@@ -24,8 +24,8 @@ pub(crate) fn residuals(inputs: &ReportFiles) -> Section {
     let body = html! {
         @if let Some(traces) = &inputs.fit_traces {
             p {
-                "Recorded minus modelled acceleration over windows of 0.1 s. A patch of one colour is a shape that the surface misses; a drift \
-                 over time is a battery, a floor or a temperature."
+                "Recorded minus modelled acceleration over windows of 0.1 s. A patch of one colour is a shape that the surface does \
+                 not have; a drift over time is an effect of battery, floor or temperature."
             }
             div.row {
                 @for cells in &traces.residual_cells {
@@ -43,7 +43,7 @@ pub(crate) fn residuals(inputs: &ReportFiles) -> Section {
     Section { id: "residuals", title: "Residuals", body, figures }
 }
 
-/// The mean residual per cell; `most` has the full colour [m/s²].
+/// The mean residual per cell; full colour at `most` [m/s²].
 fn over_cells<'a>(map: &'a AccelMap, cells: &'a ResidualCells, most: f64) -> Heat<'a> {
     let mean = move |i: usize, j: usize| cells.mean_mps2.get(j).and_then(|r| r.get(i)).copied().flatten();
     Heat {

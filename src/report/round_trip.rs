@@ -1,4 +1,4 @@
-//! Round trip: what acceleration comes out when Table 2's torque is put into Table 1.
+//! Round trip: the acceleration of Table 1 at the torque of Table 2.
 
 use crate::map::{AccelMap, CellStatus, TorqueMap};
 use crate::report::ReportFiles;
@@ -35,9 +35,9 @@ pub(crate) fn round_trip(inputs: &ReportFiles) -> super::Result<Section> {
     let body = html! {
         @if let Some(table2) = &inputs.table2 {
             p {
-                "The acceleration that Table 1 gives for Table 2's torque, minus the one that was asked for, in the middle between the nodes, \
-                 where bilinear interpolation errs most. Meshes with a node beyond what was measured are hatched, those with a node that \
-                 cannot be reached are left empty."
+                "The acceleration that Table 1 gives for Table 2's torque, minus the desired one, in the middle between the nodes, \
+                 where the error of bilinear interpolation is largest. Meshes with a node outside the measured region are hatched, those \
+                 with a node that cannot be reached are left empty."
             }
             div.row {
                 @for map in &table2.maps {
@@ -46,7 +46,7 @@ pub(crate) fn round_trip(inputs: &ReportFiles) -> super::Result<Section> {
             }
             (largest(&table2.maps))
             @if let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) {
-                h3 { "As the gate judges it, on the CSV itself" }
+                h3 { "Judged by the gate, on the CSV itself" }
                 (judged(verdict))
                 p.why { (verdict.round_trip_limit.reason) }
             }
@@ -77,7 +77,7 @@ fn error(figures: &mut Figures, map: &TorqueMap, map1: &AccelMap) -> super::Resu
         beside: Vec::new(),
         status: Some(Box::new(move |i, j| match of_mesh(map, i, j) {
             CellStatus::Extrapolated => CellStatus::Extrapolated,
-            // left empty, or as good as measured: no mark
+            // left empty, or nearly measured: no mark
             _ => CellStatus::Measured,
         })),
         colours: Colours::Diverging,
@@ -89,7 +89,7 @@ fn error(figures: &mut Figures, map: &TorqueMap, map1: &AccelMap) -> super::Resu
     }))
 }
 
-/// The errors that `invert` found.
+/// The errors reported by `invert`.
 fn largest(maps: &[TorqueMap]) -> Markup {
     let columns = [
         Text("gear"),
@@ -114,7 +114,7 @@ fn largest(maps: &[TorqueMap]) -> Markup {
     table("", &columns, &maps.iter().map(row).collect::<Vec<_>>())
 }
 
-/// The errors that `verify` found, beside their limit.
+/// The errors reported by `verify`, with their limit.
 fn judged(verdict: &MapVerdict) -> Markup {
     let columns = [Text("gear"), Number("places"), Number("over their limit"), Number("worst, of its limit m/s²"), Text("verdict")];
     let rows: Vec<Vec<String>> = verdict

@@ -1,4 +1,4 @@
-//! Every run as a row; its traces appear when it is clicked.
+//! Every run as a row; a click shows its traces.
 
 use crate::map::{LedgerRow, RunRow, RunTrace};
 use crate::report::ReportFiles;
@@ -11,15 +11,15 @@ use crate::report::svg::num;
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
-/// Most rows: beyond that those with the largest residual are shown.
+/// Largest number of rows; of more, those with the largest residual are shown.
 const MOST_ROWS: usize = 1000;
 
 /// Columns that only some maps need.
 #[derive(Debug, Clone, Copy)]
 struct Extra {
-    /// The log of a run, where there are several.
+    /// The log of a run, if there are several.
     log: bool,
-    /// Its wheel angle, where there are several.
+    /// Its wheel angle, if there are several.
     angle: bool,
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn runs(inputs: &ReportFiles) -> Section {
             p { "Of " (rows.len()) " runs the " (MOST_ROWS) " with the largest residual are listed." }
         }
         (list(inputs, &shown))
-        h3 { "What became of the samples" }
+        h3 { "Verdicts on the samples" }
         (ledger(&inputs.table1.report.ledger))
     };
     Section { id: "runs", title: "Runs", body, figures: Figures::default() }
@@ -99,7 +99,7 @@ fn headings(extra: Extra) -> Markup {
     }
 }
 
-/// A run. The script opens the traces below one that has them.
+/// A run. The script shows its traces below it, if it has any.
 fn row(k: usize, run: &RunRow, extra: Extra, traced: bool) -> Markup {
     let class = match (traced, run.used_s > 0.0) {
         (true, true) => "click",
@@ -137,7 +137,7 @@ fn ledger(ledger: &[LedgerRow]) -> Markup {
     table("narrow", &[Text("verdict"), Number("samples"), Number("seconds")], &rows)
 }
 
-/// The traces as the page's script reads them.
+/// The traces for the page's script.
 pub(crate) fn data(inputs: &ReportFiles) -> Value {
     let Some(traces) = &inputs.fit_traces else { return Value::Null };
     let rows = &inputs.table1.report.runs;

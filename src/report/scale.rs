@@ -16,7 +16,7 @@ impl Scale {
         Self { low, high, from_px, to_px }
     }
 
-    /// An axis over `values` that ends on round numbers and holds zero when `with_zero`.
+    /// An axis over `values` that ends on round numbers and contains zero if `with_zero`.
     pub(crate) fn over(values: impl Iterator<Item = f64>, with_zero: bool, from_px: f64, to_px: f64) -> Self {
         let start = if with_zero { (0.0, 0.0) } else { (f64::INFINITY, f64::NEG_INFINITY) };
         let (low, high) = values.filter(|v| v.is_finite()).fold(start, |(a, b), v| (a.min(v), b.max(v)));
@@ -49,7 +49,7 @@ fn round_step(span: f64, pieces: f64) -> f64 {
 /// Colours over 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Colours {
-    /// Dark to light, the same order for every kind of sight. Source: viridis of Smith & van der Walt 2015, eleven stops.
+    /// Dark to light, in the same order with colour blindness. Source: viridis of Smith & van der Walt 2015, eleven stops.
     Viridis,
     /// Blue over white to red. Source: `RdBu` of Brewer 2002, reversed, nine stops.
     Diverging,
@@ -58,7 +58,7 @@ pub(crate) enum Colours {
 }
 
 impl Colours {
-    #[allow(clippy::unreadable_literal)] // colours as everybody writes them
+    #[allow(clippy::unreadable_literal)] // colours in the usual notation
     fn stops(self) -> &'static [u32] {
         match self {
             Self::Viridis => {
@@ -69,7 +69,7 @@ impl Colours {
         }
     }
 
-    /// The colour at a place from 0 to 1; beyond that the end's.
+    /// The colour at a place from 0 to 1; beyond that, the colour of the end.
     pub(crate) fn at(self, place: f64) -> String {
         let stops = self.stops();
         let place = if place.is_finite() { place.clamp(0.0, 1.0) } else { 0.5 } * (stops.len() - 1) as f64;
@@ -82,7 +82,7 @@ impl Colours {
         format!("#{:02x}{:02x}{:02x}", mixed[0], mixed[1], mixed[2])
     }
 
-    /// The stops, for a page that draws with them too.
+    /// The stops, for the page's script.
     pub(crate) fn all(self) -> Vec<String> {
         self.stops().iter().map(|c| format!("#{c:06x}")).collect()
     }

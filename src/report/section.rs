@@ -1,4 +1,4 @@
-//! A section of the page: its text with its figures, and what the script needs to know of them.
+//! A section of the page: its text and figures, and the figures' data for the script.
 
 use crate::report::chart::Chart;
 use crate::report::heat::Heat;
@@ -10,7 +10,7 @@ use serde_json::Value;
 pub(crate) struct Section {
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    /// What follows the title.
+    /// The content below the title.
     pub(crate) body: Markup,
     pub(crate) figures: Figures,
 }
@@ -25,13 +25,13 @@ pub(crate) struct Figures {
 }
 
 impl Figures {
-    /// A heat map whose cells answer the pointer.
+    /// A heat map whose cells react to the pointer.
     pub(crate) fn heat(&mut self, heat: &Heat) -> Markup {
         self.heats.push((heat.id.clone(), heat.data()));
         self.svg(heat.draw())
     }
 
-    /// A heat map, and beside it the surface over its cells, which the script draws and turns; `label` is what a screen reader says of it.
+    /// A heat map, and beside it the surface over its cells, which the script draws and turns; `label` is its text for screen readers.
     pub(crate) fn heat_and_surface(&mut self, heat: &Heat, label: &str) -> Markup {
         html! {
             (self.heat(heat))

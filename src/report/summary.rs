@@ -1,4 +1,4 @@
-//! The head of the page: the verdict, the three figures behind it, and what a reader should know.
+//! The head of the page: the verdict, its three main figures, and warnings.
 
 use crate::map::{AccelMap, DelayEstimate, SampleVerdict};
 use crate::report::svg::num;
@@ -6,7 +6,7 @@ use crate::report::{Judgement, ReportFiles};
 use crate::verify::{Class, MapVerdict, Metric, Statistic, Status, Worst};
 use maud::{Markup, html};
 
-/// A figure behind the verdict: what it is, the figure, what it means, and whether it is within its limit (`None`: it has none here).
+/// A figure of the verdict: name, value, meaning, and whether it is within its limit (`None`: it has none here).
 struct Figure {
     title: &'static str,
     value: Markup,
@@ -74,7 +74,7 @@ fn unseen_runs(inputs: &ReportFiles) -> Figure {
     let (rmse, r_squared) = (held_out["rmse"].as_f64(), held_out["r_squared"].as_f64());
     let runs = inputs.table1.report.runs.iter().filter(|r| r.used_s > 0.0).count();
     Figure {
-        title: "Table 1 on runs it has not seen",
+        title: "Table 1 on runs that it was not fitted to",
         value: rmse.map_or_else(|| html! { "none" }, |v| value(&num(v, 3), "m/s")),
         detail: r_squared.map_or("too few runs to hold any out".to_owned(), |r| {
             format!("error of the simulated speed, each of {runs} runs left out of its own fit; R² {}", num(r, 4))
@@ -104,7 +104,7 @@ fn round_trip(inputs: &ReportFiles) -> Figure {
     }
 }
 
-/// To three decimals, and no zero where there is something.
+/// To three decimals; a small value is not shown as zero.
 fn small(value: f64) -> String {
     if value > 0.0 && value < 5e-4 { "< 0.001".to_owned() } else { num(value, 3) }
 }
@@ -154,7 +154,7 @@ fn warnings(inputs: &ReportFiles) -> Markup {
     html! {
         @if !all.is_empty() {
             div.notes {
-                h3 { "To know before deploying" }
+                h3 { "Notes before deployment" }
                 ul {
                     @for note in all { li { (note) } }
                 }
@@ -195,7 +195,7 @@ fn breakaway(map: &AccelMap) -> String {
     format!("{} {}{error} N·m", map.gear, num(map.breakaway.torque_nm, 2))
 }
 
-/// How much of the surface runs left out asked for, beside the physics form.
+/// Share of the free surface, beside the physics form, that left-out runs supported.
 fn surface(choice: &serde_json::Value) -> String {
     if choice.is_null() {
         return "physics form and all of a free surface: too few runs to leave any out".to_owned();
@@ -207,7 +207,7 @@ fn surface(choice: &serde_json::Value) -> String {
         "physics form alone".to_owned()
     };
     let word = if z < 0.0 { "worse" } else { "better" };
-    format!("{taken}; the whole surface tells runs left out {word} by {} standard errors", num(z.abs(), 1))
+    format!("{taken}; the whole surface predicts runs left out {word} by {} standard errors", num(z.abs(), 1))
 }
 
 #[cfg(test)]
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn how_much_of_the_surface_was_taken_depends_on_what_runs_left_out_asked_for() {
+    fn the_share_of_the_surface_depends_on_the_left_out_runs() {
         let words = |share: f64, z: f64| surface(&json!({ "surface_share": share, "in_std_errs": z }));
         assert!(
             words(0.0, -2.0).starts_with("physics form alone; ") && words(0.0, -2.0).contains(" worse by 2.0 "),

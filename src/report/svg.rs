@@ -1,13 +1,13 @@
-//! Pictures as SVG text: the few shapes that the figures need, in a page or as files of their own.
+//! Pictures as SVG text: the few shapes that the figures need, in a page or as separate files.
 
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write as _;
 
 /// Styles of every figure; colours are variables that the page sets for light and dark.
 pub(crate) const STYLE: &str = include_str!("figure.css");
-/// The colours of a picture that stands alone: paper is white.
+/// The colours of a separate picture: the background is white.
 const PAPER: &str = ".f{--ink:#1b1f24;--muted:#5a6572;--rule:#dfe3e8;--a:#0068a8;--b:#c2410c;--empty:#eceff2;background:#fff}";
-/// Hatches by which a cell's status is told apart without colour, light and dark lines side by side so that they show on any colour.
+/// Hatches that show a cell's status without colour: light and dark lines side by side are visible on any colour.
 pub(crate) const PATTERNS: &str = "<defs>\
 <pattern id=\"he\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">\
 <path d=\"M1 0V7\" stroke=\"#fff\" stroke-opacity=\".8\" stroke-width=\"1.4\"/><path d=\"M2.3 0V7\" stroke=\"#000\" stroke-opacity=\".5\" stroke-width=\"1.2\"/></pattern>\
@@ -25,12 +25,12 @@ pub(crate) struct Svg {
 }
 
 impl Svg {
-    /// An empty picture; `label` is what a screen reader says.
+    /// An empty picture; `label` is the text for screen readers.
     pub(crate) fn new(id: &str, label: &str, width: f64, height: f64) -> Self {
         Self { id: id.to_owned(), label: label.to_owned(), width, height, body: String::new() }
     }
 
-    /// Its name in the page and as a file.
+    /// Its name in the page and as a file name.
     pub(crate) fn id(&self) -> &str {
         &self.id
     }
@@ -67,7 +67,7 @@ impl Svg {
         }
     }
 
-    /// A path as it is written, with further attributes.
+    /// A path in SVG notation, with further attributes.
     pub(crate) fn path(&mut self, d: &str, attributes: &str) {
         let _ = write!(self.body, "<path d=\"{d}\" {attributes}/>");
     }
@@ -77,7 +77,7 @@ impl Svg {
         let _ = write!(self.body, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>", px(x), px(y), px(radius));
     }
 
-    /// A rectangle with further attributes as they are.
+    /// A rectangle with further attributes, unchanged.
     pub(crate) fn rect(&mut self, x: f64, y: f64, width: f64, height: f64, attributes: &str) {
         let (x, y, width, height) = (px(x), px(y), px(width), px(height));
         let _ = write!(self.body, "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" {attributes}/>");
@@ -93,7 +93,7 @@ impl Svg {
         self.body.push_str("</g>");
     }
 
-    /// For the page, which holds style and patterns once.
+    /// The picture for the page, which holds style and patterns once.
     pub(crate) fn inline(&self) -> Markup {
         let Self { id, label, width, height, body } = self;
         html! {
@@ -102,7 +102,7 @@ impl Svg {
         }
     }
 
-    /// As a file of its own.
+    /// The picture as a separate file.
     pub(crate) fn file(&self) -> String {
         let Self { label, width, height, body, .. } = self;
         format!(
@@ -136,7 +136,7 @@ pub(crate) fn num(value: f64, digits: usize) -> String {
     if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
-/// Text safe in XML and HTML, attributes included. A character that XML does not allow at all is replaced.
+/// Text safe in XML and HTML, attributes included. A character that XML does not allow is replaced.
 fn escaped(text: &str) -> String {
     let allowed = text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\t'), "\u{fffd}");
     html! { (allowed) }.into_string()

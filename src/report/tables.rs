@@ -17,7 +17,7 @@ pub(crate) const SAMPLES: Quantity = Quantity { name: "samples", unit: "", digit
 /// Size of a heat map [px].
 pub(crate) const SIZE: (f64, f64) = (560.0, 400.0);
 
-/// Torque at which the speed neither rises nor falls, over speed: where the surface crosses zero.
+/// Torque at which the speed is constant, over speed: the zero crossing of the surface.
 pub(crate) fn holding_torque(surface: &FineSurface) -> Vec<(f64, f64)> {
     let torques = &surface.torque_nm;
     let crossing = |j: usize| {
@@ -33,8 +33,8 @@ pub(crate) fn table1(inputs: &ReportFiles) -> Section {
     let mut figures = Figures::default();
     let body = html! {
         p {
-            "What the vehicle does: acceleration of the front wheel at each speed and effective torque, in the gear's frame. On the line the \
-             speed neither rises nor falls. Hatched cells lie beyond what was measured; point at a cell for its value, drag the surface to \
+            "The vehicle's behaviour: acceleration of the front wheel at each speed and effective torque, in the gear's frame. On the line \
+             the speed is constant. Hatched cells lie outside the measured region; point at a cell for its value, drag the surface to \
              turn it."
         }
         @for map in &inputs.table1.maps {
@@ -71,8 +71,8 @@ pub(crate) fn table2(inputs: &ReportFiles) -> Section {
     let body = html! {
         @if let Some(table2) = &inputs.table2 {
             p {
-                "What the controller looks up: the torque that gives the desired acceleration at the present speed. Crossed cells cannot be \
-                 reached within the torque limit and hold the nearest torque that can."
+                "The controller's look-up: the torque that gives the desired acceleration at the present speed. Crossed cells cannot be \
+                 reached within the torque limit and hold the nearest possible torque."
             }
             @for map in &table2.maps {
                 div.row { (figures.heat_and_surface(&of_torque(map), &format!("Table 2 as a surface, {} gear", map.gear))) }

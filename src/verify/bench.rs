@@ -1,13 +1,13 @@
-//! What a scenario is driven with, and what is seen of it.
+//! The inputs of a scenario's run, and the record of one control period.
 
 use crate::control::{Outputs, PivotSettings};
 use crate::sim::{Measurement, TrueState};
 use crate::verify::measured_region::Region;
 
-/// What a run needs to know of the vehicle under test.
+/// Data of the vehicle under test that a run needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PivotBench<'a> {
-    /// Settings of the controller; the scenario's policy replaces theirs.
+    /// Settings of the controller; the scenario's wheel policy replaces theirs.
     pub(crate) control: &'a PivotSettings,
     /// Control period [s].
     pub(crate) period_s: f64,
@@ -26,8 +26,8 @@ pub(crate) struct PivotBench<'a> {
 pub struct PivotMoment {
     /// The truth at the start of the period.
     pub state: TrueState,
-    /// What the controller read.
+    /// Readings of the controller.
     pub seen: Measurement,
-    /// What it commanded.
+    /// Command of the controller.
     pub command: Outputs,
 }

@@ -1,4 +1,4 @@
-//! The map beside other laws, on the same plant and the same draws.
+//! The map compared with other laws, on the same plant and the same draws.
 
 use crate::control::{HeadingLaw, WaypointLaw};
 use crate::sim;
@@ -22,7 +22,7 @@ pub(crate) fn comparison_runs(settings: &VerifySettings) -> usize {
     if settings.comparison_draws > 0 { LAWS * (settings.comparison_draws + 1) + tuning_runs() } else { 0 }
 }
 
-/// The comparison on the first draws of `varied`, and the traces of map and conventional law if they are wanted. `None` without draws.
+/// The comparison on the first draws of `varied`, and the traces of map and conventional law if requested. `None` without draws.
 ///
 /// # Errors
 /// As [`crate::verify::verify`].

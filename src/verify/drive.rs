@@ -1,4 +1,4 @@
-//! The closed loop: read, command, let the world go on, once a control period.
+//! The closed loop: read, command, step the world, once per control period.
 //!
 //! In: a [`World`], a [`Driver`] that commands it, and an [`Observer`] that sees every period. Metrics, traces and logs are observers, so that
 //! one drive yields all of them.
@@ -7,7 +7,7 @@ use crate::control::{Inputs, Pose};
 use crate::sim::{Measurement, World, WorldCommand};
 use crate::verify::Result;
 
-/// What commands the world. `Moment` is one control period: what was true, what was read, what was commanded.
+/// Commands the world. `Moment` is one control period: true state, readings, command.
 pub(crate) trait Driver {
     /// One control period.
     type Moment;
@@ -15,16 +15,16 @@ pub(crate) trait Driver {
     /// Prepares the next period: a task begins, a disturbance sets in. `false` ends the drive.
     ///
     /// # Errors
-    /// A task that cannot be driven.
+    /// The task cannot be driven.
     fn prepare(&mut self, world: &mut World) -> Result<bool>;
 
     /// Reads the world and decides what to command for one period.
     fn command(&mut self, world: &World) -> (Self::Moment, WorldCommand);
 }
 
-/// What is seen of a period after it.
+/// The record of a period after its end.
 pub(crate) struct Period<'a, D: Driver> {
-    /// The driver, as its command left it.
+    /// The driver after its command.
     pub(crate) driver: &'a D,
     /// Truth, readings and command at the start of the period.
     pub(crate) moment: &'a D::Moment,
@@ -37,13 +37,13 @@ pub(crate) trait Observer<D: Driver> {
     /// One period has passed.
     fn see(&mut self, period: &Period<'_, D>);
 
-    /// Whether it reads the yaw rate of the measurement, which no controller does: the gyro is simulated only then.
+    /// Whether it reads the measured yaw rate, which no controller does. The gyro is simulated only then.
     fn reads_yaw_rate(&self) -> bool {
         false
     }
 }
 
-/// Nobody looks.
+/// Records nothing.
 impl<D: Driver> Observer<D> for () {
     fn see(&mut self, _: &Period<'_, D>) {}
 }
@@ -97,7 +97,7 @@ impl<D: Driver, F: FnMut(&D::Moment)> Observer<D> for EachMoment<F> {
 /// Drives until the driver ends it. A period is `steps` steps of the world, at least one.
 ///
 /// # Errors
-/// What the driver refuses.
+/// Any error of the driver.
 pub(crate) fn drive<D: Driver>(world: &mut World, steps: usize, driver: &mut D, observer: &mut impl Observer<D>) -> Result<()> {
     world.leave_out_unread_sensors(observer.reads_yaw_rate());
     while driver.prepare(world)? {
@@ -117,12 +117,12 @@ pub(crate) fn steps_of(period_s: f64, step_s: f64) -> usize {
     (period_s / step_s).round().max(1.0) as usize
 }
 
-/// What a controller sees of a measurement.
+/// The part of a measurement that a controller reads.
 pub(crate) fn inputs(seen: &Measurement) -> Inputs {
     Inputs { speed_mps: seen.speed_mps, wheel_angle_rad: seen.wheel_angle_rad, pose: pose(seen), gear: seen.gear, estop: seen.estop }
 }
 
-/// The pose as it was measured.
+/// The measured pose.
 pub(crate) fn pose(seen: &Measurement) -> Pose {
     Pose { x_m: seen.x_m, y_m: seen.y_m, heading_rad: seen.heading_rad }
 }
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!((kept.0.len(), kept.0[0].0, starts_s.len()), (30, 29, 30));
         assert!((starts_s[29] - 0.58).abs() < 1e-9 && (world.state().t_s - 0.6).abs() < 1e-9, "{starts_s:?}");
         let (mean_mps, end_mps) = (kept.0[29].1, world.state().speed_mps);
-        // under constant torque the mean lies below the speed at the end, by half of what the period adds
+        // under constant torque the mean is below the final speed, by half of the speed change in the period
         let half_mps = 0.5 * 0.02 * world.state().accel_mps2;
         assert!(end_mps > 0.1 && (end_mps - mean_mps - half_mps).abs() < 0.1 * half_mps, "{mean_mps} {end_mps} {half_mps}");
     }

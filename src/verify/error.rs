@@ -1,15 +1,15 @@
-//! Why a map cannot be judged at all. A map that is judged and found bad is a verdict, not an error.
+//! Why a map cannot be judged. A map that is judged and fails is a verdict, not an error.
 
 use crate::map::{FolderError, Gear};
 use std::path::PathBuf;
 
-/// Result of this room.
+/// Result of this module.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// Why a map cannot be judged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("{}: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
@@ -17,7 +17,7 @@ pub enum Error {
     File { path: PathBuf, source: crate::map::Error },
     #[error(
         "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it was edited, or belongs to another map; \
-         run `pivot-cal invert` again, or go on with --force",
+         run `pivot-cal invert` again, or continue with --force",
         path.display(), by.display()
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },

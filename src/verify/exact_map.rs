@@ -1,4 +1,4 @@
-//! The plant's exact map and its inverse: what a perfect Table 2 would answer.
+//! The plant's exact map and its inverse: the values of a perfect Table 2.
 
 use crate::control::{Lookup, TorqueFromAccel};
 use crate::map::{AccelTable, Axis, Gear, Vehicle};
@@ -16,7 +16,7 @@ pub struct ExactMap {
 }
 
 impl ExactMap {
-    /// The exact map behind a world: the fitted surface of an identified plant, the equation of a physical one on a fine grid.
+    /// The exact map of a world: the fitted surface of an identified plant, the equation of a physical one on a fine grid.
     ///
     /// # Errors
     /// Settings that cannot be simulated.

@@ -1,4 +1,4 @@
-//! The gate: which limits a map has to keep, and why. The default is `data/gate.toml`.
+//! The gate: the limits that a map must keep, and the reason for each. The default is `data/gate.toml`.
 
 use crate::verify::metric::{Metric, MetricSummary, Statistic};
 use crate::verify::round_trip::RoundTripLimit;
@@ -19,7 +19,7 @@ pub struct Gate {
     pub limits: Vec<Limit>,
 }
 
-/// A gate as a file may hold it: only what differs from the default.
+/// A gate file: only the differences from the default.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Overrides {
@@ -36,7 +36,7 @@ pub struct Limit {
     pub class: Class,
     /// Metric.
     pub metric: Metric,
-    /// Which figure of it.
+    /// Statistic of the metric.
     pub statistic: Statistic,
     /// Largest value that passes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -44,19 +44,19 @@ pub struct Limit {
     /// Smallest value that passes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
-    /// Why.
+    /// Reason.
     #[serde(default)]
     pub reason: String,
 }
 
-/// A limit applied.
+/// An applied limit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitCheck {
     /// Metric.
     pub metric: Metric,
-    /// Which figure of it.
+    /// Statistic of the metric.
     pub statistic: Statistic,
-    /// The figure; absent when no run had it.
+    /// The value; absent when no run has one.
     pub value: Option<f64>,
     /// Largest value that passes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,12 +64,12 @@ pub struct LimitCheck {
     /// Smallest value that passes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
-    /// Whether it passes. A figure that no run had passes: whether runs end as they should is a limit of its own.
+    /// Whether it passes. A value that no run has passes: a separate limit checks that runs end as expected.
     pub pass: bool,
 }
 
 impl Gate {
-    /// The default limits, with those of `overrides` (TOML) in their place.
+    /// The default limits; those of `overrides` (TOML) replace them.
     ///
     /// # Errors
     /// Text that is not a gate: an unknown key, class, metric or statistic, or a limit without exactly one finite bound.

@@ -20,21 +20,21 @@ use crate::verify::verdict::{FORMAT, MapVerdict, PlantSummary, ScenarioVerdict, 
 use crate::verify::{Maps, Result};
 use rayon::prelude::*;
 
-/// A verdict, and what was wanted beside it.
+/// A verdict, and the requested traces and logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verified {
     /// The verdict.
     pub verdict: MapVerdict,
-    /// The runs of the comparison over time; `None` when they were not wanted or the verdict has no comparison.
+    /// The runs of the comparison over time; `None` when they were not requested or the verdict has no comparison.
     pub traces: Option<ClosedLoop>,
-    /// Logs of the nominal runs, one for each scenario that was tested; empty when they were not wanted.
+    /// Logs of the nominal runs, one for each scenario that was tested; empty when they were not requested.
     pub logs: Vec<RunLog>,
 }
 
 /// Judges a map.
 ///
 /// # Errors
-/// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
+/// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is a verdict, not an error.
 pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
     Ok(verify_with(maps, settings, Wanted::default())?.verdict)
 }
@@ -42,7 +42,7 @@ pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
 /// As [`verify`]; traces and logs are taken from the same runs.
 ///
 /// # Errors
-/// As [`verify`], and what the MCAP writer refuses.
+/// As [`verify`], and any error of the MCAP writer.
 pub fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
     let tested = settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()).count();
     let total = tested * (settings.draws + 1) + comparison_runs(settings);
@@ -104,7 +104,7 @@ pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, recor
     run(&stage.bench(), scenario, &stage.plant, law, settings.seed, EachMoment(record))
 }
 
-/// The verdict on each scenario, and the log of its nominal run if it is wanted.
+/// The verdict on each scenario, and the log of its nominal run if requested.
 fn judge_scenarios(
     stage: &PivotStage<'_>,
     settings: &VerifySettings,

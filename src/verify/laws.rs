@@ -1,4 +1,4 @@
-//! The laws that are run: the map under test, and beside it what it is compared with.
+//! The laws that are run: the map under test, and the laws that it is compared with.
 
 use crate::control::{
     ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
@@ -21,7 +21,7 @@ pub(crate) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> Way
     )
 }
 
-/// The gain that somebody without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
+/// The gain that a user without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
 /// accelerate.
 pub(crate) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
     let (mut torque_accel, mut accel_accel) = (0.0, 0.0);
@@ -39,31 +39,31 @@ pub(crate) fn constant_gain(maps: &Maps, limit_nm: f64) -> ConstantGain {
     ConstantGain { gain_nm_per_mps2, limit_nm }
 }
 
-/// Heading gains Kp [m/s per rad], Ki, Kd, and speed-loop gains Kp [1/s], Ki [1/s²] that the search goes through.
+/// Heading gains Kp [m/s per rad], Ki, Kd, and speed-loop gains Kp [1/s], Ki [1/s²] of the search.
 const SEARCH: [&[f64]; 5] = [&[0.6, 0.9, 1.3, 1.8, 2.5], &[0.0, 0.2], &[0.0, 0.3], &[2.0, 4.0, 8.0], &[0.5, 2.0, 6.0]];
 
 /// Largest heading error and overshoot that tuned gains may have [°]: 1.5 each, a little more than the end threshold of the map's law.
 const TUNED_ERROR_DEG: f64 = 1.5;
 
-/// Seeds of sensor noise that a finalist drives with: gains that work by luck once do not count.
+/// Seeds of sensor noise for each finalist, so that gains that succeed once by chance are not chosen.
 const TUNING_SEEDS: u64 = 4;
 
 /// Candidates that go on to the other seeds.
 const TUNING_FINALISTS: usize = 30;
 
-/// Combinations of gains.
+/// Number of combinations of gains.
 fn candidates() -> usize {
     SEARCH.iter().map(|gains| gains.len()).product()
 }
 
-/// Runs that the search takes.
+/// Number of runs of the search.
 pub(crate) fn tuning_runs() -> usize {
     candidates() + TUNING_FINALISTS.min(candidates()) * (TUNING_SEEDS as usize - 1)
 }
 
 /// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant,
-/// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds; of those that always end within [`TUNED_ERROR_DEG`] the fastest is taken, by its
-/// slowest turn; when none does, the one with the smallest heading error.
+/// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds. Of those that always end within [`TUNED_ERROR_DEG`], the one with the fastest
+/// slowest turn is taken. If none does, the one with the smallest heading error is taken.
 pub(crate) fn tuned_heading_law(
     bench: &PivotBench<'_>,
     scenario: &Scenario,
@@ -99,7 +99,7 @@ pub(crate) fn tuned_heading_law(
         let overshoot = values.get(Metric::OvershootDeg).unwrap_or(f64::INFINITY);
         let ended = values.get(Metric::AsExpected) == Some(1.0);
         let good = ended && error <= TUNED_ERROR_DEG && overshoot <= TUNED_ERROR_DEG;
-        // a good end in at most some tens of seconds comes before every bad one
+        // every good end takes at most some tens of seconds and ranks before every bad one
         if good { values.get(Metric::SettlingTimeS).unwrap_or(1e3) } else { 1e6 * (1.0 + error) }
     };
     let drive = |k: usize, seed: u64| {

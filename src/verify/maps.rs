@@ -1,10 +1,10 @@
-//! The maps under test: `table2.csv` itself, the artefact that is deployed, with the JSON files that belong to it.
+//! The maps under test: `table2.csv`, the file that is deployed, with the JSON files that belong to it.
 
 use crate::map::{Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable};
 use crate::verify::{Error, Result};
 use std::path::Path;
 
-/// Table 2 of a gear at a wheel angle, as its CSV says.
+/// Table 2 of a gear at a wheel angle, from its CSV.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AngleMap {
     /// Gear.
@@ -15,22 +15,22 @@ pub struct AngleMap {
     pub table: TorqueTable,
 }
 
-/// What is verified, and against which plant.
+/// The maps that are verified, and Table 1 with the plant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Maps {
     /// Table 1 with its plant.
     pub table1: Table1File,
-    /// What `table2.json` says.
+    /// The content of `table2.json`.
     pub table2: Table2File,
-    /// Table 2 of forward gear, as its CSV says.
+    /// Table 2 of forward gear, from its CSV.
     pub forward: TorqueTable,
-    /// Table 2 of reverse gear, as its CSV says; absent when reverse gear was not tested.
+    /// Table 2 of reverse gear, from its CSV; absent when reverse gear was not tested.
     pub reverse: Option<TorqueTable>,
-    /// Table 2 of every wheel angle, the test angle's among them, where `table2.json` has several; else empty.
+    /// Table 2 of every wheel angle, the test angle included, if `table2.json` has several; otherwise empty.
     pub angles: Vec<AngleMap>,
     /// SHA-256 of the CSV files that were read, those of the test angle first, forward before reverse.
     pub csv_sha256: Vec<String>,
-    /// What does not fit together and was let pass.
+    /// Mismatches that were accepted.
     pub forced: Vec<String>,
     /// The lateral compensation table, when the folder has one.
     pub lateral: Option<LateralTableFile>,
@@ -40,8 +40,8 @@ impl Maps {
     /// Reads `table1.json`, `table2.json` and the CSV files beside them from `folder`.
     ///
     /// # Errors
-    /// A file that is missing or cannot be read; a CSV, or a `table1.json`, that is not the one `table2.json` was written with, unless
-    /// `force` lets that pass.
+    /// A file that is missing or cannot be read; a CSV or a `table1.json` that is not the one `table2.json` was written with, unless
+    /// `force` accepts that.
     pub fn read(folder: &Path, force: bool) -> Result<Self> {
         let (files, mismatches) = MapFolder::read(folder)?;
         let lateral = files.lateral()?;
@@ -58,7 +58,7 @@ impl Maps {
         let at = |name: &str, source| Error::File { path: folder.join(name), source };
         let read = |map: &TorqueMap| -> Result<(String, TorqueTable)> {
             let path = folder.join(&map.csv.file);
-            // a file that cannot be read was a mismatch that nothing lets pass
+            // a file that cannot be read is a mismatch that is never accepted
             let csv = csvs.iter().find(|csv| csv.name == map.csv.file).ok_or(std::io::ErrorKind::NotFound.into());
             let text = csv.and_then(|csv| Ok((csv, csv.text()?)));
             let (csv, text) = text.map_err(|source| Error::Read { path, source })?;
@@ -84,7 +84,7 @@ impl Maps {
         Ok(Self { table1, table2, forward, reverse: at_test_angle.reverse, angles, csv_sha256, forced, lateral })
     }
 
-    /// Takes over files that are already in memory, the CSV being what `table2` holds.
+    /// From files that are already in memory; `table2` holds the CSV values.
     ///
     /// # Errors
     /// No forward map, or a table that is not sound.
@@ -109,7 +109,7 @@ impl Maps {
         }
     }
 
-    /// Table 2 of `gear`, as its CSV says.
+    /// Table 2 of `gear`, from its CSV.
     pub fn table(&self, gear: Gear) -> Option<&TorqueTable> {
         match gear {
             Gear::Forward => Some(&self.forward),
@@ -124,7 +124,7 @@ impl Maps {
     }
 }
 
-/// What is let pass with `force`, as a note; without it an error, as is a file that cannot be read.
+/// A mismatch as a note if `force` is set, otherwise as an error. A file that cannot be read is always an error.
 fn let_pass(folder: &Path, mismatch: Mismatch, force: bool) -> Result<String> {
     match mismatch {
         Mismatch::Hash { file, by, .. } if force => Ok(format!("{file} is not the file that {by} describes")),

@@ -1,4 +1,4 @@
-//! What is measured of a pivot: each metric with its name, unit and definition.
+//! The metrics of a run: each with its name, unit and definition.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Metric {
-    /// 1 when the run ended as its scenario says, else 0.
+    /// 1 if the run ended as its scenario expects, otherwise 0.
     AsExpected,
-    /// |true heading − asked heading| at the end.
+    /// |true heading − requested heading| at the end.
     HeadingErrorDeg,
-    /// Largest heading beyond the asked one.
+    /// Largest heading beyond the requested one.
     OvershootDeg,
     /// Largest distance of the reference point from where it should be, while driving.
     DriftM,
@@ -36,11 +36,11 @@ pub enum Metric {
     DriveAfterFailureNm,
     /// Arc from the failure to standstill.
     TravelAfterFailureM,
-    /// Largest distance of the rear axle's middle from a corner, or from the end of the path, when it stands there.
+    /// Largest distance of the rear axle's middle from a corner, or from the end of the path, when it rests there.
     CornerErrorM,
     /// Largest distance of the rear axle's middle from the line of a segment while driving.
     SegmentErrorM,
-    /// Root mean square of the same over the way.
+    /// Root mean square of the same over the distance.
     SegmentRmsM,
     /// |mean lateral error| without compensation.
     LateralBeforeM,
@@ -52,16 +52,16 @@ pub enum Metric {
     HeadingRateRatio,
     /// Distance of the rear axle's middle from the path's last pose at the end.
     FinalPositionM,
-    /// Smallest distance of the body from anything that it may not touch; negative in a collision.
+    /// Smallest distance of the body from anything that it must not touch; negative in a collision.
     ClearanceM,
-    /// How much smaller that is than on the planned path.
+    /// Reduction of that distance against the planned path.
     ClearanceLossM,
     /// Largest change of the curvature from one pose of the planned path to the next.
     CurvatureStepPerM,
 }
 
 impl Metric {
-    /// All of them, in the order in which they are shown.
+    /// All metrics, in display order.
     pub const ALL: [Self; 26] = [
         Self::AsExpected,
         Self::HeadingErrorDeg,
@@ -91,7 +91,7 @@ impl Metric {
         Self::CurvatureStepPerM,
     ];
 
-    /// Name for people.
+    /// Display name.
     pub fn title(self) -> &'static str {
         match self {
             Self::AsExpected => "ended as expected",
@@ -123,7 +123,7 @@ impl Metric {
         }
     }
 
-    /// Unit for people; empty for a share.
+    /// Display unit; empty for a share.
     pub fn unit(self) -> &'static str {
         match self {
             Self::AsExpected | Self::SaturatedShare | Self::OutsideShare => "",
@@ -149,26 +149,26 @@ impl Metric {
     }
 }
 
-/// Which figure of a metric over the draws.
+/// Statistic of a metric over the draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
-    /// The run on the plant as it was fitted, without any perturbation.
+    /// The run on the fitted plant, without any perturbation.
     Nominal,
     /// Mean over the draws.
     Mean,
-    /// Half of the draws are at or below.
+    /// Half of the draws are at or below this value.
     Median,
-    /// 95 of 100 draws are at or below.
+    /// 95 of 100 draws are at or below this value.
     P95,
-    /// 99 of 100 draws are at or below.
+    /// 99 of 100 draws are at or below this value.
     P99,
     /// The largest of the draws.
     Max,
 }
 
 impl Statistic {
-    /// Name for people.
+    /// Display name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Nominal => "nominal",
@@ -202,7 +202,7 @@ impl Values {
 pub struct MetricSummary {
     /// Which.
     pub metric: Metric,
-    /// On the plant as fitted.
+    /// On the fitted plant.
     pub nominal: Option<f64>,
     /// Mean of the draws.
     pub mean: Option<f64>,
@@ -217,12 +217,12 @@ pub struct MetricSummary {
 }
 
 impl MetricSummary {
-    /// Of every metric that any of the runs has, in the order of [`Metric::ALL`].
+    /// The statistics of every metric that any of the runs has, in the order of [`Metric::ALL`].
     pub(crate) fn all(nominal: &Values, draws: &[Values]) -> Vec<Self> {
         Metric::ALL.into_iter().filter_map(|metric| Self::new(metric, nominal, draws)).collect()
     }
 
-    /// Of the nominal run and the draws, in any order. `None` when no run has the metric.
+    /// The statistics of the nominal run and the draws, in any order. `None` when no run has the metric.
     pub fn new(metric: Metric, nominal: &Values, draws: &[Values]) -> Option<Self> {
         let nominal = nominal.get(metric);
         let mut values: Vec<f64> = draws.iter().filter_map(|d| d.get(metric)).collect();
@@ -235,7 +235,7 @@ impl MetricSummary {
         Some(Self { metric, nominal, mean, median: at(0.5), p95: at(0.95), p99: at(0.99), max: values.last().copied() })
     }
 
-    /// One of its figures.
+    /// One of its statistics.
     pub fn figure(&self, statistic: Statistic) -> Option<f64> {
         match statistic {
             Statistic::Nominal => self.nominal,

@@ -1,4 +1,4 @@
-//! What failed or was left out, in words, and scenarios that are added to a verdict.
+//! Notes on failures and on skipped scenarios; and scenarios that are added to a verdict.
 
 use crate::verify::round_trip::RoundTripVerdict;
 use crate::verify::verdict::{MapVerdict, ScenarioVerdict, Status};
@@ -8,7 +8,7 @@ impl MapVerdict {
     /// do not fail.
     #[must_use]
     pub fn with_scenarios(mut self, scenarios: Vec<ScenarioVerdict>, note: Option<String>) -> Self {
-        // the notes on the scenarios come first; what follows them stays
+        // the notes on the scenarios come first; later notes stay
         let before = notes(&self.forced, &self.round_trip, &self.scenarios).len();
         let others = self.notes.split_off(before.min(self.notes.len()));
         self.scenarios.extend(scenarios);
@@ -22,7 +22,7 @@ impl MapVerdict {
     }
 }
 
-/// Notes on files that were let pass, on the round trips and on the scenarios.
+/// Notes on accepted mismatches, on the round trips and on the scenarios.
 pub(crate) fn notes(forced: &[String], trips: &[RoundTripVerdict], scenarios: &[ScenarioVerdict]) -> Vec<String> {
     let mut notes = forced.to_vec();
     if trips.is_empty() {

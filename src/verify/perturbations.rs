@@ -1,4 +1,4 @@
-//! The perturbed plants of the Monte Carlo: the same draws for every scenario and every law, so that differences are theirs.
+//! The perturbed plants of the Monte Carlo set. Every scenario and every law gets the same draws, so that they can be compared.
 
 use crate::sim::{Perturbation, WorldSettings};
 use crate::verify::Result;
@@ -27,13 +27,13 @@ impl Default for Spread {
     }
 }
 
-/// Number of the random stream, apart from those of the simulator.
+/// Number of the random stream; differs from those of the simulator.
 const STREAM: u128 = 0x7065_7274;
 
 /// `count` varied plants, each with the seed of its world.
 ///
 /// # Errors
-/// A plant that cannot be varied so.
+/// A plant that cannot be varied.
 pub(crate) fn draws(plant: &WorldSettings, spread: &Spread, count: usize, seed: u64) -> Result<Vec<(WorldSettings, u64)>> {
     let mut random = Pcg64::new(u128::from(seed), STREAM);
     let mut factor = |spread: f64| {

@@ -1,4 +1,4 @@
-//! Drives the turns of a scenario with the pivot controller, and lets the scenario's disturbance begin at its time.
+//! Drives the turns of a scenario with the pivot controller, and starts the scenario's disturbance at its time.
 
 use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, PivotSettings};
 use crate::sim::{Fault, World, WorldCommand};
@@ -10,7 +10,7 @@ use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
 
 /// Longest simulated time of one turn [s]: the controller's own time-outs come first.
 const LONGEST_S: f64 = 120.0;
-/// How long a failed run goes on [s]: a vehicle at 0.6 m/s has stopped by then, and the torque has to stay away.
+/// Time that a failed run continues [s]: a vehicle at 0.6 m/s stops within it, and the torque must stay zero.
 const AFTER_FAILURE_S: f64 = 2.5;
 /// Time before the first turn [s]: every sensor has read at least once.
 const SETTLE_S: f64 = 0.1;
@@ -42,7 +42,7 @@ pub(crate) struct PivotDriver<'a, L: DriveLaw> {
     controller: PivotController<L>,
     part: Part,
     turn: Option<AskedTurn>,
-    /// The disturbance that has not begun in this turn yet.
+    /// The disturbance that has not yet begun in this turn.
     pending: Option<(Disturbance, Onset)>,
     last_phase: Phase,
     in_phase_s: f64,
@@ -50,7 +50,7 @@ pub(crate) struct PivotDriver<'a, L: DriveLaw> {
 }
 
 impl<'a, L: DriveLaw> PivotDriver<'a, L> {
-    /// At the start of `scenario`. A disturbance without an onset begins now.
+    /// The driver at the start of `scenario`. A disturbance without an onset begins now.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -79,12 +79,12 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
         })
     }
 
-    /// The turn that was asked for last; `None` before the first.
+    /// The last requested turn; `None` before the first.
     pub(crate) fn turn(&self) -> Option<AskedTurn> {
         self.turn
     }
 
-    /// The request that is under way.
+    /// The current request.
     pub(crate) fn request(&self) -> Option<&PivotRequest> {
         self.controller.current()
     }
@@ -94,12 +94,12 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
         matches!(self.part, Part::Failed(_))
     }
 
-    /// Whether every turn has ended as the scenario says.
+    /// Whether every turn has ended as the scenario expects.
     pub(crate) fn as_expected(&self) -> bool {
         self.as_expected
     }
 
-    /// Asks for the next turn; `false` without one.
+    /// Requests the next turn; `false` if there is none.
     fn ask(&mut self, world: &World) -> Result<bool> {
         let index = self.turn.map_or(0, |turn| turn.index + 1);
         let Some(&turn_deg) = self.scenario.turns_deg.get(index) else { return Ok(false) };
@@ -115,7 +115,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
         Ok(true)
     }
 
-    /// A turn is over: judges how it ended. `true` when it succeeded.
+    /// Judges how a turn ended. `true` when it succeeded.
     fn end_turn(&mut self) -> bool {
         let phase = self.controller.phase();
         let failed = phase != Phase::Succeeded;
@@ -129,7 +129,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
         !failed
     }
 
-    /// Lets the disturbance begin when its time has come.
+    /// Starts the disturbance when its time has come.
     fn disturb(&mut self, world: &mut World) {
         if let Some((disturbance, Onset { phase, after_s })) = self.pending
             && phase == self.controller.phase()
@@ -184,9 +184,9 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
     }
 }
 
-/// Lets a disturbance begin.
+/// Starts a disturbance.
 fn begin(world: &mut World, disturbance: Disturbance, bench: &PivotBench<'_>) {
-    // never so little that the vehicle cannot set off
+    // always enough for the vehicle to start
     let [holding_nm, planned_nm] = bench.planned_nm;
     let of_the_plan = |share: f64| (holding_nm + share * (planned_nm - holding_nm)).max(1.1 * bench.breakaway_nm);
     match disturbance {

@@ -1,5 +1,5 @@
-//! A scenario's nominal run as a log of standard ROS 2 messages, which Foxglove, `PlotJuggler` and rerun draw: what the vehicle did, what was
-//! desired, and the messages between the controller's modules.
+//! A scenario's nominal run as a log of standard ROS 2 messages, which Foxglove, `PlotJuggler` and rerun draw: the actual and the desired
+//! motion, and the messages between the controller's modules.
 
 use crate::control::{AngleStatus, DriveLaw, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
@@ -33,7 +33,7 @@ impl PivotLog {
     /// The bytes of the MCAP file.
     ///
     /// # Errors
-    /// What the MCAP writer refuses.
+    /// Any error of the MCAP writer.
     pub(crate) fn finish(self) -> Result<Vec<u8>> {
         self.outcome?;
         Ok(self.log.finish()?)

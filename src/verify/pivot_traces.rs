@@ -1,5 +1,5 @@
 //! `verify_traces.json`: the pivot of the comparison over time, by the map and by the conventional law, on the nominal plant and as quantiles
-//! over the draws. For people to look at; the verdict does not depend on it.
+//! over the draws. For display only; the verdict does not depend on it.
 
 use crate::control::{DriveLaw, Phase};
 use crate::map::{FORMAT_VERSION, expect_format};
@@ -11,7 +11,7 @@ use crate::verify::scenario::Scenario;
 use crate::verify::{Maps, Result};
 use serde::{Deserialize, Serialize};
 
-/// What the `format` field of a `verify_traces.json` says.
+/// Value of the `format` field of a `verify_traces.json`.
 const FORMAT: &str = "pivot-cal/verify_traces";
 
 /// `verify_traces.json`.
@@ -23,11 +23,11 @@ pub struct ClosedLoop {
     pub format_version: u32,
     /// Version of the program that wrote it.
     pub tool_version: String,
-    /// SHA-256 of the Table 2 files that drove, forward first.
+    /// SHA-256 of the Table 2 files that were used, forward first.
     pub table2_csv_sha256: Vec<String>,
     /// The scenario.
     pub scenario: String,
-    /// What it is.
+    /// Description of the scenario.
     pub what: String,
     /// Draws behind the quantiles.
     pub draws: usize,
@@ -57,7 +57,7 @@ pub struct LawTraces {
 /// One quantity over time. A run that has ended keeps its last value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bands {
-    /// On the plant as fitted.
+    /// On the fitted plant.
     pub nominal: Vec<f64>,
     /// 5 of 100 draws are below.
     pub p05: Vec<f64>,
@@ -75,7 +75,7 @@ pub struct Bands {
 const STEP_S: f64 = 0.04;
 /// Longest trace [s].
 const LONGEST_S: f64 = 20.0;
-/// Shown after the slower nominal run stands [s].
+/// Time shown after the slower nominal run has stopped [s].
 const AFTER_S: f64 = 0.6;
 
 /// A point of a run.
@@ -89,7 +89,7 @@ struct TracePoint {
     target_speed_mps: Option<f64>,
 }
 
-/// A run from the gear being set: an observer that keeps what is drawn.
+/// A run from the gear being set: an observer that keeps the drawn quantities.
 #[derive(Debug, Default)]
 pub(crate) struct PivotTrace {
     points: Vec<TracePoint>,
@@ -127,7 +127,7 @@ impl PivotTrace {
     }
 }
 
-/// The traces of one law: on the plant as fitted, and on each draw.
+/// The traces of one law: on the fitted plant, and on each draw.
 type LawRuns = (PivotTrace, Vec<PivotTrace>);
 
 impl ClosedLoop {
@@ -217,7 +217,7 @@ mod tests {
         let trace = ramp(1.0, 1.0);
         let speed = |t_s: f64| trace.at(t_s).unwrap().values[0];
         assert_eq!((speed(0.05), speed(99.0)), (0.04, trace.points[50].t_s));
-        // the time of a period itself, with the rounding of its sum
+        // the exact time of a period, with the rounding of its sum
         assert_eq!(speed(0.06 - 1e-9), trace.points[3].t_s);
         assert!(PivotTrace::default().at(0.0).is_none() && PivotTrace::default().end_s() == 0.0);
     }

@@ -1,7 +1,7 @@
-//! Recorded runs through the plant that Table 1 identified: torque in, speed out, nothing corrected on the way.
+//! Recorded runs replayed by the plant that Table 1 identified: torque in, speed out, without any correction.
 //!
-//! In: the survey of a log, best of runs that the fit has not seen, and `table1.json`. Out: per run the recorded against the simulated speed,
-//! R² = 1 − SSE/SST and root mean square. The speed is the encoder's, taken back by its delay and scale as the fit found them.
+//! In: the survey of a log, if possible of runs that the fit has not used, and `table1.json`. Out: per run, recorded and simulated speed,
+//! R² = 1 − SSE/SST and root mean square. The speed is the encoder's, corrected by its estimated delay and scale.
 
 use crate::campaign::{Stretch, Survey};
 use crate::map::{Gear, SpeedSource, Table1File};
@@ -10,12 +10,12 @@ use crate::sim::RecordedRun;
 use crate::verify::Result;
 use serde::{Deserialize, Serialize};
 
-/// A recorded run and how well the plant replays it.
+/// A recorded run and the residuals of its replay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReplayedRun {
     /// File name of the log.
     pub file: String,
-    /// Whether Table 1 was fitted to this very log; a run that was not is held out.
+    /// Whether Table 1 was fitted to this log; otherwise the run is held out.
     pub fitted: bool,
     /// Gear.
     pub gear: Gear,
@@ -33,12 +33,12 @@ pub struct ReplayedRun {
     pub max_mps: f64,
 }
 
-/// Shortest run that is replayed [s]: less than that is mostly the dead time.
+/// Shortest run that is replayed [s]: a shorter one is mostly dead time.
 const SHORTEST_S: f64 = 0.4;
-/// Torque that is played before the first compared reading [s]: longer than any dead time and some lags.
+/// Length of the torque input before the first compared reading [s]: longer than any dead time and some lags.
 const LEAD_S: f64 = 1.0;
 
-/// Replays every run of a log that the survey found usable, in order of time. Runs in a gear that Table 1 does not have are left out.
+/// Replays every usable run of a surveyed log, in order of time. Runs in a gear that Table 1 does not have are skipped.
 ///
 /// # Errors
 /// A Table 1 that cannot be simulated.
@@ -49,8 +49,8 @@ pub fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>
     if let Some(log) = known {
         settings.drive.dead_time_s = log.dead_time.value_s;
     }
-    let witness = table1.witnesses.iter().find(|w| w.name == SpeedSource::Encoder);
-    let (delay_s, scale) = witness.map_or((0.0, 1.0), |w| (w.delay_s, w.scale));
+    let encoder = table1.witnesses.iter().find(|w| w.name == SpeedSource::Encoder);
+    let (delay_s, scale) = encoder.map_or((0.0, 1.0), |w| (w.delay_s, w.scale));
     let late_s = delay_s + known.map_or(0.0, |log| log.clock_offset.value_s);
     let fitted = known.is_some();
     let mut runs = Vec::new();
@@ -84,7 +84,7 @@ struct Recorded {
 }
 
 impl Recorded {
-    /// The stretch with what led up to it; `None` with fewer than a handful of readings.
+    /// The run with the samples before it; `None` with fewer than a handful of readings.
     fn cut(survey: &Survey, stretch: Stretch, late_s: f64, scale: f64) -> Option<Self> {
         let (encoder, command, sign) = (&survey.track.encoder_mps, &survey.track.command_nm, stretch.gear.sign());
         let readings = encoder.range(stretch.from_s, stretch.to_s);
@@ -101,7 +101,7 @@ impl Recorded {
         t_s.dedup();
         t_s.retain(|&t| t <= to_s);
         let torque_nm = t_s.iter().map(|&t| sign * command.held(t).unwrap_or(0.0)).collect();
-        // before the run the speed is not compared and may be missing
+        // the speed before the run is not compared and may be missing
         let speed_mps: Option<Vec<f64>> = t_s.iter().map(|&t| if t < score_from_s { Some(0.0) } else { speed_at(t) }).collect();
         Some(Self { torque_nm, speed_mps: speed_mps?, t_s, score_from_s })
     }

@@ -1,16 +1,16 @@
-//! The round trip of the CSV against Table 1, which sees the cells that no pivot visits.
+//! The round trip of the CSV against Table 1. It also checks cells that no pivot visits.
 //!
-//! Twice over everything that was measured: at each measured cell of Table 1, (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a),
-//! whose true torque lies among measured cells. Δa = A(v, T₂(v, a)) − a must stay within 0.15 m/s² + 3 standard errors of Table 1 there, and its
-//! mean over a row of Table 2 above 0 m/s within 0.05 m/s² + 3: interpolation makes a cell miss, but not a whole row the same way. Beyond its torques the
-//! surface goes on linearly, so that a torque which the drive cannot give is seen too. The speed axis has to start at 0.
+//! Δa = A(v, T₂(v, a)) − a must stay within 0.15 m/s² + 3 standard errors of Table 1, and its mean over a row of Table 2 above 0 m/s within
+//! 0.05 m/s² + 3: interpolation moves single cells, but not a whole row in the same way. It is checked at each measured cell of Table 1,
+//! (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a), whose true torque lies among measured cells. Beyond its torques the
+//! surface continues linearly, so that a torque which the drive cannot give is detected too. The speed axis must start at 0.
 
 use crate::map::{AccelMap, AccelTable, CellStatus, Gear, TorqueTable, WheelAngle, ZeroRow, lookup};
 use crate::verify::Maps;
 use crate::verify::exact_map::torque_for;
 use serde::{Deserialize, Serialize};
 
-/// What the gate allows of |Δa|.
+/// The gate's limit of |Δa|.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundTripLimit {
@@ -18,9 +18,9 @@ pub struct RoundTripLimit {
     pub at_most_mps2: f64,
     /// Constant part for the mean over a row of Table 2 [m/s²].
     pub row_mean_at_most_mps2: f64,
-    /// Standard errors of Table 1 on top of both.
+    /// Number of standard errors of Table 1 that is added to both.
     pub standard_errors: f64,
-    /// Why.
+    /// Reason.
     #[serde(default)]
     pub reason: String,
 }
@@ -30,12 +30,12 @@ pub struct RoundTripLimit {
 pub struct RoundTripVerdict {
     /// Gear.
     pub gear: Gear,
-    /// Wheel angle of the map [°], where it is not the test angle.
+    /// Wheel angle of the map [°], if it is not the test angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_angle_deg: Option<f64>,
     /// Places checked.
     pub places: usize,
-    /// Measured cells of Table 1 whose acceleration lies beyond Table 2's axes, which therefore cannot be asked for.
+    /// Measured cells of Table 1 whose acceleration lies beyond Table 2's axes and therefore cannot be requested.
     pub beyond_axes: usize,
     /// Places over their limit.
     pub failed: usize,
@@ -47,7 +47,7 @@ pub struct RoundTripVerdict {
     pub rms_mps2: f64,
     /// The place that is furthest over its limit, or nearest to it.
     pub worst: Option<Worst>,
-    /// Whether every place is within its limit, and there is one.
+    /// Whether there is a place, and every place is within its limit.
     pub pass: bool,
 }
 
@@ -56,11 +56,11 @@ pub struct RoundTripVerdict {
 pub struct Worst {
     /// Speed [m/s].
     pub speed_mps: f64,
-    /// Asked acceleration [m/s²].
+    /// Requested acceleration [m/s²].
     pub accel_mps2: f64,
     /// Torque that Table 2 gives [N·m].
     pub torque_nm: f64,
-    /// Torque that would be right [N·m].
+    /// True torque [N·m].
     pub right_torque_nm: f64,
     /// Δa [m/s²].
     pub error_mps2: f64,
@@ -69,7 +69,7 @@ pub struct Worst {
 }
 
 impl RoundTripVerdict {
-    /// Which map: `forward gear`, or `forward gear at 30°`.
+    /// Name of the map: `forward gear`, or `forward gear at 30°`.
     pub fn name(&self) -> String {
         self.wheel_angle_deg.map_or_else(|| format!("{} gear", self.gear), |angle| format!("{} gear at {angle}°", self.gear))
     }
@@ -119,7 +119,7 @@ fn of_gear(
     };
     let mut excess = f64::NEG_INFINITY;
     let mut check = |out: &mut RoundTripVerdict, speed_mps: f64, accel_mps2: f64, right_torque_nm: f64, std_err_mps2: f64| {
-        // a row that holds a resting wheel says nothing of one that just moves
+        // a row of a resting wheel gives no information on a wheel that just moves
         if holds && speed_mps == 0.0 && accel_mps2 <= 0.0 {
             return None;
         }
@@ -156,7 +156,7 @@ fn of_gear(
                 count += 1.0;
             }
         }
-        // a row of one or two cells is judged by its cells; so is the row at 0, where friction is so steep that the table which is best between
+        // a row of one or two cells is judged by its cells; so is the row at 0, where friction is so steep that the best table between
         // the rows may miss it as a whole
         if count > 2.0 && speed_mps > 0.0 && sum_mps2.abs() > limit.row_mean_at_most_mps2 * count + limit.standard_errors * std_err_sum_mps2
         {
@@ -168,7 +168,7 @@ fn of_gear(
     out
 }
 
-/// a(v, τ) [m/s²], clamped in speed; beyond the torques the last two rows go on linearly. `None` for NaN.
+/// a(v, τ) [m/s²], clamped in speed; extrapolated linearly from the last two rows beyond the torques. `None` for NaN.
 fn extended(surface: &AccelTable, speed_mps: f64, torque_nm: f64) -> Option<f64> {
     let torques = surface.torque_nm().breaks();
     let last = torques.len() - 1;
@@ -243,7 +243,7 @@ mod tests {
         assert!((measured(&map, speed_mps + half_m, torque_nm).unwrap() - 0.03).abs() < 1e-12);
         map.status[5][5] = CellStatus::Extrapolated;
         assert_eq!(measured(&map, speed_mps + half_m, torque_nm), None);
-        assert_eq!(measured(&map, speed_mps, torque_nm), Some(0.05), "a cell with no share is not asked for");
+        assert_eq!(measured(&map, speed_mps, torque_nm), Some(0.05), "a cell with no share is not needed");
         assert_eq!(measured(&map, speed_mps, 1e3), None);
     }
 

@@ -1,4 +1,4 @@
-//! One run: a scenario driven by a law on a plant, and what is measured of it.
+//! One run: a scenario driven by a law on a plant, with its metrics.
 
 use crate::control::DriveLaw;
 use crate::sim;
@@ -11,7 +11,7 @@ use crate::verify::pivot_driver::PivotDriver;
 use crate::verify::run_metrics::PivotMetrics;
 use crate::verify::scenario::Scenario;
 
-/// Runs `scenario` and measures it; `observer` sees every period, too.
+/// Runs `scenario` and computes its metrics; `observer` also sees every period.
 pub(crate) fn run<'a, L: DriveLaw>(
     bench: &'a PivotBench<'a>,
     scenario: &'a Scenario,

@@ -1,4 +1,4 @@
-//! What is measured of a pivot while it is driven; the definitions are in `docs/controller.md`.
+//! The metrics of a pivot, computed while it is driven; the definitions are in `docs/controller.md`.
 
 use crate::control::{DriveLaw, Phase, PivotSettings};
 use crate::map::Gear;
@@ -11,7 +11,7 @@ use crate::verify::metric::{Metric, Values};
 use crate::verify::pivot_driver::{AskedTurn, PivotDriver};
 use crate::verify::scenario::{Expected, Scenario};
 
-/// Observes a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.
+/// Observes a run and accumulates its metrics. Over several turns it takes the largest value, and the mean of shares.
 pub(crate) struct PivotMetrics<'a> {
     bench: &'a PivotBench<'a>,
     settings: &'a PivotSettings,
@@ -180,7 +180,7 @@ impl<'a> PivotMetrics<'a> {
             values.set(Metric::SettlingTimeS, self.settling_s);
         }
         if scenario.expected == Expected::Success {
-            // a turn that failed has an error too: what is missing
+            // a turn that failed has an error too: the missing angle
             values.set(Metric::HeadingErrorDeg, self.heading_error_rad / RAD_PER_DEG);
             values.set(Metric::OvershootDeg, self.overshoot_rad / RAD_PER_DEG);
         }
@@ -200,7 +200,7 @@ impl<'b, L: DriveLaw> Observer<PivotDriver<'b, L>> for PivotMetrics<'_> {
     fn see(&mut self, period: &Period<'_, PivotDriver<'b, L>>) {
         let (asked, state) = (period.driver.turn(), &period.moment.state);
         if let Some(turn) = asked.filter(|_| asked != self.turn) {
-            // the turn before ended where this one begins
+            // the previous turn ended where this one begins
             if self.turn.is_some() {
                 self.end(state);
             }

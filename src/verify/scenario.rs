@@ -1,15 +1,15 @@
-//! The scenarios: which turns, what disturbs them, how they should end.
+//! The scenarios: their turns, disturbances and expected ends.
 
 use crate::control::{Failure, Phase, SteeringFault, WheelPolicy};
 use serde::{Deserialize, Serialize};
 
-/// What kind of scenario it is: the gate's limits go by class.
+/// Class of a scenario; the gate's limits depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
     /// A turn on a good floor.
     Turn,
-    /// A turn under circumstances that the map does not know of.
+    /// A turn under conditions that the map does not contain.
     Hard,
     /// Something fails, and the vehicle has to stop safely.
     Failure,
@@ -24,26 +24,26 @@ pub enum Class {
 }
 
 impl Class {
-    /// Whether it is turning on the spot, which the map is made for; the others are manoeuvres.
+    /// Whether it is a pivot, for which the map is made; the others are manoeuvres.
     pub fn is_pivot(self) -> bool {
         matches!(self, Self::Turn | Self::Hard | Self::Failure)
     }
 }
 
-/// What the world does to the vehicle; figures that depend on the vehicle are relative to it.
+/// A disturbance of the vehicle; values that depend on the vehicle are relative to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Disturbance {
     /// An obstacle: emergency stop.
     Obstacle,
-    /// The steering does not move any more.
+    /// The steering no longer moves.
     SteeringStuck,
     /// The steering moves at this share of its rate.
     SteeringSlow {
         /// 0 to 1.
         rate_factor: f64,
     },
-    /// The steering angle reads nonsense.
+    /// The steering-angle reading is invalid.
     SteeringImplausible,
     /// The speed sensor gives no reading.
     SpeedLost,
@@ -73,7 +73,7 @@ pub struct Onset {
     pub after_s: f64,
 }
 
-/// How a scenario should end.
+/// The expected end of a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
@@ -88,7 +88,7 @@ pub enum Expected {
 pub struct Scenario {
     /// Its name on the command line.
     pub name: String,
-    /// What it is, for people.
+    /// Description.
     pub what: String,
     /// Class.
     pub class: Class,
@@ -98,9 +98,9 @@ pub struct Scenario {
     pub policy: WheelPolicy,
     /// Wheel angle at the start [°].
     pub start_wheel_deg: f64,
-    /// What disturbs it, and when; `None` from the start.
+    /// Its disturbance and the onset; without an onset from the start.
     pub disturbance: Option<(Disturbance, Option<Onset>)>,
-    /// How it should end.
+    /// Its expected end.
     pub expected: Expected,
 }
 
@@ -118,17 +118,17 @@ impl Scenario {
         }
     }
 
-    /// Whether a turn of it needs reverse gear.
+    /// Whether one of its turns needs reverse gear.
     pub fn needs_reverse(&self) -> bool {
         self.policy == WheelPolicy::HoldLeft && self.turns_deg.iter().any(|&t| t < 0.0)
     }
 
-    /// Whether a turn of it drives forward with the wheel on the other side than in the test.
+    /// Whether one of its turns drives forward with the wheel on the side opposite to the test's.
     pub fn assumes_symmetry(&self) -> bool {
         self.policy == WheelPolicy::Mirror && self.turns_deg.iter().any(|&t| t < 0.0)
     }
 
-    /// Every scenario, in the order in which they are shown.
+    /// Every scenario, in display order.
     pub fn all() -> Vec<Self> {
         let (hold, mirror) = (WheelPolicy::HoldLeft, WheelPolicy::Mirror);
         let mut all = Vec::new();

@@ -1,4 +1,4 @@
-//! How a map is verified.
+//! Settings of the verification.
 
 use crate::control::WaypointLawSettings;
 use crate::sim;
@@ -7,14 +7,14 @@ use crate::verify::gate::Gate;
 use crate::verify::perturbations::Spread;
 use crate::verify::scenario::Scenario;
 
-/// How a map is verified.
+/// Settings of the verification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerifySettings {
     /// The scenarios. Default all.
     pub scenarios: Vec<Scenario>,
-    /// Perturbed plants per scenario. Default 200: the 99th percentile then rests on the two worst.
+    /// Perturbed plants per scenario. Default 200: the two worst then determine the 99th percentile.
     pub draws: usize,
-    /// Perturbed plants in the comparison. Default 20; 0 leaves the comparison out.
+    /// Perturbed plants in the comparison. Default 20; 0 skips the comparison.
     pub comparison_draws: usize,
     /// How far they are perturbed.
     pub spread: Spread,
@@ -32,7 +32,7 @@ impl VerifySettings {
     /// The defaults.
     ///
     /// # Errors
-    /// None in practice: the built-in gate is read.
+    /// None in practice: the built-in gate is parsed.
     pub fn new() -> Result<Self> {
         Ok(Self {
             scenarios: Scenario::all(),
@@ -47,14 +47,14 @@ impl VerifySettings {
     }
 }
 
-/// What is wanted beside the verdict. Default nothing.
+/// Outputs beside the verdict. Default none.
 #[derive(Clone, Copy, Default)]
 pub struct Wanted<'a> {
     /// The runs over time, for the report.
     pub traces: bool,
     /// A log of each nominal run.
     pub logs: bool,
-    /// Called after every simulated run, from any thread, with the number of runs in all.
+    /// Called after every simulated run, from any thread, with the total number of runs.
     pub progress: Option<&'a (dyn Fn(usize) + Sync)>,
 }
 

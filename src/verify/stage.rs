@@ -29,7 +29,7 @@ pub(crate) struct PivotStage<'a> {
     pub(crate) done: &'a (dyn Fn() + Sync),
 }
 
-/// Runs of one law over one scenario: what was measured of each, and its observer.
+/// Runs of one law over one scenario: the metrics and the observer of each.
 pub(crate) struct PivotRuns<N, O> {
     pub(crate) nominal: (Values, N),
     pub(crate) draws: Vec<(Values, O)>,
@@ -61,7 +61,7 @@ impl<'a> PivotStage<'a> {
         })
     }
 
-    /// What a run needs to know of the vehicle.
+    /// Data of the vehicle that a run needs.
     pub(crate) fn bench(&self) -> PivotBench<'_> {
         let profile = &self.control.planning.profile;
         let torque_nm = |accel| self.exact.torque(Gear::Forward, 0.5 * profile.cruise_mps, accel).map_or(0.0, |found| found.torque_nm);

@@ -1,4 +1,4 @@
-//! What every log of `verify --log` holds of the vehicle: its joints, what it was commanded, its emergency stop.
+//! The vehicle's part of every log of `verify --log`: joints, commands, emergency stop.
 
 use crate::map::Gear;
 use crate::record::{JointState, LogWriter, MessageStamp, Result, RosMessage};
@@ -8,12 +8,12 @@ use crate::units::NS_PER_S;
 /// Time of the first message [ns since 1970]: 2026-01-01 UTC, so that the same run gives the same bytes.
 pub(crate) const START_NS: u64 = 1_767_225_600_000_000_000;
 
-/// The log's time of a simulated one.
+/// The log time of a simulated time.
 pub(crate) fn log_time_ns(t_s: f64) -> u64 {
     START_NS + (t_s * NS_PER_S).round() as u64
 }
 
-/// One control period of the vehicle, as it was read, with the torque and the gear that were commanded.
+/// The readings of one control period, with the commanded torque and gear.
 pub(crate) fn write_vehicle(
     log: &mut LogWriter,
     wheel_radius_m: f64,

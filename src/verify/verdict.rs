@@ -1,4 +1,4 @@
-//! The verdict: everything that `verify.json` holds.
+//! The verdict: the content of `verify.json`.
 
 use crate::control::HeadingLawSettings;
 use crate::map::expect_format;
@@ -10,18 +10,18 @@ use crate::verify::round_trip::{RoundTripLimit, RoundTripVerdict};
 use crate::verify::scenario::Class;
 use serde::{Deserialize, Serialize};
 
-/// What the `format` field of a `verify.json` says.
+/// Value of the `format` field of a `verify.json`.
 pub const FORMAT: &str = "pivot-cal/verify";
 
-/// Whether a scenario, or a map, keeps its limits.
+/// Whether a scenario or a map keeps its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// Every limit is kept.
     Pass,
-    /// A limit is not.
+    /// A limit is broken.
     Fail,
-    /// It could not be run; a note says why. That is no failure.
+    /// It could not be run; a note gives the reason. This is not a failure.
     NotTested,
 }
 
@@ -36,11 +36,11 @@ pub struct MapVerdict {
     pub tool_version: String,
     /// Whether the map passes: the round trip, and every scenario that was tested.
     pub status: Status,
-    /// What failed or was left out, in words.
+    /// Failures and skipped scenarios, in words.
     pub notes: Vec<String>,
     /// SHA-256 of the Table 2 files that were judged, forward first.
     pub table2_csv_sha256: Vec<String>,
-    /// What did not fit together and was let pass with `--force`.
+    /// Mismatches that were accepted with `--force`.
     pub forced: Vec<String>,
     /// The plant.
     pub plant: PlantSummary,
@@ -62,9 +62,9 @@ pub struct MapVerdict {
     pub round_trip: Vec<RoundTripVerdict>,
     /// The scenarios.
     pub scenarios: Vec<ScenarioVerdict>,
-    /// The map beside other laws.
+    /// The map compared with other laws.
     pub comparison: Option<LawComparison>,
-    /// Recorded runs through the plant, when logs were given.
+    /// Recorded runs replayed by the plant, if logs were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub replayed: Vec<ReplayedRun>,
 }
@@ -89,21 +89,21 @@ pub struct PlantSummary {
 pub struct ScenarioVerdict {
     /// Name.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub what: String,
-    /// Class, by which limits are chosen.
+    /// Class; it determines the limits.
     pub class: Class,
     /// Judgement.
     pub status: Status,
-    /// What a reader should know: why it was not tested, what was assumed.
+    /// Notes: why it was not tested, and assumptions.
     pub notes: Vec<String>,
     /// The metrics.
     pub metrics: Vec<MetricSummary>,
-    /// The limits applied.
+    /// The applied limits.
     pub checks: Vec<LimitCheck>,
 }
 
-/// The map beside other laws, on the same plant and the same draws.
+/// The map compared with other laws, on the same plant and the same draws.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LawComparison {
     /// The scenario that all of them drive.
@@ -112,7 +112,7 @@ pub struct LawComparison {
     pub laws: Vec<LawSummary>,
     /// Gain of the constant-gain map and of the conventional law [N·m per m/s²].
     pub constant_gain_nm_per_mps2: f64,
-    /// Gains that the search found for the conventional law.
+    /// Tuned gains of the conventional law.
     pub conventional: ConventionalGains,
     /// Median start jerk of the map over that of the conventional law; the goal is at most 1/3.
     pub start_jerk_ratio: Option<f64>,
@@ -151,7 +151,7 @@ impl ScenarioVerdict {
         Self { name, what, class, status: Status::NotTested, notes: vec![why], metrics: Vec::new(), checks: Vec::new() }
     }
 
-    /// A scenario with its metrics, judged by the gate's limits on its class.
+    /// A scenario with its metrics, judged by the limits of its class.
     pub(crate) fn new(name: &str, what: &str, class: Class, metrics: Vec<MetricSummary>, gate: &Gate) -> Self {
         let checks = gate.check(class, &metrics);
         let status = if checks.iter().all(|c| c.pass) { Status::Pass } else { Status::Fail };

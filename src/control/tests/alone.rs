@@ -1,7 +1,7 @@
 //! The controller compiles without the standard library and without an allocator.
 //!
-//! A build of the whole package cannot prove it: there other crates load the standard library, and with it the float functions of the standard
-//! library resolve in every crate. So the crate is built alone here, with its one dependency and no features.
+//! A build of the whole package cannot prove it: other crates load the standard library there, and then its float functions
+//! resolve in every crate. So the crate is built alone here, with its one dependency and no features.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;

@@ -80,7 +80,7 @@ fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], found: 
     let RoundResult { solution, system, folds, fold, mut pass, .. } = found;
     let prior = state.nuisance_prior(Free::Delays);
     let held_out = HeldOut { fold: &fold, folds: &folds, whole: &system, prior: &prior, courses, speeds, noise: &state.noise };
-    let validation = cross_validation::validate(&state.design, &state.surfaces[0].lattice, &state.gears, &held_out);
+    let validation = cross_validation::validate(&state.design, &state.surfaces.forward.lattice, &state.gears, &held_out);
     let share = validation.as_ref().map_or(1.0, |v| v.comparison.surface_share);
     let stacked = Stacked::new(&system, solution, &state.design.blocks, share, &prior).ok_or(Error::Singular)?;
     if share < 1.0 {

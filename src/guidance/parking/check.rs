@@ -1,24 +1,24 @@
-//! The checks of a parking path: nothing touched, no jump of the wheel or the curvature, the goal reached.
+//! The checks of a parking path: no contact, no jump of the wheel or the curvature, the goal reached.
 
 use crate::guidance::PosePath;
 use crate::guidance::look_ahead::largest_steps;
 use crate::guidance::parking::ParkingScene;
 use serde::Serialize;
 
-/// What the checks found.
+/// Results of the checks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PathJudgement {
     /// Distance of the last pose from the goal [m].
     pub position_m: f64,
     /// |heading error| of the last pose [rad].
     pub heading_rad: f64,
-    /// Least distance of the body from anything along the path [m], negative in a collision.
+    /// Least distance of the body from an obstacle along the path [m], negative in a collision.
     pub clearance_m: f64,
     /// Largest change of the wheel angle per step [rad].
     pub wheel_step_rad: f64,
     /// Largest change of the curvature per step [1/m].
     pub curvature_step_per_m: f64,
-    /// Whether all of it is within limits.
+    /// Whether every value is within its limit.
     pub pass: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The entry circle: tangent to the first line and to the slot's axis, past the corner of the obstacle on the side from which the vehicle comes.
+//! The entry circle: tangent to the first line and to the slot's axis, past the corner of the obstacle on the vehicle's side.
 //!
 //! With the axis u = (cos φ, sin φ) outward and n = (sin φ, −cos φ) to its right, the circle of radius R that touches the line y = y₁ and the axis
 //! has its centre at
@@ -7,7 +7,7 @@
 //! C = t u + R n      t = (y₁ − R (1 − cos φ))/sin φ
 //! ```
 //!
-//! when it backs in. Nose in it comes from the other side: C = t u − R n, t = (y₁ − R (1 + cos φ))/sin φ.
+//! when it backs in. Nose in, it is on the other side: C = t u − R n, t = (y₁ − R (1 + cos φ))/sin φ.
 //!
 //! The body's inner side is R − W/2 from C. It passes the corner P with the safety distance d when |C − P| ≤ R − W/2 − d. At φ = 90° this is
 //! R = c − √(2 (a − b)(y₁ − b)) or more, with a half the slot's width, b = W/2 + d, c = a + y₁ − b. Without an obstacle on the right, the
@@ -22,16 +22,16 @@ use serde::Serialize;
 pub struct SlotEntry {
     /// Radius of the rear axle's middle [m].
     pub radius_m: f64,
-    /// Where it touches the first line, along the row [m].
+    /// Point of contact with the first line, along the row [m].
     pub line_x_m: f64,
-    /// Where it touches the slot's axis, outward from the mouth [m].
+    /// Point of contact with the slot's axis, outward from the mouth [m].
     pub axis_m: f64,
     /// Distance of the body's inner side from the obstacle's corner [m]; infinite without an obstacle.
     pub corner_clearance_m: f64,
 }
 
 impl ParkingScene {
-    /// Smallest radius that planning uses: the wheel at its limit less the reserve [m].
+    /// Smallest radius that planning uses: at the wheel limit less the reserve [m].
     pub fn least_radius_m(&self) -> f64 {
         self.body.wheelbase_m / (self.look_ahead.wheel_limit_rad - self.wheel_reserve_rad).tan()
     }
@@ -51,7 +51,7 @@ impl ParkingScene {
 /// The smallest entry circle.
 ///
 /// # Errors
-/// No circle passes the corner: the nearest width of the slot at which one does.
+/// No circle passes the corner; the error holds the nearest width of the slot at which one does.
 pub fn entry_circle(scene: &ParkingScene) -> Result<SlotEntry> {
     let least_m = scene.least_radius_m();
     if let Some(entry) = smallest(scene) {
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn without_an_obstacle_the_wheel_alone_decides() {
+    fn without_an_obstacle_the_wheel_limit_determines_the_circle() {
         let mut scene = usual_scene(90.0);
         scene.slot.obstacle_right = false;
         let entry = entry_circle(&scene).unwrap();

@@ -1,4 +1,5 @@
-//! The plan: straight in where the start allows it; else start and adjust on the first line, enter on the circle, shuffle on the axis. In reverse, or nose in.
+//! The plan: straight in if the start allows it. Otherwise start and adjust on the first line, enter on the circle, shuffle on the axis.
+//! In reverse, or nose in.
 
 use crate::guidance::look_ahead::{LookAheadFollower, finite_start};
 use crate::guidance::parking::ParkingScene;
@@ -17,7 +18,7 @@ use std::f64::consts::PI;
 pub enum ParkingStage {
     /// Forward along the first line, past the slot.
     Start,
-    /// Back along the first line to the entry circle, until the vehicle stands along it.
+    /// Back along the first line to the entry circle, until the vehicle is aligned with the line.
     Adjust,
     /// Along the circle and the slot's axis: in reverse, or nose in.
     Enter,
@@ -25,10 +26,10 @@ pub enum ParkingStage {
     Shuffle,
 }
 
-/// Where a stage begins.
+/// Start of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct StageSpan {
-    /// Which.
+    /// The stage.
     pub stage: ParkingStage,
     /// Index of its first pose.
     pub from: usize,
@@ -43,13 +44,13 @@ pub struct ParkingPlan {
     pub stages: Vec<StageSpan>,
     /// The entry circle; `None` when the vehicle goes straight in.
     pub entry: Option<SlotEntry>,
-    /// What the checks found: all within limits.
+    /// Results of the checks: all within limits.
     pub judgement: PathJudgement,
 }
 
-/// Radii that are tried, as factors of the smallest: a larger circle gives way to the other obstacles.
+/// Radii that are tried, as factors of the smallest: a larger circle may avoid the other obstacles.
 const RADII: [f64; 7] = [1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75];
-/// Shuffles at most.
+/// Largest number of shuffles.
 const SHUFFLES: usize = 3;
 
 /// Plans from `start`.
@@ -66,7 +67,7 @@ pub fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingPlan> {
     if found {
         return Ok(best);
     }
-    // the nearest start on the way to the first line from which it goes
+    // the nearest feasible start toward the first line
     let nearer = |share: f64| ParkingStart {
         x_m: start.x_m,
         y_m: start.y_m + share * (scene.line_m() - start.y_m),
@@ -97,7 +98,7 @@ pub fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingPlan> {
     })
 }
 
-/// The narrowest aisle in which a start on the first line is planned; `None` when eight times the aisle does not help.
+/// The narrowest aisle in which a start on the first line is planned; `None` if eight times the aisle does not suffice.
 fn nearest_aisle_m(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> Option<f64> {
     narrowest_m(scene.slot.aisle_m.max(0.1), &[2.0, 4.0, 8.0], |aisle_m| {
         let mut wider = *scene;
@@ -106,7 +107,7 @@ fn nearest_aisle_m(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry)
     })
 }
 
-/// The narrowest slot into which a start on the first line is planned; `None` when four times the width does not help.
+/// The narrowest slot into which a start on the first line is planned; `None` if four times the width does not suffice.
 fn nearest_slot_m(scene: &ParkingScene, start: ParkingStart) -> Option<f64> {
     narrowest_m(scene.slot.width_m, &[1.25, 1.5, 2.0, 4.0], |width_m| {
         let mut wider = *scene;
@@ -115,7 +116,7 @@ fn nearest_slot_m(scene: &ParkingScene, start: ParkingStart) -> Option<f64> {
     })
 }
 
-/// The smallest width from `low_m` on, to a centimetre, that fits, if one of its multiples does.
+/// The smallest width from `low_m` up that fits, to a centimetre, if one of its multiples fits.
 fn narrowest_m(low_m: f64, multiples: &[f64], fits: impl Fn(f64) -> bool) -> Option<f64> {
     let mut low = low_m;
     let mut high = multiples.iter().map(|f| f * low_m).find(|&width_m| fits(width_m))?;
@@ -130,7 +131,7 @@ fn narrowest_m(low_m: f64, multiples: &[f64], fits: impl Fn(f64) -> bool) -> Opt
     Some(high)
 }
 
-/// The first plan that passes, else the one with the most clearance of those that end nearest.
+/// The first plan that passes, otherwise the one with the most clearance of those that end nearest.
 fn attempt(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> (ParkingPlan, bool) {
     if let Some(plan) = direct(scene, start).filter(|p| p.judgement.pass) {
         return (plan, true);
@@ -150,7 +151,7 @@ fn attempt(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> (Par
     (best.unwrap_or_else(|| by_circle(scene, start, entry, true)), false)
 }
 
-/// Straight in: the axis alone is followed. Only before the mouth, looking along the axis within 80°: outward, or inward to go nose in.
+/// Straight in along the axis alone. Only from before the mouth with a heading within 80° of the axis: outward, or inward for nose in.
 fn direct(scene: &ParkingScene, start: ParkingStart) -> Option<ParkingPlan> {
     let turn = start.heading_rad - scene.goal().heading_rad;
     if start.y_m <= 0.0 || turn.cos() < 80.0_f64.to_radians().cos() {
@@ -166,7 +167,7 @@ fn direct(scene: &ParkingScene, start: ParkingStart) -> Option<ParkingPlan> {
     Some(finish(scene, follower, stages, None))
 }
 
-/// By the first line and the circle. `drive_up`: forward along the line first; else back along it at once.
+/// By the first line and the circle. `drive_up`: first forward along the line; otherwise back along it at once.
 fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_up: bool) -> ParkingPlan {
     if scene.nose_in {
         return nose_in(scene, start, entry, drive_up);
@@ -174,7 +175,7 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     let mut follower = follower(scene, start);
     let mut stages = Vec::new();
     let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
-    // from here the wheel still has way to turn in
+    // from here the wheel still has enough distance to turn in
     let past_m = entry.line_x_m + 2.0 * ahead_m;
     if drive_up {
         let length = (past_m - start.x_m).max(0.0) + 1.0;
@@ -200,8 +201,8 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     finish(scene, follower, stages, Some(*entry))
 }
 
-/// Nose in: back along the first line where the circle is already behind, forward along it, the circle and the axis. `drive_up`: before backing up,
-/// forward along the line until the vehicle stands along it.
+/// Nose in: back along the first line if the circle is already behind, forward along it, the circle and the axis. `drive_up`: before
+/// backing up, forward along the line until the vehicle is aligned with it.
 fn nose_in(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_up: bool) -> ParkingPlan {
     let mut follower = follower(scene, start);
     let mut stages = Vec::new();
@@ -245,7 +246,7 @@ fn axis_from(scene: &ParkingScene, outward_m: f64) -> ReferenceLine {
     ReferenceLine::starting(ahead(PlanePoint::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
 }
 
-/// To the end of `way`, to half a step.
+/// Follows `way` to its end, within half a step.
 fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &ReferenceLine) {
     let end_m = way.length_m() - 0.5 * scene.look_ahead.step_m;
     let start_m = follower.last();
@@ -253,13 +254,13 @@ fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &Reference
     follower.follow(way, scene.gear_in(), room, |_, s| s >= end_m);
 }
 
-/// Out and in again along the axis while the end is not as it should be.
+/// Out and in again along the axis while the end is not within tolerance.
 fn shuffle(scene: &ParkingScene, follower: &mut LookAheadFollower, stages: &mut Vec<StageSpan>) {
     let out_m = scene.body.wheelbase_m;
     for _ in 0..SHUFFLES {
         let judgement = judge(scene, &follower.path);
         let straight = judgement.position_m <= scene.tolerance.position_m && judgement.heading_rad <= scene.tolerance.heading_rad;
-        // what is far off, or has touched something, no shuffle mends
+        // no shuffle corrects a large error or a contact
         if straight || judgement.clearance_m < scene.tolerance.clearance_m || judgement.position_m > out_m {
             return;
         }
@@ -322,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_of_successes_falls_where_the_room_does() {
+    fn the_share_of_successes_falls_with_the_room() {
         let mut tight = scene(90.0);
         tight.slot.width_m = tight.least_width_m() + 0.02;
         tight.slot.aisle_m = 2.3;
@@ -389,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_parked_names_what_can() {
+    fn an_infeasible_task_names_the_nearest_feasible_value() {
         let mut scene = scene(90.0);
         scene.slot.aisle_m = 1.9;
         let error = plan(&scene, ParkingStart { x_m: -2.0, y_m: 1.0, ..ParkingStart::default() }).unwrap_err();

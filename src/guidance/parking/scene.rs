@@ -1,4 +1,4 @@
-//! The slot, what stands around it, and where the vehicle should stand in the end.
+//! The slot, the obstacles around it, and the parked pose.
 
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
@@ -17,16 +17,16 @@ pub struct Slot {
     pub depth_m: f64,
     /// Angle from the row's direction to the slot's axis, outward [rad], 30° to 150°; 90° is perpendicular.
     pub angle_rad: f64,
-    /// Whether something stands on the right, as seen by the parked driver: on the side from which the vehicle backs in.
+    /// Whether there is an obstacle on the right of the parked driver: the side from which the vehicle backs in.
     pub obstacle_right: bool,
-    /// Whether something stands on the left.
+    /// Whether there is an obstacle on the left.
     pub obstacle_left: bool,
     /// Width of the aisle before the row [m].
     pub aisle_m: f64,
 }
 
 impl Slot {
-    /// A perpendicular slot between two obstacles, as wide as the vehicle needs and 0.2 m more, and deep enough, with an aisle of three lengths.
+    /// A perpendicular slot between two obstacles, 0.2 m wider than necessary and deep enough, with an aisle of three lengths.
     pub fn usual(body: &BodyShape, safety_m: f64) -> Self {
         Self {
             width_m: body.width_m + 2.0 * safety_m + 0.2,
@@ -39,24 +39,24 @@ impl Slot {
     }
 }
 
-/// Everything that parking is planned with.
+/// The inputs of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ParkingScene {
     /// Outline.
     pub body: BodyShape,
     /// Slot.
     pub slot: Slot,
-    /// Whether the vehicle goes in forward and stands with its nose to the slot's end. Default no: it backs in.
+    /// Whether the vehicle goes in forward and parks with its nose to the slot's end. Default no: it backs in.
     pub nose_in: bool,
-    /// How lines and circles are followed.
+    /// Settings of following lines and circles.
     pub look_ahead: LookAhead,
     /// Distance of the body from the row on the first line [m]. Default 1.
     pub line_distance_m: f64,
     /// Safety distance from the obstacle's corner and the slot's end [m]. Default 0.2.
     pub safety_m: f64,
-    /// Wheel angle that circles leave to the tracking [rad]. Default 5°.
+    /// Wheel angle that circles reserve for the tracking [rad]. Default 5°.
     pub wheel_reserve_rad: f64,
-    /// What counts as parked.
+    /// Tolerances of the parked pose.
     pub tolerance: Tolerance,
 }
 
@@ -75,10 +75,10 @@ impl ParkingScene {
         }
     }
 
-    /// Checks every number, and that the slot takes the vehicle at all.
+    /// Checks every number, and that the vehicle fits into the slot.
     ///
     /// # Errors
-    /// The first number out of its range; a slot too narrow or too shallow, with the nearest that does.
+    /// The first number out of its range; a slot too narrow or too shallow, with the nearest feasible size.
     pub fn checked(self) -> Result<Self> {
         self.body.checked()?;
         self.look_ahead.checked()?;
@@ -129,15 +129,15 @@ impl ParkingScene {
         if self.nose_in { Gear::Reverse } else { Gear::Forward }
     }
 
-    /// Where the rear axle's middle stands when parked, along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps the
-    /// safety distance from the slot's end.
+    /// Parked position of the rear axle's middle along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps
+    /// the safety distance from the slot's end.
     pub fn parked_at_m(&self) -> f64 {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let before_m = if self.nose_in { self.body.length_m() - self.body.rear_overhang_m } else { self.body.rear_overhang_m };
         -self.slot.depth_m + before_m + (self.safety_m + 0.5 * self.body.width_m * cos.abs()) / sin
     }
 
-    /// The pose to be reached.
+    /// The goal pose.
     pub fn goal(&self) -> ParkingStart {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let t = self.parked_at_m();
@@ -152,12 +152,12 @@ impl ParkingScene {
         PlanePoint::new(if self.nose_in { -half } else { half }, 0.0)
     }
 
-    /// What may not be touched: the neighbours, the end of the slot, the other side of the aisle.
+    /// The obstacles: the neighbours, the end of the slot, the other side of the aisle.
     pub fn obstacles(&self) -> Vec<Polygon> {
         let (slot, (sin, cos)) = (&self.slot, self.slot.angle_rad.sin_cos());
         let (dx, dy) = (-slot.depth_m * cos, -slot.depth_m * sin);
         let half = 0.5 * slot.width_m / sin;
-        // a neighbour reaches as far as the vehicle could ever be
+        // a neighbour extends as far as the vehicle can reach
         let far = 30.0 + slot.aisle_m + slot.depth_m;
         let neighbour = |from: f64, to: f64| {
             Polygon::trusted(vec![
@@ -186,7 +186,7 @@ impl ParkingScene {
     }
 }
 
-/// The usual slot for a vehicle of wheelbase 0.9 m, slanted by `angle_deg` and as deep as that needs, for tests.
+/// The usual slot for a vehicle of wheelbase 0.9 m, slanted by `angle_deg` and deep enough for that, for tests.
 #[cfg(test)]
 pub(crate) fn usual_scene(angle_deg: f64) -> ParkingScene {
     let body = BodyShape::usual(0.9);
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slot_too_small_is_refused_with_the_nearest_that_is_not() {
+    fn a_slot_too_small_is_an_error_with_the_nearest_feasible_size() {
         let mut narrow = usual_scene(90.0);
         narrow.slot.width_m = 1.0;
         let error = narrow.checked().unwrap_err();

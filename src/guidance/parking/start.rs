@@ -1,8 +1,8 @@
-//! Where a vehicle starts to park.
+//! The start of parking.
 
 use serde::Serialize;
 
-/// Where parking starts: the middle of the rear axle.
+/// Start of parking: pose of the rear axle's middle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct ParkingStart {
     /// Along the row [m].

@@ -1,17 +1,17 @@
-//! How near a parked vehicle must come to its place.
+//! Tolerances of the parked pose.
 
 use crate::guidance::Result;
 use crate::guidance::body::within;
 use serde::Serialize;
 
-/// What counts as parked.
+/// Tolerances of the parked pose.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Tolerance {
     /// Distance from the goal [m]. Default 0.05.
     pub position_m: f64,
     /// Heading error [rad]. Default 1°.
     pub heading_rad: f64,
-    /// Least distance of the body from anything [m]. Default 0.1: half of the safety distance is left to the drive.
+    /// Least distance of the body from an obstacle [m]. Default 0.1: half of the safety distance remains for the drive.
     pub clearance_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! A course: a path made of pieces whose curvature changes linearly (straights, arcs, clothoids), forward or in reverse.
+//! A course: a path of pieces whose curvature changes linearly (straights, arcs, clothoids), forward or in reverse.
 
 use crate::control::numeric::{atan, sin_cos};
 use crate::guidance::path::{PathPose, PosePath};

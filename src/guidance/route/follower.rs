@@ -1,6 +1,6 @@
 //! Drives one leg of a path: a tracking law steers, the speed plan, the speed loop and a torque source drive.
 //!
-//! Stages: the wheel goes to the law's angle while the vehicle stands; it drives; where the way left is what it needs to stop, it stops. One
+//! Stages: the wheel turns to the law's angle while the vehicle rests; it drives; it stops at its stopping distance from the end. One
 //! period: nearest point → wheel angle (law + compensation); preview of the planned speed → speed loop → desired acceleration → torque.
 
 use crate::control::numeric::sin_cos;
@@ -21,21 +21,21 @@ pub struct FollowerSettings {
     pub limits: Limits,
     /// The tracking law.
     pub tracking: TrackingSettings,
-    /// Speeds along a leg.
+    /// Speed plan of a leg.
     pub speed: SegmentSpeed,
-    /// How far the planned speed is read ahead.
+    /// Preview of the planned speed.
     pub preview: Preview,
     /// Speed loop. Default that of the pivot with −1.5…1.0 m/s².
     pub speed_loop: SpeedLoopSettings,
-    /// Below this speed [m/s] the vehicle counts as standing. Default 0.02.
+    /// Below this speed [m/s] the vehicle counts as resting. Default 0.02.
     pub standstill_mps: f64,
-    /// How near its angle the wheel must be to set off [rad]. Default 2°.
+    /// Largest wheel-angle error at the start of the drive [rad]. Default 2°.
     pub angle_tolerance_rad: f64,
     /// Deceleration of the stop [m/s²]. Default 0.3.
     pub stop_decel_mps2: f64,
-    /// From a command to its effect [s]. Default 0.12: dead time, lag and one period.
+    /// Time from a command to its effect [s]. Default 0.12: dead time, lag and one period.
     pub reaction_s: f64,
-    /// Standing this long while it should drive, or steering this long, is a failure [s]. Default 4.
+    /// Resting this long while it should drive, or steering this long, is a failure [s]. Default 4.
     pub stall_s: f64,
 }
 
@@ -57,11 +57,11 @@ impl FollowerSettings {
     }
 }
 
-/// Where a manoeuvre stands.
+/// Stage of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DriveStage {
-    /// The wheel goes to its angle, the vehicle stands.
+    /// The wheel turns to its angle, the vehicle rests.
     Steering,
     /// It drives along a leg.
     Driving,
@@ -69,7 +69,7 @@ pub enum DriveStage {
     Stopping,
     /// It turns on the spot.
     Turning,
-    /// The end is reached, and it stands.
+    /// The end is reached, and the vehicle rests.
     Arrived,
     /// It has failed and gives no torque.
     Failed(Trouble),
@@ -91,7 +91,7 @@ pub enum Trouble {
     Heading,
 }
 
-/// What is commanded for one period, vehicle frame.
+/// Commands of one period, vehicle frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveCommand {
     /// Torque [N·m].
@@ -100,25 +100,25 @@ pub struct DriveCommand {
     pub wheel_angle_rad: f64,
     /// Gear.
     pub gear: Option<Gear>,
-    /// Where the manoeuvre stands.
+    /// Stage of the manoeuvre.
     pub stage: DriveStage,
-    /// Front-wheel speed that was asked for [m/s].
+    /// Desired front-wheel speed [m/s].
     pub target_speed_mps: f64,
     /// Desired acceleration [m/s²].
     pub accel_mps2: f64,
     /// Nearest point of the path.
     pub matched: Option<Matched>,
-    /// Lateral error e of the matched point seen from the vehicle [m], as the controller knows it.
+    /// Lateral error e of the matched point seen from the vehicle [m], as the controller measures it.
     pub lateral_error_m: f64,
 }
 
 impl DriveCommand {
-    /// Arrived: nothing more is asked for.
+    /// Arrived: no further command.
     pub fn at_rest(wheel_angle_rad: f64) -> Self {
         Self::hold(wheel_angle_rad, None, DriveStage::Arrived)
     }
 
-    /// Nothing but an angle to hold.
+    /// Only an angle to hold.
     pub(crate) fn hold(wheel_angle_rad: f64, gear: Option<Gear>, stage: DriveStage) -> Self {
         Self { torque_nm: 0.0, wheel_angle_rad, gear, stage, target_speed_mps: 0.0, accel_mps2: 0.0, matched: None, lateral_error_m: 0.0 }
     }
@@ -136,13 +136,13 @@ pub struct PathFollower {
     standing_s: f64,
 }
 
-/// Deceleration that ends in the way left [m/s²], from a quarter to three times the planned one.
+/// Deceleration that ends within the remaining distance [m/s²], from a quarter to three times the planned one.
 pub(crate) fn stop_decel(speed_mps: f64, left_m: f64, planned_mps2: f64) -> f64 {
     let exact = if left_m > 0.0 { 0.5 * speed_mps * speed_mps / left_m } else { f64::INFINITY };
     exact.max(0.25 * planned_mps2).min(3.0 * planned_mps2)
 }
 
-/// Standing this long counts as at rest [s].
+/// Time at zero speed that counts as at rest [s].
 const AT_REST_S: f64 = 0.3;
 
 impl PathFollower {
@@ -152,12 +152,12 @@ impl PathFollower {
         Self { settings, law, speed_loop: SpeedLoop::default(), stage: DriveStage::Steering, index: 0, accel_mps2: 0.0, standing_s: 0.0 }
     }
 
-    /// Where it stands.
+    /// Its stage.
     pub fn stage(&self) -> DriveStage {
         self.stage
     }
 
-    /// Forgets the leg before.
+    /// Resets the state for a new leg.
     pub fn start(&mut self) {
         self.law.start();
         (self.speed_loop, self.stage, self.index) = (SpeedLoop::default(), DriveStage::Steering, 0);
@@ -194,7 +194,7 @@ impl PathFollower {
             }
             DriveStage::Driving => {
                 let needs_m = track.speed_mps * (settings.reaction_s + 0.5 * track.speed_mps / settings.stop_decel_mps2);
-                // faster than that the speed loop is still on its way down to the switch-over speed
+                // above that speed the speed loop is still decelerating to the switch-over speed
                 let slow = speed_mps <= 2.0 * settings.speed.switch_mps;
                 if left_m <= 0.0 || (slow && left_m <= needs_m) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);

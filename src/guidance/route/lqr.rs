@@ -1,8 +1,9 @@
-//! LQR: the state feedback that minimises Σ q_e e² + q_ψ ψ² + r u² over the linear error model, one step being one piece of the way.
+//! LQR: the state feedback that minimises Σ q_e e² + q_ψ ψ² + r u² over the linear error model; one step is one piece of distance.
 //!
-//! `e⁺ = e + h ψ`, `ψ⁺ = ψ + h u`, u the curvature beyond the path's own, h a step of way; `δ = atan(L (κ_r − K·(e, ψ)))`. K comes from the
-//! discrete algebraic Riccati equation by iteration to its fixed point. In way instead of time the gains do not depend on speed. Source: Anderson &
-//! Moore (1990), *Optimal Control: Linear Quadratic Methods*, ch. 3; for path tracking Snider (2009), CMU-RI-TR-09-08, §4.
+//! `e⁺ = e + h ψ`, `ψ⁺ = ψ + h u`, u the curvature beyond the path's own, h a step of distance; `δ = atan(L (κ_r − K·(e, ψ)))`. K comes
+//! from the discrete algebraic Riccati equation by iteration to its fixed point. In distance instead of time the gains do not depend on
+//! speed. Source: Anderson & Moore (1990), *Optimal Control: Linear Quadratic Methods*, ch. 3; for path tracking Snider (2009),
+//! CMU-RI-TR-09-08, §4.
 
 use crate::control::numeric::atan;
 use crate::guidance::route::track::{Law, TrackState};
@@ -17,7 +18,7 @@ pub struct Lqr {
     pub heading_weight: f64,
     /// Weight of the added curvature [m²]. Default 1: back onto the line within some 3 m.
     pub curvature_weight: f64,
-    /// Step of way [m]. Default 0.02.
+    /// Step of distance [m]. Default 0.02.
     pub step_m: f64,
 }
 
@@ -34,7 +35,7 @@ impl Lqr {
     /// The gains K = (k_e [1/m²], k_ψ [1/m]).
     pub fn gains(&self) -> [f64; 2] {
         let h = self.step_m;
-        // P symmetric: [a b; b c]; A = [1 h; 0 1], B = [0; h]; the costs are densities over the way
+        // P symmetric: [a b; b c]; A = [1 h; 0 1], B = [0; h]; the costs are densities over distance
         let (q1, q2, r) = (self.offset_weight * h, self.heading_weight * h, self.curvature_weight * h);
         let (mut a, mut b, mut c) = (q1, 0.0, q2);
         let mut gains = [0.0; 2];
@@ -56,7 +57,7 @@ impl Lqr {
     }
 }
 
-/// The law with its gains, which are found once.
+/// The law with its gains, which are computed once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LqrLaw {
     gains: [f64; 2],

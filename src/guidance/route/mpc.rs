@@ -1,4 +1,4 @@
-//! MPC: the wheel angles of the next 1.5 s that track best, with the steering's lag and limits in the model; the first one is asked for.
+//! MPC: the wheel angles of the next 1.5 s that track best, with the steering's lag and limits in the model; the first one is commanded.
 //!
 //! Linear time-varying model about the path, T seconds a step, h = v·T:
 //!
@@ -7,10 +7,10 @@
 //! min Σ q_e e² + q_ψ ψ² + r (u − δ_r)² + r_Δ (u − u₋)²   over |u| ≤ δ_max
 //! ```
 //!
-//! The states are eliminated (condensed form), which leaves a strictly convex quadratic program with bounds, solved by the accelerated projected
-//! gradient method with restart. Sources: Kühne, Lages & Gomes da Silva (2004), *Model predictive control of a mobile robot using linearization*
-//! (the model); Beck & Teboulle (2009), *A Fast Iterative Shrinkage-Thresholding Algorithm*, SIAM J. Imaging Sci. 2(1), and O'Donoghue & Candès
-//! (2015), *Adaptive Restart for Accelerated Gradient Schemes*, Found. Comput. Math. 15 (the method).
+//! The states are eliminated (condensed form). The rest is a strictly convex quadratic program with bounds, solved by the accelerated
+//! projected gradient method with restart. Sources: Kühne, Lages & Gomes da Silva (2004), *Model predictive control of a mobile robot using
+//! linearization* (the model); Beck & Teboulle (2009), *A Fast Iterative Shrinkage-Thresholding Algorithm*, SIAM J. Imaging Sci. 2(1), and
+//! O'Donoghue & Candès (2015), *Adaptive Restart for Accelerated Gradient Schemes*, Found. Comput. Math. 15 (the method).
 
 use crate::control::numeric::{atan, sin_cos, sqrt};
 use crate::guidance::route::track::{Law, TrackState};
@@ -24,7 +24,7 @@ pub const HORIZON: usize = 15;
 pub struct MpcSettings {
     /// Length of a step T [s]. Default 0.1.
     pub step_s: f64,
-    /// Share g of the way to its target that the wheel makes in a step. Default 0.56: lag and delay of 0.12 s together.
+    /// Share g of the distance to its target that the wheel covers in a step. Default 0.56: lag and delay of 0.12 s together.
     pub steering_share: f64,
     /// Weight q_e [1/m²]. Default 6.
     pub offset_weight: f64,
@@ -34,7 +34,7 @@ pub struct MpcSettings {
     pub angle_weight: f64,
     /// Weight r_Δ. Default 2: the wheel does not follow the noise of the pose.
     pub change_weight: f64,
-    /// Lowest speed of the model [m/s]: slower, the way of the horizon would vanish. Default 0.3.
+    /// Lowest speed of the model [m/s]: below it the horizon's distance would vanish. Default 0.3.
     pub min_speed_mps: f64,
 }
 
@@ -79,7 +79,7 @@ impl QuadraticProgram {
                 moved = moved.max((next[i] - u[i]).abs());
                 against += gradient * (next[i] - u[i]);
             }
-            // the momentum points uphill: start afresh
+            // the momentum points uphill: restart
             let grown = if against > 0.0 { 1.0 } else { 0.5 * (1.0 + sqrt(1.0 + 4.0 * t * t)) };
             let carry = if against > 0.0 { 0.0 } else { (t - 1.0) / grown };
             for i in 0..HORIZON {
@@ -121,7 +121,7 @@ impl Law for Mpc {
     }
 }
 
-/// The program of this period; `last` is the angle that was asked for before [rad].
+/// The program of this period; `last` is the previous commanded angle [rad].
 pub(crate) fn program(settings: &MpcSettings, track: &TrackState<'_>, last: f64) -> QuadraticProgram {
     let way_m = track.speed_mps.max(settings.min_speed_mps) * settings.step_s;
     let mut reference = [0.0; HORIZON];

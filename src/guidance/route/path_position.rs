@@ -1,7 +1,7 @@
-//! A place on one leg of a path, and the path as the direction of travel sees it.
+//! A place on one leg of a path, and the path in the travel frame.
 //!
-//! A leg is a run of poses with one direction of travel. In reverse everything is turned round by π: the *travel frame*. There a vehicle
-//! that drives backward is one that drives forward with its steering mirrored (δ' = −δ), so that a law written for forward travel serves both.
+//! A leg is a run of poses with one direction of travel. In reverse everything is rotated by π: the *travel frame*. There a vehicle
+//! that drives backward becomes one that drives forward with its steering mirrored (δ' = −δ), so that a law for forward travel serves both.
 
 use crate::control::Pose;
 use crate::control::numeric::{sin_cos, sqrt, wrapped};
@@ -9,14 +9,14 @@ use crate::guidance::path::PathPose;
 use crate::map::Gear;
 use core::f64::consts::PI;
 
-/// A point of the path as the direction of travel sees it.
+/// A point of the path in the travel frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Matched {
     /// East [m].
     pub x_m: f64,
     /// North [m].
     pub y_m: f64,
-    /// Direction in which the path goes on [rad].
+    /// Direction of the path [rad].
     pub course_rad: f64,
     /// Its change over the distance travelled [1/m], left positive.
     pub curvature_per_m: f64,
@@ -30,7 +30,7 @@ pub struct Leg<'a> {
     poses: &'a [PathPose],
 }
 
-/// How far beyond the nearest point so far the vehicle is sought [m].
+/// Length of the search beyond the nearest point so far [m].
 const WINDOW_M: f64 = 2.0;
 
 impl<'a> Leg<'a> {
@@ -62,7 +62,7 @@ impl<'a> Leg<'a> {
         self.poses[self.poses.len() - 1].s_m
     }
 
-    /// The pose of the vehicle as the direction of travel sees it.
+    /// The pose of the vehicle in the travel frame.
     pub fn travel_pose(&self, pose: Pose) -> Pose {
         match self.gear() {
             Gear::Forward => pose,
@@ -70,7 +70,8 @@ impl<'a> Leg<'a> {
         }
     }
 
-    /// The point at distance `s_m`; before the start and past the end the path goes on straight. `hint`: an index of a pose at or before it.
+    /// The point at distance `s_m`; the path continues straight before the start and past the end. `hint`: an index of a pose at or before
+    /// it.
     pub fn at(&self, s_m: f64, hint: usize) -> Matched {
         let last = self.poses.len() - 1;
         let mut index = hint.min(last - 1);
@@ -103,8 +104,8 @@ impl<'a> Leg<'a> {
         }
     }
 
-    /// The foot of the perpendicular from (`x_m`, `y_m`): the nearest one on the pieces from `hint` onward, looking 2 m
-    /// beyond the nearest so far: a path that comes back to itself is not cut short. Returns the
+    /// The foot of the perpendicular from (`x_m`, `y_m`): the nearest one on the pieces from `hint` onward, searched to 2 m
+    /// beyond the nearest so far, so that a path that returns to itself is not cut short. Returns the
     /// point and the index of its piece. Past either end it lies on the straight continuation.
     pub fn nearest(&self, x_m: f64, y_m: f64, hint: usize) -> (Matched, usize) {
         let last = self.poses.len() - 1;
@@ -141,17 +142,17 @@ impl<'a> Leg<'a> {
     }
 }
 
-/// Distance of the vehicle from the path and between their directions, in the travel frame.
+/// Offset and heading error of the vehicle from the path, in the travel frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Offset {
-    /// How far left of the path the point is [m].
+    /// Distance of the point to the left of the path [m].
     pub lateral_m: f64,
     /// Direction of travel minus course of the path [rad], −π to π.
     pub heading_rad: f64,
 }
 
 impl Offset {
-    /// Of the point of `pose` from `matched`.
+    /// The offset of `pose` from `matched`.
     pub fn new(pose: Pose, matched: &Matched) -> Self {
         let (sin, cos) = sin_cos(matched.course_rad);
         Self {

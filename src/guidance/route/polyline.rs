@@ -1,9 +1,9 @@
-//! A polyline with turns on the spot: from a list of points to segments with headings and directions of travel, and to legs that are driven
+//! A polyline with turns on the spot: a list of points becomes segments with headings and directions of travel, and legs that are driven
 //! without a stop.
 //!
-//! The direction of travel follows by recursion: with the vehicle's heading θ on the segment before and the segment's own direction φ, forward when
-//! |φ − θ| ≤ 90°, else in reverse with heading φ + π. So no corner turns the vehicle by more than 90°. The first segment is driven forward
-//! unless a start heading says otherwise.
+//! The direction of travel follows by recursion, with the vehicle's heading θ on the previous segment and the segment's own direction φ:
+//! forward if |φ − θ| ≤ 90°, otherwise in reverse with heading φ + π. So no corner turns the vehicle by more than 90°. The first segment
+//! is driven forward unless a start heading is given.
 
 use crate::control::numeric::{atan2, wrapped};
 use crate::guidance::path::{PathPose, PosePath};
@@ -13,10 +13,10 @@ use crate::units::RAD_PER_DEG;
 use core::f64::consts::{FRAC_PI_2, PI};
 use serde::Serialize;
 
-/// Why a list of points is no path.
+/// Why a list of points is not a path.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum PolylineError {
     #[error("a path needs at least 2 points, {found} found; add a point at least {least_m} m from the first")]
     TooFewPoints { found: usize, least_m: f64 },
@@ -67,7 +67,7 @@ pub struct PolylineSegment {
     pub heading_rad: f64,
     /// Turn at its start [rad], left positive, at most 90° either way.
     pub turn_rad: f64,
-    /// Whether it goes on from the segment before without a stop.
+    /// Whether it continues from the previous segment without a stop.
     pub continues: bool,
 }
 
@@ -76,7 +76,7 @@ pub struct PolylineSegment {
 pub struct PolylinePlan {
     /// The segments.
     pub segments: Vec<PolylineSegment>,
-    /// What is driven without a stop: one or more segments each.
+    /// The legs, each driven without a stop: one or more segments.
     pub legs: Vec<PosePath>,
     /// Heading of the vehicle on each leg's first segment [rad].
     pub headings_rad: Vec<f64>,
@@ -102,7 +102,7 @@ impl PolylinePlan {
         for (k, pair) in points.windows(2).enumerate() {
             let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
             let length_m = hypot(dx, dy);
-            // a hair of tolerance: points typed at the least distance are that far apart
+            // a small tolerance for rounding: points typed at the least distance are accepted
             if length_m < settings.least_m * (1.0 - 1e-9) {
                 let (x_m, y_m) = (pair[1][0], pair[1][1]);
                 let (distance_m, least_m) = (length_m, settings.least_m);
@@ -177,14 +177,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_path_is_told_with_what_would_be() {
+    fn points_that_are_not_a_path_are_an_error_with_a_remedy() {
         let settings = PolylineSettings::default();
-        let told = |points: &[[f64; 2]]| PolylinePlan::new(points, &settings).unwrap_err().to_string();
-        assert_eq!(told(&[[1.0, 2.0]]), "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first");
-        assert!(told(&[]).contains("0 found"));
-        let repeated = told(&[[0.0, 0.0], [1.0, 2.0], [1.0, 2.0]]);
+        let message = |points: &[[f64; 2]]| PolylinePlan::new(points, &settings).unwrap_err().to_string();
+        assert_eq!(message(&[[1.0, 2.0]]), "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first");
+        assert!(message(&[]).contains("0 found"));
+        let repeated = message(&[[0.0, 0.0], [1.0, 2.0], [1.0, 2.0]]);
         assert!(repeated.starts_with("points 2 and 3 are 0 m apart, at (1, 2); the least is 0.1 m: leave out point 3"), "{repeated}");
-        assert!(told(&[[0.0, 0.0], [f64::NAN, 2.0]]).contains("point 2"));
+        assert!(message(&[[0.0, 0.0], [f64::NAN, 2.0]]).contains("point 2"));
     }
 
     proptest! {

@@ -25,7 +25,7 @@ impl<'a> PolylineDriver<'a> {
         Self { plan, turn_settings, follower: PathFollower::new(settings), turn: None, leg: 0, begun: false }
     }
 
-    /// Index of the leg that is driven or turned to.
+    /// Index of the current leg, driven or turned to.
     pub fn leg(&self) -> usize {
         self.leg
     }
@@ -39,7 +39,7 @@ impl<'a> PolylineDriver<'a> {
         if !self.begun {
             self.begun = true;
             let off = wrapped(heading_rad - inputs.pose.heading_rad);
-            // what the tracking law straightens out while it drives is not turned for
+            // no turn for an angle that the tracking law corrects while driving
             let turns = off.abs() > 2.0 * self.turn_settings.rate.dead_zone_rad;
             self.turn = turns.then(|| SpotTurn::new(self.turn_settings));
             self.follower.start();

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct PurePursuit {
     /// Look-ahead distance at standstill [m]. Default 0.6.
     pub look_ahead_m: f64,
-    /// What speed adds to it [s]. Default 0.6.
+    /// Its increase per speed [s]. Default 0.6.
     pub look_ahead_s: f64,
 }
 

@@ -2,8 +2,8 @@
 //! the speed of the switch-over to the next segment.
 //!
 //! Acceleration is constant on each part, so the square of the speed is linear in the distance. A segment shorter than both distances together
-//! is split half/half: one half accelerates as planned, the other decelerates as planned, and the smaller of both holds; it peaks in the middle
-//! if both distances are equal, and nowhere is the acceleration larger than on a long segment.
+//! is split half/half: one half accelerates as planned, the other decelerates as planned, and the smaller of both speeds is used. It peaks
+//! in the middle if both distances are equal. The acceleration is never larger than on a long segment.
 
 use crate::control::numeric::sqrt;
 use crate::control::{Error, Result};
@@ -12,7 +12,7 @@ use serde::Serialize;
 /// Speeds [m/s] and distances [m] of a segment, front wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SegmentSpeed {
-    /// Speed at the start. Default 0.15: a standing vehicle is asked to move.
+    /// Speed at the start. Default 0.15: a resting vehicle must start.
     pub start_mps: f64,
     /// Distance from start to cruise speed. Default 0.8.
     pub accelerating_m: f64,
@@ -34,7 +34,7 @@ impl SegmentSpeed {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first that is not possible.
+    /// The first invalid one.
     pub fn checked(self) -> Result<Self> {
         let check = |field, value: f64, allowed, good: bool| if good { Ok(()) } else { Err(Error::Setting { field, value, allowed }) };
         check("cruise_mps", self.cruise_mps, "0.05 to 5", (0.05..=5.0).contains(&self.cruise_mps))?;

@@ -1,4 +1,4 @@
-//! What a tracking law sees of the path in a control period, and what the vehicle's wheel can do.
+//! The inputs of a tracking law in a control period, and the limits of the vehicle's wheel.
 
 use crate::control::Pose;
 use crate::control::numeric::{sin_cos, wrapped};
@@ -6,7 +6,7 @@ use crate::guidance::route::path_position::{Leg, Matched, Offset};
 use crate::map::Gear;
 use serde::Serialize;
 
-/// One period as the direction of travel sees it.
+/// One period in the travel frame.
 #[derive(Debug, Clone, Copy)]
 pub struct TrackState<'a> {
     /// The leg that is tracked.
@@ -15,24 +15,24 @@ pub struct TrackState<'a> {
     pub pose: Pose,
     /// Nearest point of the path.
     pub matched: Matched,
-    /// Piece of the leg that it lies on.
+    /// Piece of the leg that contains it.
     pub index: usize,
     /// Offset from it.
     pub offset: Offset,
     /// Speed of the rear axle's middle along the travel [m/s], not negative.
     pub speed_mps: f64,
-    /// Wheel angle in the travel frame [rad], as measured.
+    /// Measured wheel angle in the travel frame [rad].
     pub wheel_angle_rad: f64,
     /// Wheelbase [m].
     pub wheelbase_m: f64,
-    /// Largest wheel angle that may be asked for [rad].
+    /// Largest wheel angle that may be commanded [rad].
     pub max_wheel_rad: f64,
     /// Control period [s].
     pub period_s: f64,
 }
 
 impl<'a> TrackState<'a> {
-    /// Of a vehicle at `pose` with front-wheel speed [m/s] and angle [rad] in the vehicle's frame; `hint` is the piece where it was last seen.
+    /// The state of a vehicle at `pose` with front-wheel speed [m/s] and angle [rad] in the vehicle's frame; `hint` is its last piece.
     pub fn new(leg: Leg<'a>, pose: Pose, hint: usize, front_speed_mps: f64, wheel_angle_rad: f64, limits: &Limits) -> Self {
         let (matched, index) = leg.nearest(pose.x_m, pose.y_m, hint);
         let travel = leg.travel_pose(pose);
@@ -72,19 +72,19 @@ impl<'a> TrackState<'a> {
 
 /// A tracking law.
 pub trait Law: std::fmt::Debug {
-    /// Front-wheel angle that the law wants [rad] in the travel frame, beyond any limit; not finite when the numbers allow no answer.
+    /// Desired front-wheel angle [rad] in the travel frame, not limited; not finite if the numbers give none.
     fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64;
 
-    /// Forgets what was tracked before. Most laws remember nothing.
+    /// Resets the law's memory. Most laws have none.
     fn forget(&mut self) {}
 }
 
-/// What a law must know of the vehicle.
+/// Data of the vehicle that a law needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limits {
     /// Wheelbase [m].
     pub wheelbase_m: f64,
-    /// Largest wheel angle that may be asked for while tracking [rad]. Default 1.2 (69°).
+    /// Largest wheel angle that may be commanded while tracking [rad]. Default 1.2 (69°).
     pub max_wheel_rad: f64,
     /// Control period [s]. Default 0.02.
     pub period_s: f64,

@@ -1,7 +1,7 @@
-//! What a tracking law is: from the vehicle's place beside a path to its front-wheel angle.
+//! A tracking law computes the front-wheel angle from the vehicle's offset from a path.
 //!
-//! In: [`TrackState`], one period as the direction of travel sees it. Out: the wheel angle in that frame. Every law is a step without
-//! allocation ([`Law`]); which law tracks is a choice ([`TrackingSettings`]).
+//! In: [`TrackState`], one period in the travel frame. Out: the wheel angle in that frame. Every law is a step without
+//! allocation ([`Law`]); [`TrackingSettings`] selects the law.
 
 use crate::guidance::route::front_axle::FrontAxle;
 use crate::guidance::route::lqr::{Lqr, LqrLaw};
@@ -11,7 +11,7 @@ use crate::guidance::route::rear_axle::RearAxle;
 use crate::guidance::route::track::{Law, TrackState};
 use serde::{Deserialize, Serialize};
 
-/// Which law tracks, by name.
+/// Name of a tracking law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawName {
@@ -42,7 +42,7 @@ impl LawName {
         }
     }
 
-    /// Name for people.
+    /// Display name.
     pub fn title(self) -> &'static str {
         match self {
             Self::PurePursuit => "pure pursuit",
@@ -90,7 +90,7 @@ impl TrackingSettings {
         }
     }
 
-    /// The law itself, which has seen nothing.
+    /// The law in its initial state.
     fn law(&self) -> Box<dyn Law + Send> {
         match self {
             Self::PurePursuit(law) => Box::new(*law),
@@ -102,22 +102,22 @@ impl TrackingSettings {
     }
 }
 
-/// The law that was chosen, within the limits of the wheel.
+/// The selected law, within the limits of the wheel.
 #[derive(Debug)]
 pub struct TrackingLaw(Box<dyn Law + Send>);
 
 impl TrackingLaw {
-    /// A law that has seen nothing.
+    /// A law in its initial state.
     pub fn new(settings: TrackingSettings) -> Self {
         Self(settings.law())
     }
 
-    /// Forgets the leg before.
+    /// Resets the law for a new leg.
     pub fn start(&mut self) {
         self.0.forget();
     }
 
-    /// Front-wheel angle to ask for [rad], in the vehicle's frame, within the limit; 0 when the numbers allow no answer.
+    /// Commanded front-wheel angle [rad], in the vehicle's frame, within the limit; 0 if the numbers give none.
     pub fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
         let wanted_rad = self.0.wheel_angle_rad(track);
         if wanted_rad.is_finite() { track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad) } else { 0.0 }

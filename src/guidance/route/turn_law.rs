@@ -1,7 +1,7 @@
 //! Turning on the spot towards a heading: two gains, a dead zone, a smallest and a largest rate.
 //!
 //! The published law of such corners turns a vehicle with two driven sides about its geometric centre. This vehicle cannot: with its wheel at 90°
-//! the only point that stands still is the middle of the rear axle. So it turns about that, and the rate is made by the front wheel, v = L·ω.
+//! the only fixed point is the middle of the rear axle. So it turns about that, and the front wheel sets the rate, v = L·ω.
 
 use crate::control::numeric::wrapped;
 use crate::control::{Inputs, SpeedLoop, SpeedLoopSettings};
@@ -21,9 +21,9 @@ pub struct TurnRate {
     pub small_gain_per_s: f64,
     /// Threshold between large and small errors [rad]. Default 25°.
     pub large_rad: f64,
-    /// Errors up to this count as none [rad]. Default 0.5°.
+    /// Errors up to this are ignored [rad]. Default 0.5°.
     pub dead_zone_rad: f64,
-    /// Smallest rate outside the dead zone [rad/s]. Default 0.08: slower the wheel sticks.
+    /// Smallest rate outside the dead zone [rad/s]. Default 0.08: at a lower rate the wheel sticks.
     pub min_rad_s: f64,
     /// Largest rate [rad/s]. Default 0.6.
     pub max_rad_s: f64,
@@ -63,23 +63,23 @@ pub struct TurnSettings {
     pub wheelbase_m: f64,
     /// Control period [s]. Default 0.02.
     pub period_s: f64,
-    /// Fastest change of the asked front-wheel speed [m/s²]. Default 0.4.
+    /// Fastest change of the desired front-wheel speed [m/s²]. Default 0.4.
     pub accel_mps2: f64,
     /// Speed loop. Default that of the pivot.
     pub speed_loop: SpeedLoopSettings,
-    /// How near 90° the wheel must be [rad]. Default 1.5°.
+    /// Largest error of the wheel angle from 90° [rad]. Default 1.5°.
     pub angle_tolerance_rad: f64,
-    /// Below this speed [m/s] the wheel counts as standing. Default 0.02.
+    /// Below this speed [m/s] the wheel counts as resting. Default 0.02.
     pub standstill_mps: f64,
-    /// From a command to its effect [s]. Default 0.12.
+    /// Time from a command to its effect [s]. Default 0.12.
     pub reaction_s: f64,
     /// Deceleration of the stop [m/s²]. Default 0.3.
     pub stop_decel_mps2: f64,
-    /// How far ahead in time the rate is read [s], as the preview of the pivot does. Default 0.3.
+    /// Preview time of the rate [s], as in the pivot. Default 0.3.
     pub preview_s: f64,
-    /// Standing or steering this long is a failure [s]. Default 4.
+    /// Resting or steering this long is a failure [s]. Default 4.
     pub stall_s: f64,
-    /// Corrections after the first stop, most. Default 3.
+    /// Largest number of corrections after the first stop. Default 3.
     pub corrections: u32,
 }
 
@@ -122,8 +122,8 @@ impl SpotTurn {
         Self { settings, stage: DriveStage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
     }
 
-    /// One period towards `heading_rad`. The wheel stands 90° to the left; forward gear turns left, reverse gear right. [`DriveStage::Arrived`] once
-    /// it stands within the dead zone, or has used up its corrections within twice the dead zone.
+    /// One period towards `heading_rad`. The wheel is at 90° to the left; forward gear turns left, reverse gear right.
+    /// [`DriveStage::Arrived`] once it rests within the dead zone, or within twice the dead zone after its last correction.
     pub fn step<T: TorqueSource + ?Sized>(&mut self, heading_rad: f64, inputs: &Inputs, torque: &T) -> DriveCommand {
         let settings = self.settings;
         if matches!(self.stage, DriveStage::Failed(_) | DriveStage::Arrived) {

@@ -4,9 +4,9 @@
 //! β = arctan(½ tan δ)    ẋ = v cos(ψ + β)    ẏ = v sin(ψ + β)    ψ̇ = v cos β tan δ/L    δ̇ = w(t)    v̇ = a(t)
 //! ```
 //!
-//! β is the slip angle of the control point, δ the front wheel's angle, w and a constant on each of a row of segments. The explicit Euler method
+//! β is the slip angle of the control point, δ the front wheel's angle, w and a are constant on each segment. The explicit Euler method
 //! steps with the rates at the start of the step; the classical Runge-Kutta method is of fourth order. A segment's last step is shortened to end
-//! where the segment does. Source: Rajamani, *Vehicle Dynamics and Control*, 2nd ed., §2.2; Hairer, Nørsett & Wanner, *Solving ODEs I*, §II.1.
+//! with the segment. Source: Rajamani, *Vehicle Dynamics and Control*, 2nd ed., §2.2; Hairer, Nørsett & Wanner, *Solving ODEs I*, §II.1.
 
 use crate::guidance::body::within;
 use crate::guidance::{BodyShape, Result};
@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Car {
     /// Outline and wheelbase.
     pub body: BodyShape,
-    /// Steering wheel angle over front wheel angle; 1 where there is no steering wheel.
+    /// Steering wheel angle over front wheel angle; 1 without a steering wheel.
     pub steering_ratio: f64,
     /// Largest angle of the steering wheel [rad].
     pub steering_limit_rad: f64,
@@ -50,7 +50,7 @@ pub(crate) fn slip_rad(wheel_angle_rad: f64) -> f64 {
     (0.5 * wheel_angle_rad.tan()).atan()
 }
 
-/// UTurnState of the control point.
+/// State of the control point.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct UTurnState {
     /// Time [s].
@@ -78,7 +78,7 @@ pub struct SteeringSegment {
     pub accel_mps2: f64,
 }
 
-/// How the equations are integrated.
+/// Method of integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -88,10 +88,11 @@ pub enum Method {
     RungeKutta,
 }
 
-/// Most steps of one segment.
+/// Largest number of steps of one segment.
 const MOST_STEPS: f64 = 1e6;
 
-/// Integrates from `start` over `segments` and hands every state after the first to `see`. A duration below zero or not finite counts as none.
+/// Integrates from `start` over `segments` and passes every state after the first to `see`. A duration below zero or not finite counts as
+/// zero.
 pub fn integrate(
     car: &Car,
     start: UTurnState,
@@ -104,13 +105,13 @@ pub fn integrate(
     for segment in segments {
         let duration_s = if segment.duration_s.is_finite() { segment.duration_s.max(0.0) } else { 0.0 };
         let begin = state;
-        // 1e-9: a duration of whole steps, but for rounding, has no step of nothing at its end
+        // 1e-9: a duration of whole steps, apart from rounding, has no empty step at its end
         let count = (duration_s / step_s - 1e-9).ceil().clamp(0.0, MOST_STEPS) as usize;
         for k in 0..count {
             let from_s = k as f64 * step_s;
             let to_s = if k + 1 == count { duration_s } else { from_s + step_s };
             let mut next = advance(car, &state, segment, to_s - from_s, method);
-            // linear in time: no sum of steps, so that the wheel is back at its start exactly
+            // linear in time, not a sum of steps, so that the wheel returns exactly to its start
             next.t_s = begin.t_s + to_s;
             next.wheel_angle_rad = begin.wheel_angle_rad + segment.wheel_rate_rad_s * to_s;
             next.speed_mps = begin.speed_mps + segment.accel_mps2 * to_s;

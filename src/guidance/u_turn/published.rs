@@ -1,7 +1,7 @@
-//! The published case: its scene and its known answers, and how a body of given dimensions meets them.
+//! The published case: its scene, its known answers, and the deviations of a body of given dimensions from them.
 //!
 //! The vehicle's dimensions are not published. [`PublishedCase::findings`] computes every answer for a body, so that the dimensions can be inferred
-//! (`examples/u_turn_inference.rs`); what cannot be met is told, not forced.
+//! (`examples/u_turn_inference.rs`); an answer that cannot be met is reported, not forced.
 
 use crate::guidance::geometry::{PlanePoint, Polygon};
 use crate::guidance::u_turn::model::Car;
@@ -13,12 +13,12 @@ use serde::Serialize;
 /// The yaw rate that both published pairs of entry speed and curvature have in common [rad/s]: 1.63·0.205 = 0.3342, 1.585·0.21 = 0.3329.
 pub const YAW_RATE_RAD_S: f64 = 1.0 / 3.0;
 
-/// The dimensions that meet the known answers best: `examples/u_turn_inference.rs`. The rear overhang hardly shows in them and is taken as the front
-/// one.
+/// The dimensions that meet the known answers best: `examples/u_turn_inference.rs`. The rear overhang hardly affects them and is set to the
+/// front one.
 pub const INFERRED_BODY: BodyShape = BodyShape { wheelbase_m: 2.106, width_m: 1.388, front_overhang_m: 1.203, rear_overhang_m: 1.203 };
 
-/// The reading of the publication's words for which that holds: "just clears" and "just touches" both mean the clearance, and the run-ups are those of
-/// the tightest turn.
+/// The interpretation of the publication's words for which that holds: "just clears" and "just touches" both mean the clearance, and the
+/// run-ups are those of the tightest turn.
 pub const INFERRED_HYPOTHESIS: Hypothesis = Hypothesis { clears_m: 0.3, touches_m: 0.3, run_up_turn: (0.7, 400.0) };
 
 /// Entry speed that belongs to a curvature at the published yaw rate [m/s]; infinite for a straight line.
@@ -57,7 +57,7 @@ pub const ANSWERS: [Answer; 7] = [
     Answer::TouchesInnerLine,
 ];
 
-/// What the words of the publication leave open.
+/// Interpretation of words that the publication does not define.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Hypothesis {
     /// Distance of the body from the border that "just clears" means [m]: 0 or the clearance.
@@ -68,14 +68,14 @@ pub struct Hypothesis {
     pub run_up_turn: (f64, f64),
 }
 
-/// One answer computed.
+/// One computed answer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PublishedFinding {
-    /// Which.
+    /// The answer.
     pub answer: Answer,
-    /// Computed less published [m]; for a lane or the curvature how much is lacking, 0 when it is met.
+    /// Computed minus published [m]; for a lane or the curvature the shortfall, 0 when it is met.
     pub residual_m: f64,
-    /// Lane in which the turn ends, where that is the question.
+    /// Lane in which the turn ends, for answers about lanes.
     pub lane: Option<Lane>,
 }
 
@@ -94,7 +94,7 @@ pub struct PublishedCase {
 }
 
 impl PublishedCase {
-    /// The scene as published.
+    /// The published scene.
     ///
     /// # Errors
     /// None: the published corners are convex.
@@ -133,7 +133,7 @@ impl PublishedCase {
         let clearance_m = self.scene.clearance_m;
         let clear = |run_up: f64| self.scene.margins(&track, run_up - FROM_M, 3);
         let shortest = {
-            // from where it is certainly clear back to where it is not any more
+            // from a shift that is certainly clear back to one that is not
             let mut high = 16.0;
             while high > 0.0 && clear(high - 0.5).obstacle_m >= clearance_m {
                 high -= 0.5;
@@ -177,7 +177,7 @@ impl PublishedCase {
             .collect()
     }
 
-    /// How far the body at the end of a track is out of a lane [m]; 0 inside.
+    /// Distance of the body outside a lane at the end of a track [m]; 0 inside.
     fn out_of_lane_m(&self, track: &UTurnTrack, lane: usize) -> f64 {
         let body = track.body(&track.end());
         let past_inner = if lane > 0 { -beyond_m(self.scene.lines[lane - 1], &body).0 } else { 0.0 };
@@ -186,7 +186,7 @@ impl PublishedCase {
     }
 }
 
-/// The place between `bad` and `good` from which on `clear` holds.
+/// The place between `bad` and `good` where `clear` begins to hold.
 fn bisect(mut bad: f64, mut good: f64, clear: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..26 {
         let middle = 0.5 * (bad + good);
@@ -210,7 +210,7 @@ mod tests {
         let findings = case.findings(INFERRED_BODY, &INFERRED_HYPOTHESIS, &UTurnSettings::default()).unwrap();
         for finding in &findings {
             match finding.answer {
-                // the published lanes are the other way round: the slower wheel makes the wider turn, whatever the dimensions
+                // the published lanes are the reverse: the slower wheel makes the wider turn, whatever the dimensions
                 Answer::MiddleLane => assert_eq!(finding.lane, Some(Lane::Number(2))),
                 Answer::OuterLane => assert_eq!(finding.lane, Some(Lane::Number(1))),
                 // four answers, three dimensions: 1 cm on lengths of 10 m and more
@@ -246,7 +246,7 @@ mod tests {
             };
             let (euler, higher) = (of(crate::guidance::u_turn::Method::Euler), of(crate::guidance::u_turn::Method::RungeKutta));
             let (along_m, end_m) = crate::guidance::u_turn::largest_difference_m(&euler, &higher);
-            // each step goes where the vehicle looked at its start: half a step late all the way, which over half a turn adds up to two steps' way;
+            // each step uses the heading at its start: half a step late throughout, which over half a turn adds up to two steps' distance;
             // 2 % for the terms of second order
             assert!(along_m <= 1.02 * 2.0 * 0.01 * speed && end_m <= along_m + 1e-9, "{speed} m/s: {along_m} {end_m}");
         }

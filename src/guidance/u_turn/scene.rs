@@ -1,24 +1,24 @@
-//! The solution space: the field's quadrangle, the obstacles in it, the lane lines, and how far a track stays from them.
+//! The solution space: the field's quadrangle, the obstacles in it, the lane lines, and the distances of a track from them.
 
 use crate::guidance::geometry::{PlanePoint, Polygon};
 use crate::guidance::u_turn::track::UTurnTrack;
 use serde::Serialize;
 
-/// Where a U-turn takes place. The vehicle starts with its control point at the origin and heads along y.
+/// Scene of a U-turn. The vehicle starts with its control point at the origin and heads along y.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UTurnScene {
     /// The body stays inside.
     pub field: Polygon,
     /// The body stays outside.
     pub obstacles: Vec<Polygon>,
-    /// Lane lines of the way back from the inner to the outer one, each from its far to its near end; the vehicle may cross them, and ends between
-    /// them.
+    /// Lane lines of the return from the inner to the outer one, each from its far to its near end; the vehicle may cross them, and ends
+    /// between them.
     pub lines: Vec<(PlanePoint, PlanePoint)>,
     /// Distance that the body keeps from border and obstacles [m].
     pub clearance_m: f64,
 }
 
-/// In which lane a track ends.
+/// Lane in which a track ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lane {
@@ -31,11 +31,11 @@ pub enum Lane {
 /// Least distances of a track's body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
-    /// From the field's border, negative outside [m].
+    /// Distance from the field's border, negative outside [m].
     pub border_m: f64,
-    /// From the obstacles, negative inside [m]; infinite without any.
+    /// Distance from the obstacles, negative inside [m]; infinite without any.
     pub obstacle_m: f64,
-    /// At the end, from the lane lines [m]: negative when it stands on one; infinite without any.
+    /// At the end, from the lane lines [m]: negative when it is on one; infinite without any.
     pub line_m: f64,
 }
 
@@ -47,7 +47,7 @@ impl Margins {
 }
 
 impl UTurnScene {
-    /// Margins of a track moved by `shift_m` along its run-up, looked at in every `every`-th state of the turn, its last, and the start.
+    /// Margins of a track moved by `shift_m` along its run-up, evaluated at every `every`-th state of the turn, its last, and the start.
     pub fn margins(&self, track: &UTurnTrack, shift_m: f64, every: usize) -> Margins {
         let from = track.turn_from();
         let turning = track.states[from..].iter().step_by(every.max(1)).chain(track.states.last());
@@ -76,7 +76,7 @@ impl UTurnScene {
         let (mut number, mut straddling, mut nearest_m) = (0, false, f64::INFINITY);
         for line in &self.lines {
             let (near, far) = beyond_m(*line, &body);
-            // far: how far the body's inner side is past the line; near: how far its outer side is
+            // far: distance of the body's inner side past the line; near: of its outer side
             let gap = if near > 0.0 { near } else { -far };
             number += usize::from(near > 0.0);
             straddling |= gap <= 0.0;

@@ -1,7 +1,7 @@
 //! The search for the U-turn with the largest margin.
 //!
-//! The track of a speed and a wheel rate is one and the same for every run-up, only further on; so each pair is driven once and moved along. The
-//! pairs form a grid, which is then drawn together around the best, several times.
+//! The track of a speed and a wheel rate has the same shape for every run-up and is only shifted. So each pair is driven once and shifted.
+//! The pairs form a grid, which is then contracted around the best pair several times.
 
 use crate::guidance::body::within;
 use crate::guidance::u_turn::model::Car;
@@ -10,7 +10,7 @@ use crate::guidance::u_turn::track::{UTurnSettings, UTurnShape, UTurnTrack, driv
 use crate::guidance::{Error, Result};
 use serde::Serialize;
 
-/// What may be chosen.
+/// Ranges of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Ranges {
     /// Run-up, least and largest [m].
@@ -23,7 +23,7 @@ pub struct Ranges {
     pub yaw_rate_rad_s: Option<f64>,
 }
 
-/// What the search found.
+/// Result of the search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FoundUTurn {
     /// The turn.
@@ -32,21 +32,22 @@ pub struct FoundUTurn {
     pub margins: Margins,
     /// Its track.
     pub track: UTurnTrack,
-    /// Turns that were looked at.
+    /// Number of evaluated turns.
     pub tried: usize,
 }
 
 /// Points of the grid along speed and wheel rate.
 const GRID: usize = 7;
-/// How often the grid is drawn together, each time to a third.
+/// Number of contractions of the grid, each to a third.
 const ROUNDS: usize = 5;
-/// Run-ups that are looked at per pair.
+/// Number of run-ups per pair.
 const RUN_UPS: usize = 24;
 
-/// Looks for the turn with the largest margin from border and obstacles that ends off every lane line.
+/// Searches for the turn with the largest margin from border and obstacles that ends off every lane line.
 ///
 /// # Errors
-/// A range out of order or not finite; a turn that cannot be driven; no turn that keeps the scene's clearance, with the best and what it lacks.
+/// A range out of order or not finite; a turn that cannot be driven; no turn that keeps the scene's clearance, with the best and its
+/// shortfall.
 pub fn search(car: &Car, scene: &UTurnScene, ranges: &Ranges, settings: &UTurnSettings) -> Result<FoundUTurn> {
     for (field, [low, high]) in
         [("run_up_m", ranges.run_up_m), ("speed_mps", ranges.speed_mps), ("steering_rate_rad_s", ranges.steering_rate_rad_s)]
@@ -131,7 +132,7 @@ fn drawn_together([low, high]: [f64; 2], middle: f64) -> [f64; 2] {
     [(middle - half).max(low), (middle + half).min(high)]
 }
 
-/// The shift of the track, up to `most_m`, with the largest margin: scanned, then drawn together.
+/// The shift of the track, up to `most_m`, with the largest margin: scan, then contraction.
 fn best_shift(scene: &UTurnScene, track: &UTurnTrack, most_m: f64) -> (f64, Margins) {
     let (mut low, mut high) = (0.0, most_m);
     let mut best = (0.0, scene.margins(track, 0.0, 8));

@@ -1,4 +1,4 @@
-//! One U-turn: the run-up, the three phases that turn the heading by exactly 180°, and the track that comes of them.
+//! One U-turn: the run-up, the three phases that turn the heading by exactly 180°, and the resulting track.
 
 use crate::guidance::body::within;
 use crate::guidance::geometry::Polygon;
@@ -8,7 +8,7 @@ use crate::map::Gear;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The three things that are chosen.
+/// The three chosen quantities.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct UTurnShape {
     /// Length of the straight run-up [m].
@@ -19,7 +19,7 @@ pub struct UTurnShape {
     pub steering_rate_rad_s: f64,
 }
 
-/// How a U-turn is computed.
+/// Settings of the computation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct UTurnSettings {
     /// Step [s]. Default 0.01.
@@ -56,7 +56,7 @@ pub struct UTurnTrack {
 /// Drives a U-turn.
 ///
 /// # Errors
-/// A number out of its range, a run-up too short for the speed, or a vehicle that stops in the turn, with the nearest that goes.
+/// A number out of its range, a run-up too short for the speed, or a vehicle that stops in the turn, with the nearest feasible value.
 pub fn drive(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<UTurnTrack> {
     let car = car.checked()?;
     within("run_up_m", turn.run_up_m, 0.0, 1000.0, "0 to 1000")?;
@@ -84,7 +84,7 @@ pub fn drive(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<U
         SteeringSegment { duration_s: steady_s, ..SteeringSegment::default() },
     ];
     let mut state = integrate(&car, states[0], &run_up, settings.step_s, settings.method, |s| states.push(*s));
-    // straight and exact: what Euler's method loses while the speed rises is not the turn's
+    // straight and exact: Euler's error while the speed rises is not part of the turn
     (state.x_m, state.y_m, state.speed_mps) = (0.0, turn.run_up_m, turn.speed_mps);
     if let Some(last) = states.last_mut() {
         *last = state;
@@ -105,8 +105,8 @@ fn segments(car: &Car, turn: &UTurnShape, settings: &UTurnSettings, phases_s: [f
     })
 }
 
-/// Lengths of the phases [s] for a turn of exactly 180° by this method and step: with the wheel to its limit the hold is what is missing; where
-/// wheel in and out alone turn further, there is no hold and the wheel stops short of its limit.
+/// Lengths of the phases [s] for a turn of exactly 180° by this method and step. With the wheel to its limit, the hold turns the remaining
+/// angle. If wheel in and out alone turn further, there is no hold and the wheel stays below its limit.
 fn phases(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<[f64; 3]> {
     let start = UTurnState { speed_mps: turn.speed_mps, ..UTurnState::default() };
     let mut slowest = f64::INFINITY;
@@ -136,7 +136,7 @@ fn phases(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<[f64
     let (mut at_low, (mut at_high, slow)) = (turned(with(low)).0 - PI, turned(with(high)));
     at_high -= PI;
     if at_high < 0.0 || stops(at_high, slow.max(1e-9)) {
-        // v² = v₀² − 2 |a| s over the way that the turn takes at its tightest
+        // v² = v₀² − 2 |a| s over the distance of the tightest turn
         let decel = settings.turn_accel_mps2.iter().fold(0.0, |d: f64, &a| d.max(-a));
         let way_m = PI / car.curvature_per_m(car.wheel_limit_rad()) + turn.speed_mps * full_s;
         return Err(Error::StopsInTurn { turned_deg: (at_high + PI).to_degrees(), nearest_mps: (2.0 * decel * way_m).sqrt() });
@@ -188,7 +188,7 @@ impl UTurnTrack {
         self.car.body.at(state.x_m - half * cos, state.y_m - half * sin, state.heading_rad)
     }
 
-    /// The rear axle's path, a pose every `step_m` of its way (the last piece is shorter).
+    /// The rear axle's path, a pose every `step_m` of its length (the last piece is shorter).
     pub fn path(&self, step_m: f64) -> PosePath {
         let half = 0.5 * self.car.body.wheelbase_m;
         let rear = |s: &UTurnState| (s.x_m - half * s.heading_rad.cos(), s.y_m - half * s.heading_rad.sin());
@@ -233,7 +233,7 @@ impl UTurnTrack {
     }
 }
 
-/// Largest distance of two tracks of the same turn at the same time [m], and of their ends: what the method of integration makes out.
+/// Largest distance of two tracks of the same turn at the same time [m], and of their ends: the effect of the integration method.
 pub fn largest_difference_m(one: &UTurnTrack, other: &UTurnTrack) -> (f64, f64) {
     let apart = |a: &UTurnState, b: &UTurnState| (a.x_m - b.x_m).hypot(a.y_m - b.y_m);
     let at = |t_s: f64| {
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_up_too_short_names_the_one_that_is_not() {
+    fn a_run_up_too_short_names_the_shortest_feasible_one() {
         let short = UTurnShape { run_up_m: 5.0, ..turn(6.0, 200.0) };
         let Err(Error::RunUpTooShort { nearest_m, .. }) = drive(&car(), &short, &UTurnSettings::default()) else { panic!() };
         assert!((nearest_m - 6.0).abs() < 1e-12);
@@ -299,7 +299,7 @@ mod tests {
         for pair in path.poses.windows(2).take(path.poses.len() - 2) {
             assert!((pair[1].s_m - pair[0].s_m - 0.05).abs() < 1e-9);
             let mean = 0.5 * (pair[0].curvature_per_m + pair[1].curvature_per_m);
-            // a corner of the wheel angle inside the step leaves what the mean of its ends misses
+            // a kink of the wheel angle inside a step leaves an error of the mean of its ends
             assert!((pair[1].heading_rad - pair[0].heading_rad - 0.05 * mean).abs() < 4e-4);
         }
     }
