@@ -1,4 +1,4 @@
-//! Manoeuvres in closed loop: what is driven ([`Manoeuvre`]), by which torque ([`ManoeuvreTorque`]), and what is measured of it.
+//! Manoeuvres in closed loop: what is driven ([`Manoeuvre`]), by which torque, and what is measured of it.
 //!
 //! The plant is a physical vehicle, since the one that a Table 1 identifies knows one wheel angle only. A manoeuvre is data plus a driver: adding one
 //! is a [`ManoeuvreKind`] with its run; metrics, gate, draws and the closed loop are those of the pivots. The verdicts on manoeuvres

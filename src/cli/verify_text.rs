@@ -177,7 +177,7 @@ fn compare(comparison: &LawComparison, ui: Ui) {
         table.add_row(std::iter::once(law.name.clone()).chain(metrics.map(figure)));
     }
     ui.say(table.to_string());
-    let told = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| format!("{r:.2}"));
-    ui.say(format!("start jerk, map over conventional law: {} (goal: at most 0.33)", told(comparison.start_jerk_ratio)));
-    ui.say(format!("speed tracking, map over perfect inverse: {} (goal: at most 1.15)", told(comparison.speed_rms_ratio)));
+    let shown = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| format!("{r:.2}"));
+    ui.say(format!("start jerk, map over conventional law: {} (goal: at most 0.33)", shown(comparison.start_jerk_ratio)));
+    ui.say(format!("speed tracking, map over perfect inverse: {} (goal: at most 1.15)", shown(comparison.speed_rms_ratio)));
 }

@@ -230,7 +230,8 @@ impl IdentifiedMotion {
     }
 
     /// Advances one step.
-    #[inline]
+    #[allow(clippy::inline_always)] // three numbers returned through memory would stall every step of the world
+    #[inline(always)]
     pub fn step(&mut self, load: &Load) -> SpeedStep {
         let start_mps = self.speed_mps;
         let sign = if start_mps == 0.0 {

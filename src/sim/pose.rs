@@ -210,6 +210,13 @@ mod tests {
     }
 
     #[test]
+    fn terms_that_go_on_are_those_of_the_angles() {
+        let first = AngleTerms::moving([0.1, 0.2, 0.3]);
+        assert_eq!(first.continued(0.4, 0.5), AngleTerms::moving([0.3, 0.4, 0.5]));
+        assert_eq!(AngleTerms::fixed(0.3).continued(0.4, 0.5), AngleTerms::moving([0.3, 0.4, 0.5]));
+    }
+
+    #[test]
     fn a_step_at_rest_is_a_step_of_no_speed() {
         let (mut stepped, mut rested) = (Body::new(0.9), Body::new(0.9));
         let terms = AngleTerms::fixed(0.6);

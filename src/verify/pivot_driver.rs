@@ -6,7 +6,7 @@ use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::bench::{PivotBench, PivotMoment};
 use crate::verify::drive::{Driver, inputs, pose};
-use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
+use crate::verify::scenario::{Expected, Incident, Onset, Scenario};
 
 /// Longest simulated time of one turn [s]: the controller's own time-outs come first.
 const LONGEST_S: f64 = 120.0;
@@ -24,9 +24,9 @@ pub(crate) struct AskedTurn {
     pub(crate) turn_rad: f64,
 }
 
-/// Part of a run.
+/// RunPart of a run.
 #[derive(Debug, Clone, Copy)]
-enum Part {
+enum RunPart {
     /// Before the first turn, with periods left.
     Settling(usize),
     /// In a turn, with time left for it [s].
@@ -40,10 +40,10 @@ pub(crate) struct PivotDriver<'a, L: DriveLaw> {
     bench: &'a PivotBench<'a>,
     scenario: &'a Scenario,
     controller: PivotController<L>,
-    part: Part,
+    part: RunPart,
     turn: Option<AskedTurn>,
     /// The disturbance that has not begun in this turn yet.
-    pending: Option<(Disturbance, Onset)>,
+    pending: Option<(Incident, Onset)>,
     last_phase: Phase,
     in_phase_s: f64,
     as_expected: bool,
@@ -65,7 +65,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             bench,
             scenario,
             controller,
-            part: Part::Settling((SETTLE_S / bench.period_s) as usize),
+            part: RunPart::Settling((SETTLE_S / bench.period_s) as usize),
             turn: None,
             pending: None,
             in_phase_s: 0.0,
@@ -85,7 +85,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
 
     /// Whether the last turn failed.
     pub(crate) fn failed(&self) -> bool {
-        matches!(self.part, Part::Failed(_))
+        matches!(self.part, RunPart::Failed(_))
     }
 
     /// Whether every turn has ended as the scenario says.
@@ -105,7 +105,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             _ => None,
         };
         (self.last_phase, self.in_phase_s) = (self.controller.phase(), 0.0);
-        self.part = Part::Turning(LONGEST_S);
+        self.part = RunPart::Turning(LONGEST_S);
         Ok(true)
     }
 
@@ -118,7 +118,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             Expected::Failure(failure) => phase == Phase::Failed(failure),
         };
         if failed {
-            self.part = Part::Failed((AFTER_FAILURE_S / self.bench.period_s) as usize);
+            self.part = RunPart::Failed((AFTER_FAILURE_S / self.bench.period_s) as usize);
         }
         !failed
     }
@@ -141,21 +141,21 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
     fn prepare(&mut self, world: &mut World) -> Result<bool> {
         loop {
             match &mut self.part {
-                Part::Failed(0) => return Ok(false),
-                Part::Settling(left @ 1..) | Part::Failed(left) => {
+                RunPart::Failed(0) => return Ok(false),
+                RunPart::Settling(left @ 1..) | RunPart::Failed(left) => {
                     *left -= 1;
                     return Ok(true);
                 }
-                Part::Turning(left_s) if self.controller.phase().is_active() && *left_s > 0.0 => {
+                RunPart::Turning(left_s) if self.controller.phase().is_active() && *left_s > 0.0 => {
                     self.disturb(world);
                     return Ok(true);
                 }
-                Part::Turning(_) => {
+                RunPart::Turning(_) => {
                     if self.end_turn() && !self.ask(world)? {
                         return Ok(false);
                     }
                 }
-                Part::Settling(0) => {
+                RunPart::Settling(0) => {
                     if !self.ask(world)? {
                         return Ok(false);
                     }
@@ -167,7 +167,7 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
     fn command(&mut self, world: &World) -> (PivotMoment, Command) {
         let (state, seen) = (world.state(), world.measure());
         let command = self.controller.step(&inputs(&seen));
-        if let Part::Turning(left_s) = &mut self.part {
+        if let RunPart::Turning(left_s) = &mut self.part {
             let phase = self.controller.phase();
             self.in_phase_s = if phase == self.last_phase { self.in_phase_s + self.bench.period_s } else { 0.0 };
             self.last_phase = phase;
@@ -179,19 +179,19 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
 }
 
 /// Lets a disturbance begin.
-fn begin(world: &mut World, disturbance: Disturbance, bench: &PivotBench<'_>) {
+fn begin(world: &mut World, disturbance: Incident, bench: &PivotBench<'_>) {
     // never so little that the vehicle cannot set off
     let [holding_nm, planned_nm] = bench.planned_nm;
     let of_the_plan = |share: f64| (holding_nm + share * (planned_nm - holding_nm)).max(1.1 * bench.breakaway_nm);
     match disturbance {
-        Disturbance::Obstacle => world.set_estop(true),
-        Disturbance::SteeringStuck => world.inject(Fault::SteeringStuck),
-        Disturbance::SteeringSlow { rate_factor } => world.inject(Fault::SteeringSlow { rate_factor }),
-        Disturbance::SteeringImplausible => world.inject(Fault::SteeringOffset { offset_rad: 3.0 }),
-        Disturbance::SpeedLost => world.inject(Fault::SpeedSensorLost),
-        Disturbance::Slope { grade } => world.inject(Fault::Slope { grade_rad: grade.atan(), uphill_heading_rad: 0.0 }),
-        Disturbance::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: of_the_plan(share) }),
-        Disturbance::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
+        Incident::Obstacle => world.set_estop(true),
+        Incident::SteeringStuck => world.inject(Fault::SteeringStuck),
+        Incident::SteeringSlow { rate_factor } => world.inject(Fault::SteeringSlow { rate_factor }),
+        Incident::SteeringImplausible => world.inject(Fault::SteeringOffset { offset_rad: 3.0 }),
+        Incident::SpeedLost => world.inject(Fault::SpeedSensorLost),
+        Incident::Slope { grade } => world.inject(Fault::Slope { grade_rad: grade.atan(), uphill_heading_rad: 0.0 }),
+        Incident::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: of_the_plan(share) }),
+        Incident::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
     }
 }
 

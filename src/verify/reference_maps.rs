@@ -12,8 +12,8 @@ use crate::verify::exact_map::{ExactMap, torque_for};
 /// Fastest speed of the maps [m/s].
 const FASTEST_MPS: f64 = 1.0;
 
-/// Table 1 and Table 2 of the world's exact map, both gears, every cell measured, with the breaks that `fit` and `invert` use unless told
-/// otherwise: speed every 0.05 m/s, torque every 4 N·m, acceleration every 0.1 m/s².
+/// Table 1 and Table 2 of the world's exact map, both gears, every cell measured, with the breaks that `fit` and `invert` use by
+/// default: speed every 0.05 m/s, torque every 4 N·m, acceleration every 0.1 m/s².
 ///
 /// # Errors
 /// A world that cannot be simulated.

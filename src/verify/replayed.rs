@@ -49,8 +49,8 @@ pub fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>
     if let Some(log) = known {
         settings.drive.dead_time_s = log.dead_time.value_s;
     }
-    let witness = table1.witnesses.iter().find(|w| w.name == "encoder");
-    let (delay_s, scale) = witness.map_or((0.0, 1.0), |w| (w.delay_s, w.scale));
+    let encoder = table1.witnesses.iter().find(|w| w.name == "encoder");
+    let (delay_s, scale) = encoder.map_or((0.0, 1.0), |w| (w.delay_s, w.scale));
     let late_s = delay_s + known.map_or(0.0, |log| log.clock_offset.value_s);
     let fitted = known.is_some();
     let mut runs = Vec::new();

@@ -49,7 +49,7 @@ impl VerifySettings {
 
 /// What is wanted beside the verdict. Default nothing.
 #[derive(Clone, Copy, Default)]
-pub struct Wanted<'a> {
+pub struct Extras<'a> {
     /// The runs over time, for the report.
     pub traces: bool,
     /// A log of each nominal run.

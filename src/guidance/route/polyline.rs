@@ -177,14 +177,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_path_is_told_with_what_would_be() {
+    fn what_is_no_path_is_refused_with_what_would_be_one() {
         let settings = PolylineSettings::default();
-        let told = |points: &[[f64; 2]]| PolylinePlan::new(points, &settings).unwrap_err().to_string();
-        assert_eq!(told(&[[1.0, 2.0]]), "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first");
-        assert!(told(&[]).contains("0 found"));
-        let repeated = told(&[[0.0, 0.0], [1.0, 2.0], [1.0, 2.0]]);
+        let message = |points: &[[f64; 2]]| PolylinePlan::new(points, &settings).unwrap_err().to_string();
+        assert_eq!(message(&[[1.0, 2.0]]), "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first");
+        assert!(message(&[]).contains("0 found"));
+        let repeated = message(&[[0.0, 0.0], [1.0, 2.0], [1.0, 2.0]]);
         assert!(repeated.starts_with("points 2 and 3 are 0 m apart, at (1, 2); the least is 0.1 m: leave out point 3"), "{repeated}");
-        assert!(told(&[[0.0, 0.0], [f64::NAN, 2.0]]).contains("point 2"));
+        assert!(message(&[[0.0, 0.0], [f64::NAN, 2.0]]).contains("point 2"));
     }
 
     proptest! {

@@ -1,7 +1,7 @@
 //! Turning on the spot towards a heading: two gains, a dead zone, a smallest and a largest rate.
 //!
 //! The published law of such corners turns a vehicle with two driven sides about its geometric centre. This vehicle cannot: with its wheel at 90°
-//! the only point that stands still is the middle of the rear axle. So it turns about that, and the rate is made by the front wheel, v = L·ω.
+//! the only point that does not move is the middle of the rear axle. So it turns about that, and the rate is made by the front wheel, v = L·ω.
 
 use crate::control::messages::Inputs;
 use crate::control::numeric::wrapped;

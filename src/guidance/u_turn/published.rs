@@ -1,7 +1,7 @@
 //! The published case: its scene and its known answers, and how a body of given dimensions meets them.
 //!
 //! The vehicle's dimensions are not published. [`PublishedCase::findings`] computes every answer for a body, so that the dimensions can be inferred
-//! (`examples/u_turn_inference.rs`); what cannot be met is told, not forced.
+//! (`examples/u_turn_inference.rs`); what cannot be met is stated, not forced.
 
 use crate::guidance::geometry::{PlanePoint, Polygon};
 use crate::guidance::u_turn::model::Car;
