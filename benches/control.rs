@@ -1,10 +1,10 @@
 //! What the controller costs: a look-up, a control period, a whole pivot simulated (with its ratio to real time), a verdict.
 
 use pivot_cal::control::{
-    Inputs, OutsidePolicy, PivotController, Pose, Settings as Control, Tables, TorqueMap, WaypointLaw, WaypointLawSettings,
+    Inputs, OutsidePolicy, PivotController, PivotSettings as Control, Pose, Tables, TorqueFromAccel, WaypointLaw, WaypointLawSettings,
 };
-use pivot_cal::map::{Gear, Vehicle};
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
+use pivot_cal::map::{Gear, TorqueTable, Vehicle};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
 use pivot_cal::verify::{Maps, Scenario, VerifySettings, known_maps, replay};
 use std::hint::black_box;
 
@@ -22,7 +22,8 @@ fn maps() -> Maps {
 #[divan::bench]
 fn look_up(bencher: divan::Bencher<'_, '_>) {
     let maps = maps();
-    let tables = Tables { forward: &maps.forward, reverse: maps.reverse.as_ref(), policy: OutsidePolicy::Clamp };
+    let tables =
+        Tables { forward: maps.forward.view(), reverse: maps.reverse.as_ref().map(TorqueTable::view), policy: OutsidePolicy::Clamp };
     bencher.bench_local(|| tables.torque(Gear::Forward, black_box(0.333), black_box(0.217)));
 }
 
@@ -30,7 +31,8 @@ fn look_up(bencher: divan::Bencher<'_, '_>) {
 #[divan::bench]
 fn control_period(bencher: divan::Bencher<'_, '_>) {
     let maps = maps();
-    let tables = Tables { forward: &maps.forward, reverse: maps.reverse.as_ref(), policy: OutsidePolicy::Clamp };
+    let tables =
+        Tables { forward: maps.forward.view(), reverse: maps.reverse.as_ref().map(TorqueTable::view), policy: OutsidePolicy::Clamp };
     let settings = Control::new(0.92, std::f64::consts::FRAC_PI_2);
     let law = WaypointLaw::new(WaypointLawSettings::new(0.92), tables);
     let mut controller = PivotController::new(&settings, law).expect("the defaults are sound");

@@ -24,9 +24,9 @@ fn main() {
     threads.install(|| {
         let track = drive::Drive::new(&vehicle::truth(vehicle::Kind::Physics), 3600.0, 1).track;
         let started = Instant::now();
-        let survey = Survey::new(track, &campaign::Settings::default()).unwrap();
+        let survey = Survey::new(track, &campaign::SurveySettings::default()).unwrap();
         let surveyed_s = started.elapsed().as_secs_f64();
-        fit(vec![survey], &fit::Settings::default()).unwrap();
+        fit(vec![survey], &fit::FitSettings::default()).unwrap();
         let whole_s = started.elapsed().as_secs_f64();
         println!("60 min: {whole_s:.2} s (survey {surveyed_s:.2} s), limit {HOUR_S} s: {:.2} × it", whole_s / HOUR_S);
     });
@@ -40,8 +40,8 @@ fn survey_and_fit(bencher: divan::Bencher<'_, '_>, minutes: u32) {
     let track = drive::Drive::new(&vehicle::truth(vehicle::Kind::Physics), 60.0 * f64::from(minutes), 1).track;
     bencher.bench_local(|| {
         threads.install(|| {
-            let survey = Survey::new(track.clone(), &campaign::Settings::default()).unwrap();
-            fit(vec![survey], &fit::Settings::default()).unwrap()
+            let survey = Survey::new(track.clone(), &campaign::SurveySettings::default()).unwrap();
+            fit(vec![survey], &fit::FitSettings::default()).unwrap()
         })
     });
 }

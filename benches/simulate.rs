@@ -3,21 +3,21 @@
 
 use divan::counter::ItemsCount;
 use pivot_cal::map::{AccelTable, Axis, Gear, Vehicle};
-use pivot_cal::sim::{Command, Direction, IdentifiedSettings, MotionSettings, PhysicalSettings, Settings, Truth, World};
+use pivot_cal::sim::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, World, WorldCommand, WorldSettings};
 use std::f64::consts::FRAC_PI_2;
 
 fn main() {
     divan::main();
 }
 
-fn physical() -> Settings {
+fn physical() -> WorldSettings {
     let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
     let motion = PhysicalSettings { friction_spread: 0.01, disturbance_nm: 0.25, ..PhysicalSettings::default() };
-    Settings::physical(vehicle, motion)
+    WorldSettings::physical(vehicle, motion)
 }
 
 /// The physical plant's map on a grid of 101 × 81, as a fit writes it.
-fn identified() -> Settings {
+fn identified() -> WorldSettings {
     let settings = physical();
     let truth = Truth::new(&PhysicalSettings::default(), &settings.vehicle).expect("default settings are sound");
     let direction = |gear| {
@@ -26,7 +26,7 @@ fn identified() -> Settings {
         let accel = |u: f64, v: f64| truth.gear_accel_mps2(gear, v, u, FRAC_PI_2);
         let values = torque.breaks().iter().flat_map(|&u| speed.breaks().iter().map(move |&v| accel(u, v))).collect();
         let table = AccelTable::new(speed, torque, values).expect("one value per cell");
-        Direction { table, breakaway_nm: truth.breakaway_nm(gear, FRAC_PI_2) }
+        GearSurface { table, breakaway_nm: truth.breakaway_nm(gear, FRAC_PI_2) }
     };
     let motion = IdentifiedSettings {
         forward: direction(Gear::Forward),
@@ -37,7 +37,7 @@ fn identified() -> Settings {
         slope_share: 0.5,
         wheel_mass_kg: 6.0,
     };
-    Settings { motion: MotionSettings::Identified(Box::new(motion)), ..settings }
+    WorldSettings { motion: MotionSettings::Identified(Box::new(motion)), ..settings }
 }
 
 /// One simulated second of pivoting at about 0.6 m/s.
@@ -45,14 +45,14 @@ fn second(world: &mut World) {
     for _ in 0..50 {
         let seen = world.measure();
         let torque_nm = 11.0 + 40.0 * (0.6 - seen.speed_mps.unwrap_or(0.0));
-        let command = Command { torque_nm, wheel_angle_rad: FRAC_PI_2, gear: Some(Gear::Forward) };
+        let command = WorldCommand { torque_nm, wheel_angle_rad: FRAC_PI_2, gear: Some(Gear::Forward) };
         for _ in 0..20 {
             world.step(&command);
         }
     }
 }
 
-fn bench(bencher: divan::Bencher<'_, '_>, settings: &Settings) {
+fn bench(bencher: divan::Bencher<'_, '_>, settings: &WorldSettings) {
     let mut world = World::new(settings, 1).expect("sound settings");
     world.place_wheel(FRAC_PI_2);
     bencher.counter(ItemsCount::new(1_u32)).bench_local(|| {

@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for seed in 1..=campaigns {
         let log = record(&vehicle, &campaign, Some(seed))?;
         let recording = read_bytes(log.bytes, "campaign.mcap", &Source::Detect, &VehicleOverrides::default())?;
-        let survey = Survey::new(Track::new(&recording)?, &campaign::Settings::default())?;
-        let fit = fit(vec![survey], &fit::Settings::default())?;
+        let survey = Survey::new(Track::new(&recording)?, &campaign::SurveySettings::default())?;
+        let fit = fit(vec![survey], &fit::FitSettings::default())?;
         let before = (inside, cells);
         for map in &fit.file.maps {
             for (i, u) in map.torque_nm.iter().enumerate() {

@@ -4,7 +4,7 @@
 //! They end at 1.0 m/s, as a campaign's do somewhere: whoever asks beyond gets the nearest entry, which is no error of the map.
 
 use pivot_cal::map::{Vehicle, write_whole};
-use pivot_cal::sim::{PhysicalSettings, Settings, VehicleFile};
+use pivot_cal::sim::{PhysicalSettings, VehicleFile, WorldSettings};
 use pivot_cal::verify::known_maps;
 use std::error::Error;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(arguments.next().ok_or("which folder?")?);
     let world = match arguments.next() {
         Some(path) => VehicleFile::from_toml(&std::fs::read_to_string(path)?)?.settings(),
-        None => Settings::physical(
+        None => WorldSettings::physical(
             Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) },
             PhysicalSettings::default(),
         ),

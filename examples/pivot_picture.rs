@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
 use pivot_cal::map::Vehicle;
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
 use pivot_cal::verify::{Maps, PivotMoment, Scenario, VerifySettings, known_maps, replay};
 use std::error::Error;
 use std::fmt::Write as _;

@@ -11,13 +11,13 @@ mod campaigns;
 mod yardstick;
 
 use campaigns::{drive, in_order, shuffled};
+use pivot_cal::fit;
 use pivot_cal::fit::fit;
 use pivot_cal::map::Table1File;
 use pivot_cal::plan::{ExpectedCell, PlanSettings, PlannedRun, expected, plan};
 use pivot_cal::record::{Campaign, RunGroup, Torques};
 use pivot_cal::sim::VehicleFile;
 use pivot_cal::verify::known_maps;
-use pivot_cal::{fit, plan};
 use std::fmt::Write as _;
 use yardstick::{Errors, Yardstick, rms};
 
@@ -124,14 +124,14 @@ fn main() -> Fallible<()> {
         let runs = shuffled(&uniform, seed, 4)?;
         let first = drive(&vehicle, &uniform, &runs, first_s, 100 * seed)?;
         let more = drive(&vehicle, &uniform, &runs[first.runs..], more_s, 100 * seed + 1)?;
-        let start = fit(vec![drive(&planning, &uniform, &runs, first_s, 100 * seed)?.survey], &fit::Settings::default())?.file;
+        let start = fit(vec![drive(&planning, &uniform, &runs, first_s, 100 * seed)?.survey], &fit::FitSettings::default())?.file;
         let wish = PlanSettings {
             budget_s: more_s,
             speed_breaks_mps: Some(yardstick.speeds_mps()),
             torque_breaks_nm: Some(in_steps(torques_nm, case.step_nm)),
         };
         let planned = plan(&start, &wish)?;
-        let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml())? };
+        let campaign = Campaign { topics: uniform.topics, ..Campaign::from_toml(&planned.to_toml(None)?)? };
         let wanted_runs = in_order(&campaign)?;
         let wanted = drive(&vehicle, &campaign, &wanted_runs, more_s, 100 * seed + 1)?;
         let first_cells = model_cells(&start, &wish, &[])?;
@@ -146,12 +146,12 @@ fn main() -> Fallible<()> {
                 plan_expected / uniform_expected
             );
             if !dump.is_empty() {
-                std::fs::write(&dump, planned.to_toml())?;
+                std::fs::write(&dump, planned.to_toml(None)?)?;
             }
             continue;
         }
-        let by_uniform = fit(vec![first.survey.clone(), more.survey], &fit::Settings::default())?.file;
-        let by_plan = fit(vec![first.survey, wanted.survey], &fit::Settings::default())?.file;
+        let by_uniform = fit(vec![first.survey.clone(), more.survey], &fit::FitSettings::default())?.file;
+        let by_plan = fit(vec![first.survey, wanted.survey], &fit::FitSettings::default())?.file;
         let files = [&start, &by_uniform, &by_plan];
         let mut errors = Vec::new();
         for file in files {

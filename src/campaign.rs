@@ -14,14 +14,13 @@ mod runs;
 mod settings;
 mod slip;
 mod survey;
-mod verdict;
 
+pub use crate::map::SampleVerdict;
 pub use angles::{Census, HeldAngle};
 pub use by_angle::{AngleGroup, Grouped, group_by_angle};
 pub use error::{Error, Result};
 pub use hold::Hold;
 pub use ledger::{ledger, sample_seconds};
 pub use runs::runs;
-pub use settings::Settings;
+pub use settings::SurveySettings;
 pub use survey::{StartTrial, Stretch, Survey};
-pub use verdict::Verdict;

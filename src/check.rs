@@ -1,6 +1,6 @@
-//! Judges a map: ours, or one of another system. Nothing is refused at the first flaw; every broken rule is told with its place.
+//! Judges a map: ours, or one of another system. Nothing is refused at the first flaw; every broken rule is reported with its place.
 //!
-//! In: a file. Out: a [`Report`] of findings. What is read as what: JSON by its `format` field; a corner cell `rows\columns` is one of our
+//! In: a file. Out: a [`CheckReport`] of findings. What is read as what: JSON by its `format` field; a corner cell `rows\columns` is one of our
 //! CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form CSV; any other CSV is an
 //! Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
@@ -11,22 +11,22 @@ mod grid_rules;
 mod own;
 mod point_rules;
 
-pub use finding::{Count, Finding, Report, Rule, Severity};
+pub use finding::{CheckReport, Count, Rule, RuleBreach, Severity};
 
 use crate::check::foreign::{cells_of_csv, says_long_form};
 use crate::map::{Error, Result};
 use std::path::Path;
 
-/// What a check may be told.
+/// Settings of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct CheckSettings {
     /// A step is a jump when its slope is more than this many times the slope that nine in ten steps along the same axis stay below.
     /// Default 10: the steepest sound step in the published Autoware maps is 4 times theirs, and one wrong cell of a finely stepped map is
     /// far above it.
     pub slope_bound: f64,
 }
 
-impl Default for Settings {
+impl Default for CheckSettings {
     fn default() -> Self {
         Self { slope_bound: 10.0 }
     }
@@ -36,7 +36,7 @@ impl Default for Settings {
 ///
 /// # Errors
 /// The file cannot be opened or read at all. What it holds is judged, whatever it is.
-pub fn check(path: &Path, settings: Settings) -> Result<Report> {
+pub fn check(path: &Path, settings: CheckSettings) -> Result<CheckReport> {
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -54,10 +54,10 @@ struct Map<'a> {
 }
 
 impl Map<'_> {
-    fn report(&self, settings: Settings) -> Report {
+    fn report(&self, settings: CheckSettings) -> CheckReport {
         let Ok(text) = std::str::from_utf8(self.bytes) else {
-            let finding = Finding::whole(Rule::Readable, Severity::Error, "the file is not text (UTF-8)");
-            return Report::new(self.path.clone(), "unknown", String::new(), vec![finding], &[]);
+            let finding = RuleBreach::whole(Rule::Readable, Severity::Error, "the file is not text (UTF-8)");
+            return CheckReport::new(self.path.clone(), "unknown", String::new(), vec![finding], &[]);
         };
         let extension = Path::new(&self.name).extension().map(std::ffi::OsStr::to_ascii_lowercase).unwrap_or_default();
         if text.trim_start().starts_with('{') || extension == "json" {
@@ -84,9 +84,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn of_text(name: &str, bytes: &[u8]) -> Report {
+    fn of_text(name: &str, bytes: &[u8]) -> CheckReport {
         let beside = |_: &str| None;
-        Map { path: name.to_owned(), name: name.to_owned(), bytes, beside: &beside }.report(Settings::default())
+        Map { path: name.to_owned(), name: name.to_owned(), bytes, beside: &beside }.report(CheckSettings::default())
     }
 
     /// Pieces of all formats, whole and broken.

@@ -20,6 +20,7 @@ mod plan;
 mod points;
 mod record;
 mod report;
+mod table1;
 mod ui;
 mod verify;
 mod verify_text;
@@ -48,7 +49,7 @@ struct Cli {
     #[command(flatten)]
     global: Global,
     #[command(subcommand)]
-    command: Command,
+    command: CliCommand,
 }
 
 /// Options of every command.
@@ -66,7 +67,7 @@ struct Global {
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CliCommand {
     /// Drive a torque-step campaign on a simulated vehicle and write its log
     Record(record::Arguments),
     /// Say what is in logs: topics, time span, and which signals are found
@@ -107,19 +108,19 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
-        Command::Record(arguments) => record::run(&arguments, ui),
-        Command::Fit(arguments) => fit::run(&arguments, ui),
-        Command::Invert(arguments) => invert::run(&arguments, ui),
-        Command::Verify(arguments) => verify::run(&arguments, ui),
-        Command::Lateral(arguments) => lateral::run(&arguments, ui),
-        Command::Report(arguments) => report::run(&arguments, ui),
-        Command::Calibrate(arguments) => calibrate::run(&arguments, ui),
-        Command::Inspect(arguments) => inspect::run(&arguments, ui),
-        Command::Check(arguments) => check::run(&arguments, ui),
-        Command::Export(arguments) => export::run(&arguments, ui),
-        Command::Diff(arguments) => diff::run(&arguments, ui),
-        Command::Plan(arguments) => plan::run(&arguments, ui),
-        Command::Completions(arguments) => completions::run(&arguments, Cli::command(), ui),
+        CliCommand::Record(arguments) => record::run(&arguments, ui),
+        CliCommand::Fit(arguments) => fit::run(&arguments, ui),
+        CliCommand::Invert(arguments) => invert::run(&arguments, ui),
+        CliCommand::Verify(arguments) => verify::run(&arguments, ui),
+        CliCommand::Lateral(arguments) => lateral::run(&arguments, ui),
+        CliCommand::Report(arguments) => report::run(&arguments, ui),
+        CliCommand::Calibrate(arguments) => calibrate::run(&arguments, ui),
+        CliCommand::Inspect(arguments) => inspect::run(&arguments, ui),
+        CliCommand::Check(arguments) => check::run(&arguments, ui),
+        CliCommand::Export(arguments) => export::run(&arguments, ui),
+        CliCommand::Diff(arguments) => diff::run(&arguments, ui),
+        CliCommand::Plan(arguments) => plan::run(&arguments, ui),
+        CliCommand::Completions(arguments) => completions::run(&arguments, Cli::command(), ui),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

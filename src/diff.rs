@@ -1,6 +1,6 @@
 //! What changed between two maps, where, and whether it is more than chance.
 //!
-//! In: two `table1.json` or two `table2.json`. Out: a [`Comparison`] with a verdict, and a heat map as HTML.
+//! In: two `table1.json` or two `table2.json`. Out: a [`MapComparison`] with a verdict, and a heat map as HTML.
 //!
 //! Per cell z = (b − a) / √(σ_a² + σ_b²), and from it a two-sided p. With hundreds of cells some z are large by chance; the
 //! Benjamini-Hochberg procedure keeps the expected share of false ones among those called significant below the rate asked for. If nothing
@@ -10,12 +10,15 @@
 //! positively dependent cells, as neighbours on a smooth surface are: Y. Benjamini, D. Yekutieli, Ann. Statist. 29 (2001) 1165–1188.
 
 mod compare;
+mod comparison;
 mod error;
+mod heat_map;
 mod html;
 mod sheet;
 mod significance;
 
-pub use compare::{Comparison, MapDiff, Settings, Significant, Verdict, compare};
+pub use compare::compare;
+pub use comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
 pub use error::{Error, Result};
 pub use html::html;
-pub use sheet::{Side, Table};
+pub use sheet::{DiffSide, Table};

@@ -20,7 +20,7 @@ mod source;
 use crate::export::file::File;
 pub use error::{Error, Result};
 pub use number::Precision;
-pub use source::Source;
+pub use source::MapSource;
 
 use std::fmt;
 
@@ -64,7 +64,7 @@ impl Format {
     ///
     /// # Errors
     /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo.
-    pub fn files(self, source: &Source, precision: Precision) -> Result<Vec<File>> {
+    pub fn files(self, source: &MapSource, precision: Precision) -> Result<Vec<File>> {
         match self {
             Self::C => Ok(c::files(source, precision)),
             Self::Rust => Ok(vec![rust::file(source, precision)]),

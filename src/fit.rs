@@ -12,14 +12,14 @@ mod error;
 mod known_calibration;
 pub(crate) mod motion;
 pub(crate) mod noise;
+pub(crate) mod nuisance;
 pub(crate) mod rounds;
 mod settings;
 pub(crate) mod solve;
 pub(crate) mod surface;
 pub(crate) mod table1;
 
-pub use angles::angle_groups::fit_angles;
+pub use angles::{Fit, fit, fit_angles, fit_traced};
 pub use error::{Error, Result};
 pub use known_calibration::KnownCalibration;
-pub use settings::Settings;
-pub use table1::product::{Fit, fit, fit_traced};
+pub use settings::FitSettings;

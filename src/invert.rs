@@ -12,6 +12,7 @@ mod product;
 mod round_trip;
 mod settings;
 
+pub use crate::map::ZeroRow;
 pub use error::{Error, Result};
 pub use product::{Inversion, invert};
-pub use settings::{Settings, ZeroRow};
+pub use settings::InvertSettings;

@@ -16,7 +16,6 @@
 pub mod campaign;
 pub mod check;
 pub mod cli;
-pub mod control;
 pub mod diff;
 pub mod export;
 pub mod fit;
@@ -34,3 +33,6 @@ pub mod sim;
 mod spelling;
 pub mod units;
 pub mod verify;
+
+#[doc(no_inline)]
+pub use pivot_control as control;

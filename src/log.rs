@@ -13,35 +13,39 @@
 
 mod error;
 pub(crate) mod extract;
+mod extractor_error;
 pub(crate) mod file;
 pub(crate) mod find;
 mod find_logs;
+mod loss;
 mod path;
 mod rate;
 mod read;
 mod recording;
 mod reference_path;
 mod schema;
+mod schema_error;
 mod signal_map;
 mod split_bag;
 mod survey;
+mod value;
 mod vehicle;
 
 pub use error::{Error, Result};
 pub use extract::fields::{FieldError, FieldReader};
-pub use extract::plan_error::PlanError;
-pub use file::loss::{Damage, Loss, Why};
+pub use extractor_error::PlanError;
 pub use find::presets::Preset;
 pub use find_logs::find_logs;
-pub use path::{Compare, Literal, MessagePath, Step, Test};
+pub use loss::{Damage, Loss, Why};
+pub use path::{Compare, Literal, MessagePath, PathStep, Test};
 pub use rate::{Rate, rate};
 pub use read::{read, read_bytes, read_lateral, read_lateral_bytes, read_signals};
 pub use recording::{Origin, Recording, Signal, Signals};
 pub use reference_path::ReferencePath;
-pub use schema::schema_error::SchemaError;
+pub use schema_error::SchemaError;
 pub use signal_map::{Code, SignalMap, SignalName, SignalSpec, VehicleOverrides};
 pub use split_bag::read_split;
-pub use survey::{Depth, Found, Missing, Survey, Topic, survey, survey_bytes};
+pub use survey::{Depth, FoundSignal, LogSurvey, Missing, Topic, survey, survey_bytes};
 pub use vehicle::VEHICLE_METADATA;
 
 /// Where the signals of a log are.

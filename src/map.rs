@@ -1,48 +1,27 @@
 //! Torque maps: the numbers, their look-up, and the files that hold them.
 //!
 //! In: arrays of numbers, or files. Out: [`AccelTable`] (Table 1) and [`TorqueTable`] (Table 2), whose constructors have checked axis
-//! order, finiteness and shape, and [`Table1File`] and [`Table2File`], the JSON artefacts with everything that a table alone does not tell.
+//! order, finiteness and shape; [`Table1File`] and [`Table2File`], the JSON artefacts with everything that a table alone does not say; and
+//! [`MapFolder`], the files of a folder with what does not fit together.
 
-mod accel_maps;
-pub(crate) mod accel_table;
-mod angle_family;
-pub mod angle_lookup;
-mod axis;
-mod cell;
-mod csv_matrix;
 mod error;
-mod fit_traces;
-mod format;
-mod gear;
-mod json_text;
-mod lateral_table_file;
-pub mod lookup;
-mod plan_file;
-mod save;
-mod table1_file;
-mod table2_file;
-pub(crate) mod torque_table;
+mod files;
+mod numbers;
 mod vehicle;
 
-pub use accel_maps::{AccelAtAngle, AccelMaps};
-pub use accel_table::AccelTable;
-pub use angle_family::{AngleFamily, LeftOutAngle, SAME_ANGLE_DEG, Side, csv_name, is_csv_name};
-pub use axis::Axis;
-pub use cell::CellStatus;
-pub use csv_matrix::Matrix;
-pub(crate) use csv_matrix::decimal;
 pub use error::{Error, Result};
-pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
-pub(crate) use format::expect_format;
-pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
-pub use gear::Gear;
-pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
-pub use plan_file::{PlanFile, PlannedRun, Proposal};
-pub use save::{sha256_hex, write_whole};
-pub use table1_file::{
-    AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow, Stage1Report, Surface,
-    Table1File, Units, Witness,
+pub(crate) use files::expect_format;
+pub use files::{
+    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DeadBand, DeadTimeLikelihood, DelayEstimate, DelayLikelihood, DelayStatus,
+    FIT_TRACES_FORMAT, FORMAT_VERSION, FineSurface, FitTraces, FixedText, FolderError, GridPoint, InputSource, LATERAL_TABLE_FORMAT,
+    LateralCurve, LateralEntry, LateralMean, LateralTableFile, LedgerRow, LogActuator, LogRef, MapFolder, Mismatch, PlanEntry, PlanFile,
+    PlannedRun, PlantNoise, Proposal, ResidualCells, ResidualTimes, RoundTripErrors, RunRow, RunTrace, SampleVerdict, SpeedReading,
+    SpeedSource, Stage1Report, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, Units, ZeroRow, csv_name,
+    is_csv_name, sha256_hex, write_whole,
 };
-pub use table2_file::{DeadBand, Place, RoundTrip, Table2File, TorqueMap};
-pub use torque_table::TorqueTable;
+pub(crate) use numbers::{ACCEL_AXIS, SPEED_AXIS, TORQUE_AXIS, check_values, decimal};
+pub use numbers::{
+    AccelAtAngle, AccelMaps, AccelTable, AngleFamily, AngleSurface, Axis, CellStatus, DepartureFrom, Gear, LeftOutAngle, Matrix, PerGear,
+    SAME_ANGLE_DEG, Side, TorqueTable, WheelAngle, angle_lookup, lookup,
+};
 pub use vehicle::Vehicle;

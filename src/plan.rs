@@ -9,11 +9,11 @@ mod drive;
 mod greedy;
 mod information;
 mod settings;
-mod text;
+mod to_campaign;
 
 use crate::fit::{Error, Result};
 use crate::map::{Gear, Table1File};
-pub use drive::PlannedRun;
+pub use crate::map::{PlanEntry, PlannedRun, Proposal};
 use greedy::Greedy;
 use information::{Information, Model};
 use rayon::prelude::*;
@@ -23,48 +23,11 @@ pub use settings::PlanSettings;
 /// Turning the wheel to its angle before the first run [s].
 const STEER_S: f64 = 2.0;
 
-/// A campaign still to drive, the most useful runs first.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Plan {
-    /// What was asked for [s].
-    pub budget_s: f64,
-    /// What the runs are expected to take [s].
-    pub seconds: f64,
-    /// Number of runs, repeats counted.
-    pub runs: u32,
-    /// Root mean square over the cells of the torque's standard error [N·m]: now, ...
-    pub std_err_nm: f64,
-    /// ... and expected after the plan.
-    pub std_err_after_nm: f64,
-    /// The runs, by falling gain per second.
-    pub entries: Vec<PlanEntry>,
-}
-
-/// A run, and how often it is driven.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PlanEntry {
-    /// What is driven.
-    #[serde(flatten)]
-    pub run: PlannedRun,
-    /// How often.
-    pub repeats: u32,
-    /// Time of one run with everything around it [s].
-    pub seconds: f64,
-    /// What the first of these runs takes off the standard error, root mean square over the cells [N·m], ...
-    pub gain_nm: f64,
-    /// ... as share of what it was before that run [%], ...
-    pub gain_percent: f64,
-    /// ... and per second of driving [N·m/s].
-    pub gain_nm_per_s: f64,
-    /// Which cells gain most, and how well they are known before.
-    pub reason: String,
-}
-
 /// Plans the campaign still to drive after the one behind `file`.
 ///
 /// # Errors
-/// A budget that is not positive or that no run fits, no tables, runs or tables that tell no motion.
-pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Plan> {
+/// A budget that is not positive or that no run fits, no tables, runs or tables that show no motion.
+pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Proposal> {
     let model = Model::new(file, settings)?;
     let runs: Vec<PlannedRun> = model.vehicles.iter().flat_map(|vehicle| vehicle.candidates(&model.levels_nm)).collect();
     let candidates = informed(&model, &runs);
@@ -101,7 +64,7 @@ pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Plan> {
         return Err(Error::NoPlan { budget_s: settings.budget_s });
     }
     let entries: Vec<PlanEntry> = picked.into_iter().map(|(_, entry)| entry).collect();
-    Ok(Plan {
+    Ok(Proposal {
         budget_s: settings.budget_s,
         seconds: settings.budget_s - left_s,
         runs: entries.iter().map(|e| e.repeats).sum(),
@@ -125,7 +88,7 @@ pub struct ExpectedCell {
 }
 
 /// What the cells' standard errors are expected to be after `runs` were driven beside those behind `file`: by the same model as [`plan`].
-/// A run that the vehicle cannot drive tells nothing.
+/// A run that the vehicle cannot drive adds nothing.
 ///
 /// # Errors
 /// As [`plan`].
@@ -137,11 +100,11 @@ pub fn expected(file: &Table1File, settings: &PlanSettings, runs: &[PlannedRun])
     for k in 0..informed.len() {
         greedy.take(k);
     }
-    let told = cells.iter().zip(greedy.std_errs_nm());
-    Ok(told.map(|(c, std_err_nm)| ExpectedCell { gear: c.gear, speed_mps: c.speed_mps, torque_nm: c.torque_nm, std_err_nm }).collect())
+    let known = cells.iter().zip(greedy.std_errs_nm());
+    Ok(known.map(|(c, std_err_nm)| ExpectedCell { gear: c.gear, speed_mps: c.speed_mps, torque_nm: c.torque_nm, std_err_nm }).collect())
 }
 
-/// Runs with their time [s] and what they tell; those that cannot be driven are left out.
+/// Runs with their time [s] and what they show; those that cannot be driven are left out.
 fn informed(model: &Model, runs: &[PlannedRun]) -> Vec<(PlannedRun, f64, Information)> {
     runs.par_iter()
         .filter_map(|run| {

@@ -1,7 +1,7 @@
 //! Recording: a campaign plan driven on the simulator and written as a log that any MCAP tool reads.
 //!
-//! In: a vehicle ([`crate::sim::VehicleFile`]) and a [`Campaign`]. Out: the bytes of an MCAP file of ROS 2 messages, and a [`Report`] of the
-//! runs. [`LogWriter`] and [`Message`] write ROS 2 logs for others too.
+//! In: a vehicle ([`crate::sim::VehicleFile`]) and a [`Campaign`]. Out: the bytes of an MCAP file of ROS 2 messages, and a [`RecordReport`] of the
+//! runs. [`LogWriter`] and [`RosMessage`] write ROS 2 logs for others too.
 
 mod campaign;
 mod cdr;
@@ -16,8 +16,8 @@ mod topics;
 
 pub use campaign::{Campaign, RunGroup, RunPlan, TopicSettings, Torques, WheelAngles};
 pub use error::{Error, Result};
-pub use event::{Event, EventKind};
+pub use event::{EventKind, RunEvent};
 pub use log_writer::LogWriter;
-pub use message::{JointState, Message, Odometry, PathMessage, PointStamped, Stamp, TwistStamped};
-pub use recorder::{Recording, Report, record};
+pub use message::{JointState, MessageStamp, Odometry, PathMessage, PointStamped, RosMessage, TwistStamped};
+pub use recorder::{DrivenLog, RecordReport, record};
 pub use runner::{End, RunOutcome};

@@ -1,6 +1,6 @@
 //! From the files of a map to a page that says whether to deploy it.
 //!
-//! In: [`Inputs`], what a folder of maps holds. Out: [`Report`]: one HTML page that needs no network, and the same figures as SVG files. The
+//! In: [`ReportFiles`], what a folder of maps holds. Out: [`Report`]: one HTML page that needs no network, and the same figures as SVG files. The
 //! page is drawn here; its script only answers the pointer and draws what depends on it. The same files give the same bytes.
 
 mod chart;
@@ -12,6 +12,8 @@ mod friction;
 mod heat;
 mod html;
 mod inputs;
+#[cfg(test)]
+mod known;
 mod manoeuvres;
 mod next;
 mod overhead;
@@ -28,5 +30,5 @@ mod tables;
 
 pub use coverage::coverage_text;
 pub use error::{Error, Result};
-pub use inputs::{Inputs, Judgement};
+pub use inputs::{Judgement, ReportFiles};
 pub use page::{Report, report};

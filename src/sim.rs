@@ -1,6 +1,6 @@
 //! The simulator: one vehicle on its floor, a fixed step at a time, deterministic for a seed.
 //!
-//! In: [`Settings`] (from a vehicle's TOML file, [`VehicleFile`], or from a fit, [`Settings::identified`]) and a [`Command`] per step. Out: the
+//! In: [`WorldSettings`] (from a vehicle's TOML file, [`VehicleFile`], or from a fit, [`WorldSettings::identified`]) and a [`WorldCommand`] per step. Out: the
 //! truth, [`TrueState`], and what sensors say of it, [`Measurement`]. The parts, each its own type: drive, traction, motion (physical or
 //! identified), steering, body, sensors; combined by [`World`]. [`Truth`] is the physical plant's exact map.
 //!
@@ -32,20 +32,20 @@ pub use crate::map::Gear;
 pub use drive::{Drive, DriveSettings, TorqueStep};
 pub use error::{Error, Result};
 pub use fault::Fault;
-pub use identified::{Direction, IdentifiedMotion, IdentifiedSettings};
+pub use identified::{GearSurface, IdentifiedMotion, IdentifiedSettings};
 pub use load::Load;
 pub use motion::{Motion, MotionSettings};
 pub use physical::PhysicalMotion;
 pub use plant::PhysicalSettings;
-pub use pose::{AngleTerms, Body, SpeedStep};
-pub use random::{Disturbance, Random, Stream};
+pub use pose::{Body, SpeedStep, WheelAngleTerms};
+pub use random::{Random, RandomDisturbance, Stream};
 pub use replay::{RecordedRun, Replay, replay};
 pub use sensor_settings::{EncoderSettings, GyroSettings, PoseSettings, SensorSettings, SteeringAngleSettings, TorqueFeedbackSettings};
-pub use sensor_timing::{Channel, KEPT, Reading, Timing};
+pub use sensor_timing::{Channel, KEPT, SensorReading, Timing};
 pub use sensors::Sensors;
-pub use settings::{DEFAULT_STEP_S, Perturbation, Settings};
+pub use settings::{DEFAULT_STEP_S, Perturbation, WorldSettings};
 pub use steering::{AngleStep, Steering, SteeringSettings};
 pub use traction::Traction;
 pub use truth::Truth;
 pub use vehicle_file::{VehicleFile, from_toml};
-pub use world::{Command, Measurement, TrueState, World};
+pub use world::{Measurement, TrueState, World, WorldCommand};

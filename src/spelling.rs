@@ -1,21 +1,8 @@
 //! How far two words are apart, to name the nearest known one beside a misspelt one.
 
-/// Edits (insert, delete, replace a character) that turn one text into the other, without regard to case.
-///
-/// Source: V. I. Levenshtein, "Binary codes capable of correcting deletions, insertions and reversals", 1966.
+/// Characters to insert, delete or replace in one text to get the other (Levenshtein distance), without regard to case.
 pub(crate) fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.to_lowercase().chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let replace = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
+    strsim::levenshtein(&a.to_lowercase(), &b.to_lowercase())
 }
 
 /// The candidate fewest edits away from `found`, if at most half of its letters differ.

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// Radians in one degree.
-pub const RAD_PER_DEG: f64 = PI / 180.0;
+pub use crate::control::RAD_PER_DEG;
+
 /// Radians per second in one revolution per minute.
 pub const RAD_S_PER_RPM: f64 = 2.0 * PI / 60.0;
 /// Nanoseconds in one second.

@@ -45,6 +45,6 @@ pub use pivot_traces::{Bands, ClosedLoop, LawTraces};
 pub use reference_maps::known_maps;
 pub use replayed::{ReplayedRun, replayed};
 pub use round_trip::{RoundTripLimit, RoundTripVerdict, Worst, round_trip};
-pub use scenario::{Class, Expected, Incident, Onset, Scenario};
-pub use settings::{Extras, RunLog, VerifySettings};
+pub use scenario::{Class, Disturbance, Expected, Onset, Scenario};
+pub use settings::{RunLog, VerifySettings, Wanted};
 pub use verdict::{ConventionalGains, FORMAT, LawComparison, LawSummary, MapVerdict, PlantSummary, ScenarioVerdict, Status};

@@ -65,6 +65,29 @@ fn the_committed_maps_are_sound() {
 }
 
 #[test]
+fn a_row_of_a_lesser_array_that_is_too_short_is_a_finding_and_an_error_of_every_reader() {
+    let (folder, maps) = copied();
+    change_table1(&maps, |file| {
+        file.maps[0].status[2].pop();
+    });
+    let (status, reports) = judged(&maps, &["table1.json"]);
+    assert_eq!(status, 3);
+    expect(&reports[0], &[("readable", None, None)]);
+    let what = reports[0]["findings"][0]["what"].as_str().unwrap();
+    assert!(what.starts_with("maps[0].status[2] has "), "{what}");
+    for args in [&["report"][..], &["invert"], &["plan"], &["verify"], &["export", "--format", "c", "-o", "out"]] {
+        let (status, _, errors) = run(folder.path(), args);
+        assert!(status == 1 && errors.contains(what), "{args:?}: {errors}");
+    }
+    change_table2(&maps, |file| {
+        file.maps[0].reachable_accel_mps2.pop();
+    });
+    let (_, reports) = judged(&maps, &["table2.json"]);
+    let what = reports[0]["findings"][0]["what"].as_str().unwrap();
+    assert!(what.starts_with("maps[0].reachable_accel_mps2 has "), "{what}");
+}
+
+#[test]
 fn an_edited_csv_is_a_hash_mismatch_wherever_it_shows() {
     let (_folder, maps) = copied();
     let value = Table2File::from_json(&text(&maps, "table2.json")).unwrap().maps[0].torque_nm[0][1];

@@ -213,5 +213,5 @@ fn what_cannot_be_read_is_an_error_that_names_it() {
     fails(&["maps/table2.csv", "other"], "table2.csv");
     fails(&["maps", "other", "--false-discovery-rate", "1.5"], "--false-discovery-rate is 1.5");
     change_table2(&b, |file| drop(file.maps[0].std_err_nm.pop()));
-    fails(&["maps", "other"], "standard errors of");
+    fails(&["maps", "other"], "maps[0].std_err_nm has ");
 }

@@ -3,7 +3,7 @@
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, WriteOptions, Writer};
-use pivot_cal::log::{Depth, Error, Recording, SignalMap, Source, Survey, VehicleOverrides, Why, read_bytes, survey_bytes};
+use pivot_cal::log::{Depth, Error, LogSurvey, Recording, SignalMap, Source, VehicleOverrides, Why, read_bytes, survey_bytes};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
@@ -63,7 +63,7 @@ fn read(bytes: Vec<u8>) -> Result<Recording, Error> {
     read_bytes(bytes, "log.mcap", &source(), &VehicleOverrides::default())
 }
 
-fn look(bytes: Vec<u8>) -> Survey {
+fn look(bytes: Vec<u8>) -> LogSurvey {
     survey_bytes(bytes, "log.mcap", &source(), Depth::Everything).unwrap()
 }
 
@@ -316,7 +316,7 @@ fn the_loss_of_a_chunk_is_told_by_place_bytes_and_topics_and_everything_behind_i
         let sound = three_topics(summary);
         let whole = look(sound.clone());
         let messages =
-            |survey: &Survey| survey.topics.iter().map(|topic| (topic.topic.clone(), topic.messages.unwrap())).collect::<Vec<_>>();
+            |survey: &LogSurvey| survey.topics.iter().map(|topic| (topic.topic.clone(), topic.messages.unwrap())).collect::<Vec<_>>();
         // a chunk without /status, which is written every 150th time: it is not said to have lost anything
         let (at, length) = chunks(&sound)[4];
         let indexes = records(&sound).into_iter().skip_while(|record| record.0 <= at).take_while(|record| record.2 == 7);

@@ -35,8 +35,8 @@ fn error_nm(lost_fraction: f64) -> f64 {
     let of_seed = |seed: u64| {
         let bytes = record(&vehicle, &campaign, Some(seed)).unwrap().bytes;
         let log = read_bytes(bytes, "lost.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
-        let survey = Survey::new(Track::new(&log).unwrap(), &campaign::Settings::default()).unwrap();
-        let file = fit(vec![survey], &fit::Settings::default()).unwrap().file;
+        let survey = Survey::new(Track::new(&log).unwrap(), &campaign::SurveySettings::default()).unwrap();
+        let file = fit(vec![survey], &fit::FitSettings::default()).unwrap().file;
         yardstick.rms_between(&forward(&yardstick, &file), 0.05, 1.0)
     };
     rms(&(1..=4).map(of_seed).collect::<Vec<_>>())

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
 use pivot_cal::campaign;
-use pivot_cal::campaign::{Survey, Verdict};
+use pivot_cal::campaign::{SampleVerdict, Survey};
 use pivot_cal::fit;
 use pivot_cal::fit::{Fit, fit};
 use pivot_cal::invert;
@@ -29,7 +29,7 @@ fn text(path: &str) -> String {
 }
 
 fn survey(recording: &Recording) -> Survey {
-    Survey::new(Track::new(recording).unwrap(), &campaign::Settings::default()).unwrap()
+    Survey::new(Track::new(recording).unwrap(), &campaign::SurveySettings::default()).unwrap()
 }
 
 fn messy() -> (Survey, Fit) {
@@ -41,10 +41,10 @@ fn messy_with(change: impl Fn(Track) -> Track) -> (Survey, Fit) {
     let source = Source::Map(SignalMap::from_toml(&text("data/signals/reference.toml")).unwrap());
     let read = |path: &str| {
         let recording = read(&repo(path), &source, &VehicleOverrides::default(), &|_| {}).unwrap();
-        Survey::new(change(Track::new(&recording).unwrap()), &campaign::Settings::default()).unwrap()
+        Survey::new(change(Track::new(&recording).unwrap()), &campaign::SurveySettings::default()).unwrap()
     };
     let messy = read("tests/data/reference_messy.zstd.mcap");
-    let fit = fit(vec![messy.clone(), read("tests/data/mini_ros2.zstd.mcap")], &fit::Settings::default()).unwrap();
+    let fit = fit(vec![messy.clone(), read("tests/data/mini_ros2.zstd.mcap")], &fit::FitSettings::default()).unwrap();
     (messy, fit)
 }
 
@@ -129,15 +129,15 @@ fn a_messy_drive_is_judged_as_its_answer_key_says_and_fits_its_dynamometer() {
     for (t, verdict) in times.iter().zip(verdicts) {
         let Some(event) = events.iter().find(|e| *t >= e.from_s && *t < e.to_s) else { continue };
         let kind = event.kind.as_str();
-        assert!(!(bad.contains(&kind) && *verdict == Verdict::Used), "a sample of {kind} at {t:.2} s is used");
-        if matches!(verdict, Verdict::WheelNotAtAngle | Verdict::SteeringMoving) {
+        assert!(!(bad.contains(&kind) && *verdict == SampleVerdict::Used), "a sample of {kind} at {t:.2} s is used");
+        if matches!(verdict, SampleVerdict::WheelNotAtAngle | SampleVerdict::SteeringMoving) {
             at_angle_since = t + 0.1;
         }
-        let resting = matches!(verdict, Verdict::AtRest | Verdict::NoTorque);
+        let resting = matches!(verdict, SampleVerdict::AtRest | SampleVerdict::NoTorque);
         if clean.contains(&kind) && *t > event.from_s + settle_s && *t > at_angle_since && !resting {
             moving += 1;
-            used += usize::from(*verdict == Verdict::Used);
-            if *verdict != Verdict::Used {
+            used += usize::from(*verdict == SampleVerdict::Used);
+            if *verdict != SampleVerdict::Used {
                 *left_out.entry((kind, verdict.to_string())).or_insert(0) += 1;
             }
         }
@@ -160,7 +160,7 @@ fn a_messy_drive_is_judged_as_its_answer_key_says_and_fits_its_dynamometer() {
 
 /// Both tables rise, everywhere.
 fn assert_monotone(file: &Table1File) {
-    let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default()).unwrap();
+    let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::InvertSettings::default()).unwrap();
     for map in &file.maps {
         for rows in map.accel_mps2.windows(2) {
             assert!(rows[0].iter().zip(&rows[1]).all(|(low, high)| high > low), "Table 1 does not rise");
@@ -179,7 +179,7 @@ fn a_simulated_campaign_gives_back_the_simulators_own_map() {
     println!("seed {seed}");
     let recording = record(&vehicle, &campaign, Some(seed)).unwrap();
     let recording = read_bytes(recording.bytes, "campaign.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
-    let fit = fit(vec![survey(&recording)], &fit::Settings::default()).unwrap();
+    let fit = fit(vec![survey(&recording)], &fit::FitSettings::default()).unwrap();
     assert_monotone(&fit.file);
     let truth = vehicle.truth().unwrap();
     for gear in Gear::ALL {

@@ -6,7 +6,7 @@
 mod yardstick;
 
 use pivot_cal::map::{Gear, Table1File};
-use pivot_cal::plan::{Plan, PlanSettings, expected, plan};
+use pivot_cal::plan::{PlanSettings, Proposal, expected, plan};
 use pivot_cal::record::{Campaign, End, record};
 use pivot_cal::sim::VehicleFile;
 use pivot_cal::verify::known_maps;
@@ -24,7 +24,7 @@ static TABLE1: LazyLock<Table1File> = LazyLock::new(|| {
     file
 });
 
-static PLANNED: LazyLock<Plan> = LazyLock::new(|| planned(&TABLE1));
+static PLANNED: LazyLock<Proposal> = LazyLock::new(|| planned(&TABLE1));
 
 fn scrubber() -> VehicleFile {
     VehicleFile::from_toml(include_str!("../data/vehicles/scrubber.toml")).unwrap()
@@ -34,7 +34,7 @@ fn wish(budget_s: f64) -> PlanSettings {
     PlanSettings { budget_s, ..PlanSettings::default() }
 }
 
-fn planned(file: &Table1File) -> Plan {
+fn planned(file: &Table1File) -> Proposal {
     plan(file, &wish(30.0)).unwrap()
 }
 
@@ -42,7 +42,7 @@ fn planned(file: &Table1File) -> Plan {
 fn a_plan_is_a_campaign_within_its_time_and_the_most_useful_run_comes_first() {
     let plan = &*PLANNED;
     assert_eq!(*plan, planned(&TABLE1), "the same table gives the same plan");
-    let text = plan.to_toml();
+    let text = plan.to_toml(None).unwrap();
     let campaign = Campaign::from_toml(&text).unwrap();
     let runs = campaign.plan(1).unwrap();
     assert_eq!(runs.len(), plan.runs as usize);
@@ -57,7 +57,7 @@ fn a_plan_is_a_campaign_within_its_time_and_the_most_useful_run_comes_first() {
 
 #[test]
 fn record_drives_a_plan_in_the_time_it_promises_and_every_level_happens() {
-    let campaign = Campaign::from_toml(&PLANNED.to_toml()).unwrap();
+    let campaign = Campaign::from_toml(&PLANNED.to_toml(None).unwrap()).unwrap();
     let report = record(&scrubber(), &campaign, Some(3)).unwrap().report;
     // the driver's cycles and the run's friction: a tenth of a second per run
     let off_s = report.duration_s - PLANNED.seconds;

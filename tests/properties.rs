@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use pivot_cal::invert::{Settings, ZeroRow, invert};
+use pivot_cal::invert::{InvertSettings, ZeroRow, invert};
 use pivot_cal::map::{
-    AccelMap, Actuator, Breakaway, CellStatus, CsvRef, DelayEstimate, FORMAT_VERSION, Gear, PlantNoise, Stage1Report, Surface,
-    TABLE1_FORMAT, Table1File, Units, Vehicle,
+    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CellStatus, CsvRef, DelayEstimate, DelayStatus, FORMAT_VERSION, FineSurface, Gear,
+    PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle,
 };
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ fn surfaces() -> impl Strategy<Value = Vec<Vec<f64>>> {
 fn file(accel: &[Vec<f64>]) -> Table1File {
     let speed_mps: Vec<f64> = (0..12).map(|k| f64::from(k) * 0.1).collect();
     let torque_nm: Vec<f64> = (0..8).map(|k| f64::from(k - 2) * 8.0).collect();
-    let delay = DelayEstimate { value_s: 0.05, std_err_s: None, status: "given".into() };
+    let delay = DelayEstimate { value_s: 0.05, std_err_s: None, status: DelayStatus::Given };
     let map = AccelMap {
         gear: Gear::Forward,
         wheel_angle_deg: 90.0,
@@ -37,8 +37,8 @@ fn file(accel: &[Vec<f64>]) -> Table1File {
         confidence: vec![vec![1.0; 12]; 8],
         status: vec![vec![CellStatus::Measured; 12]; 8],
         measured_torque_nm: vec![Some([-16.0, 40.0]); 12],
-        breakaway: Breakaway { torque_nm: 6.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
-        surface: Surface { speed_mps: speed_mps.clone(), torque_nm: torque_nm.clone(), accel_mps2: accel.to_vec() },
+        breakaway: BreakawayTorque { torque_nm: 6.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
+        surface: FineSurface { speed_mps: speed_mps.clone(), torque_nm: torque_nm.clone(), accel_mps2: accel.to_vec() },
         accel_mps2: accel.to_vec(),
         speed_mps,
         torque_nm,
@@ -51,7 +51,7 @@ fn file(accel: &[Vec<f64>]) -> Table1File {
         vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) },
         logs: Vec::new(),
         settings: serde_json::Value::Null,
-        actuator: Actuator { dead_time: delay.clone(), lag: delay, input: "torque command".into(), per_log: Vec::new() },
+        actuator: Actuator { dead_time: delay.clone(), lag: delay, input: ActuatorInput::COMMAND, per_log: Vec::new() },
         witnesses: Vec::new(),
         noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.3, run_offset_mps2: 0.0, speed_noise_mps: 0.0 },
         maps: vec![map],
@@ -69,7 +69,7 @@ proptest! {
 
     #[test]
     fn the_inverse_rises_with_acceleration_and_keeps_the_torque_limit(accel in surfaces()) {
-        let inversion = invert(&file(&accel), table1(), &Settings::default()).unwrap();
+        let inversion = invert(&file(&accel), table1(), &InvertSettings::default()).unwrap();
         for row in &inversion.file.maps[0].torque_nm {
             prop_assert!(row.windows(2).all(|w| w[1] >= w[0]));
             prop_assert!(row.iter().all(|t| t.abs() <= 44.0));
@@ -78,7 +78,7 @@ proptest! {
 
     #[test]
     fn node_exact_tables_undo_the_surface_at_their_nodes(accel in surfaces()) {
-        let settings = Settings { node_exact: true, ..Settings::default() };
+        let settings = InvertSettings { node_exact: true, ..InvertSettings::default() };
         let inversion = invert(&file(&accel), table1(), &settings).unwrap();
         // values are stored to a millionth of a newton metre; slopes here are at most 0.05 m/s² per N·m
         prop_assert!(inversion.file.maps[0].round_trip.node_max_mps2 < 2e-6);
@@ -86,7 +86,7 @@ proptest! {
 
     #[test]
     fn a_holding_row_asks_for_no_torque_at_standstill_without_acceleration(accel in surfaces()) {
-        let settings = Settings { zero_row: ZeroRow::Hold, ..Settings::default() };
+        let settings = InvertSettings { zero_row: ZeroRow::Hold, ..InvertSettings::default() };
         let map = invert(&file(&accel), table1(), &settings).unwrap().file.maps.remove(0);
         for (a, torque) in map.accel_mps2.iter().zip(&map.torque_nm[0]) {
             prop_assert!(*a > 0.0 || *torque == 0.0);
@@ -107,6 +107,6 @@ fn a_falling_surface_is_refused() {
         row.fill(i as f64 * 0.1);
     }
     accel[4][3] = -2.0;
-    let error = invert(&file(&accel), table1(), &Settings::default()).unwrap_err();
+    let error = invert(&file(&accel), table1(), &InvertSettings::default()).unwrap_err();
     assert!(error.to_string().contains("does not rise with torque at 0.300 m/s"), "{error}");
 }

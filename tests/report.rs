@@ -170,7 +170,7 @@ fn drive_manoeuvres(maps: &Path) {
         "seconds": 1.6, "gain_nm": 0.0014, "gain_percent": 1.04, "reason": "cells at -24 to 40 N·m <are> known to ±0.22 N·m only" });
     let plan = serde_json::json!({ "seconds": 299.0, "runs": 111, "std_err_nm": 0.134, "std_err_after_nm": 0.087, "entries": [run] });
     let sha256 = pivot_cal::map::sha256_hex(&std::fs::read(maps.join("table1.json")).unwrap());
-    std::fs::write(maps.join("plan.json"), PlanFile::new(sha256, plan).unwrap().to_json().unwrap()).unwrap();
+    std::fs::write(maps.join("plan.json"), PlanFile::new(sha256, serde_json::from_value(plan).unwrap()).to_json().unwrap()).unwrap();
 }
 
 #[test]

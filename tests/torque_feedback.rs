@@ -4,13 +4,13 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
 use pivot_cal::campaign;
-use pivot_cal::campaign::{Survey, Verdict, group_by_angle};
+use pivot_cal::campaign::{SampleVerdict, Survey, group_by_angle};
 use pivot_cal::fit;
 use pivot_cal::fit::{Fit, fit, fit_angles, fit_traced};
 use pivot_cal::invert;
 use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{AccelMap, CellStatus, CsvRef, Gear};
+use pivot_cal::map::{AccelMap, ActuatorInput, CellStatus, CsvRef, DelayStatus, Gear, InputSource};
 use pivot_cal::record::{Campaign, record};
 use pivot_cal::signal::{Series, Track};
 use pivot_cal::sim::{Truth, VehicleFile};
@@ -47,12 +47,12 @@ fn recorded(slew_limit_nm_s: Option<f64>) -> (Recording, Truth) {
 fn surveyed(recording: &Recording, change: impl Fn(&mut Track)) -> Survey {
     let mut track = Track::new(recording).unwrap();
     change(&mut track);
-    Survey::new(track, &campaign::Settings::default()).unwrap()
+    Survey::new(track, &campaign::SurveySettings::default()).unwrap()
 }
 
 /// The fit of a log whose track is changed first.
 fn fitted(recording: &Recording, change: impl Fn(&mut Track)) -> Fit {
-    fit(vec![surveyed(recording, change)], &fit::Settings::default()).unwrap()
+    fit(vec![surveyed(recording, change)], &fit::FitSettings::default()).unwrap()
 }
 
 /// The feedback of a track.
@@ -94,7 +94,8 @@ fn accel_rms_mps2(maps: &[AccelMap], truth: &Truth) -> f64 {
 
 fn errors(fit: &Fit, truth: &Truth) -> Errors {
     let map = &fit.file.maps[0];
-    let inverse = invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default()).unwrap();
+    let inverse =
+        invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::InvertSettings::default()).unwrap();
     let table2 = inverse.file.maps[0].table().unwrap();
     let cells = measured(map, truth);
     let torque: Vec<f64> = cells.iter().filter_map(|[v, u, _, a]| Some(table2.torque_from_accel(*v, *a)? - u)).collect();
@@ -110,13 +111,17 @@ fn errors(fit: &Fit, truth: &Truth) -> Errors {
 #[test]
 fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     let (recording, truth) = recorded(Some(60.0));
-    let (by_feedback, traces) = fit_traced(vec![surveyed(&recording, |_| ())], &fit::Settings::default()).unwrap();
+    let (by_feedback, traces) = fit_traced(vec![surveyed(&recording, |_| ())], &fit::FitSettings::default()).unwrap();
     let by_command = fitted(&recording, |track| track.feedback_nm = None);
     let (feedback, command) = (errors(&by_feedback, &truth), errors(&by_command, &truth));
     println!("by the feedback {feedback:?}\nby the command {command:?}");
     let actuator = &by_feedback.file.actuator;
     println!("{actuator:?}\n{:?}", by_feedback.file.report.notes);
-    assert!(actuator.input.starts_with("torque feedback (") && by_command.file.actuator.input == "torque command");
+    assert!(
+        actuator.input.reason.is_some()
+            && actuator.input.source == InputSource::TorqueFeedback
+            && by_command.file.actuator.input == ActuatorInput::COMMAND
+    );
     assert!(by_feedback.file.report.notes.iter().any(|n| n.contains("the torque feedback is the fit's input")));
     // measured: 0.0074 m/s², 0.105 and 0.055 N·m; by the command 0.243 m/s², 3.79 and 2.87 N·m
     assert!(feedback.accel_mps2 < 0.015 && feedback.torque_nm < 0.2 && feedback.breakaway_nm < 0.2);
@@ -135,7 +140,7 @@ fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     assert!((log.found_s - dead_time.value_s).abs() < 1e-5, "{} {dead_time:?}", log.found_s);
     assert!((log.dead_time_s[least] - dead_time.value_s).abs() < 0.01, "{} {dead_time:?}", log.dead_time_s[least]);
     let offset = &actuator.per_log[0].clock_offset;
-    assert!(offset.status == "none found" && offset.value_s.abs() < 0.01, "{offset:?}");
+    assert!(offset.status == DelayStatus::NoneFound && offset.value_s.abs() < 0.01, "{offset:?}");
 }
 
 #[test]
@@ -143,10 +148,10 @@ fn a_first_order_drive_is_modelled_whether_it_tells_its_torque_or_not() {
     let (recording, _) = recorded(None);
     let with = fitted(&recording, |_| ());
     let without = fitted(&recording, |track| track.feedback_nm = None);
-    assert_eq!(with.file.actuator.input, "torque command");
+    assert_eq!(with.file.actuator.input, ActuatorInput::COMMAND);
     assert_eq!(with.csvs, without.csvs);
     let mut bare = with.file.clone();
-    assert_eq!(bare.actuator.per_log[0].clock_offset.status, "none found");
+    assert_eq!(bare.actuator.per_log[0].clock_offset.status, DelayStatus::NoneFound);
     bare.actuator.per_log[0].clock_offset = without.file.actuator.per_log[0].clock_offset.clone();
     assert_eq!(bare.to_json().unwrap(), without.file.to_json().unwrap());
 }
@@ -157,7 +162,7 @@ fn a_feedback_of_another_scale_is_refused_with_the_reason() {
         let (recording, _) = recorded(slew_limit_nm_s);
         let high = fitted(&recording, |track| feedback(track).value.iter_mut().for_each(|u| *u *= 1.1));
         let without = fitted(&recording, |track| track.feedback_nm = None);
-        let input = &high.file.actuator.input;
+        let input = high.file.actuator.input.to_string();
         println!("{input}");
         assert!(input.starts_with("torque command (the feedback ") && input.contains("reads 10 % high"), "{input}");
         assert!(high.file.report.notes.iter().any(|n| n.contains("reads 10 % high")), "{:?}", high.file.report.notes);
@@ -168,7 +173,7 @@ fn a_feedback_of_another_scale_is_refused_with_the_reason() {
 #[test]
 fn a_feedback_that_cannot_stand_in_is_refused_with_the_reason() {
     let (recording, _) = recorded(Some(60.0));
-    let input = |change: &dyn Fn(&mut Track)| fitted(&recording, change).file.actuator.input;
+    let input = |change: &dyn Fn(&mut Track)| fitted(&recording, change).file.actuator.input.to_string();
     let keep = |track: &mut Track, kept: &dyn Fn(usize, f64) -> bool| {
         let own = feedback(track);
         let (t_s, value) =
@@ -186,15 +191,15 @@ fn a_feedback_that_cannot_stand_in_is_refused_with_the_reason() {
         println!("{told}");
         assert!(told.starts_with("torque command (the feedback ") && told.contains(why), "{why}: {told}");
     }
-    let given = fit::Settings { lag_s: Some(0.05), ..fit::Settings::default() };
+    let given = fit::FitSettings { lag_s: Some(0.05), ..fit::FitSettings::default() };
     let told = fit(vec![surveyed(&recording, |_| ())], &given).unwrap().file.actuator;
-    assert!(told.input.contains("dead time or lag are given") && told.lag.status == "given", "{told:?}");
+    assert!(told.input.to_string().contains("dead time or lag are given") && told.lag.status == DelayStatus::Given, "{told:?}");
     let bare = surveyed(&recording, |track| {
         track.feedback_nm = None;
         track.source.file = "bare.mcap".into();
         track.source.sha256 = "0".repeat(64);
     });
-    let told = fit(vec![surveyed(&recording, |_| ()), bare], &fit::Settings::default()).unwrap().file.actuator.input;
+    let told = fit(vec![surveyed(&recording, |_| ()), bare], &fit::FitSettings::default()).unwrap().file.actuator.input.to_string();
     assert!(told.starts_with("torque command (") && told.contains("not every log has one"), "{told}");
 }
 
@@ -205,8 +210,7 @@ fn a_gap_of_the_feedback_is_left_out_and_a_lost_reading_is_bridged() {
     let usable = surveyed(&recording, |_| ());
     let stretch = usable.stretches.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s))).unwrap();
     let middle_s = 0.5 * (stretch.from_s + stretch.to_s);
-    let seconds =
-        |fit: &Fit| fit.file.report.ledger.iter().find(|row| row.verdict == Verdict::Gap.to_string()).map_or(0.0, |row| row.seconds);
+    let seconds = |fit: &Fit| fit.file.report.ledger.iter().find(|row| row.verdict == SampleVerdict::Gap).map_or(0.0, |row| row.seconds);
     let whole = fitted(&recording, |_| ());
     let with_gap = fitted(&recording, |track| {
         let own = feedback(track);
@@ -216,7 +220,7 @@ fn a_gap_of_the_feedback_is_left_out_and_a_lost_reading_is_bridged() {
     });
     let more_s = seconds(&with_gap) - seconds(&whole);
     println!("{more_s:.2} s more of gaps; {:?}", errors(&with_gap, &truth));
-    assert!(with_gap.file.actuator.input.starts_with("torque feedback"));
+    assert_eq!(with_gap.file.actuator.input.source, InputSource::TorqueFeedback);
     // 0.6 s without a reading, and up to a period at either end
     assert!((0.55..0.75).contains(&more_s), "{more_s}");
     assert!(errors(&with_gap, &truth).torque_nm < 0.2);
@@ -227,8 +231,8 @@ fn the_input_is_the_same_at_every_wheel_angle() {
     let campaign = text("data/campaigns/wheel_angles.toml").replace("[0, 30, 60, 90]", "[60, 90]");
     let (recording, truth) = driven(&campaign, Some(60.0));
     let errors_of = |recording: &Recording| {
-        let grouped = group_by_angle(std::slice::from_ref(recording), &[60.0, 90.0], &campaign::Settings::default()).unwrap();
-        let fit = fit_angles(grouped, true, 90.0, &fit::Settings::default()).unwrap().0;
+        let grouped = group_by_angle(std::slice::from_ref(recording), &[60.0, 90.0], &campaign::SurveySettings::default()).unwrap();
+        let fit = fit_angles(grouped, true, 90.0, &fit::FitSettings::default()).unwrap().0;
         println!("{} {:?}", fit.file.actuator.input, fit.file.report.notes);
         assert_eq!(fit.file.maps.len(), 2);
         let rms = accel_rms_mps2(&fit.file.maps, &truth);
@@ -239,7 +243,11 @@ fn the_input_is_the_same_at_every_wheel_angle() {
     bare.signals.torque_feedback = None;
     let (by_command, command_mps2) = errors_of(&bare);
     println!("{feedback_mps2:.4} m/s² by the feedback, {command_mps2:.4} by the command");
-    assert!(by_feedback.file.actuator.input.starts_with("torque feedback (") && by_command.file.actuator.input == "torque command");
+    assert!(
+        by_feedback.file.actuator.input.reason.is_some()
+            && by_feedback.file.actuator.input.source == InputSource::TorqueFeedback
+            && by_command.file.actuator.input == ActuatorInput::COMMAND
+    );
     let told = by_feedback.file.report.notes.iter().filter(|n| n.contains("the fit's input")).count();
     assert_eq!(told, 1, "once for all angles");
     assert!(command_mps2 > 5.0 * feedback_mps2);

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, write_whole};
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
+use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, WheelAngle, write_whole};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
 use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, known_maps, verify};
 use std::path::Path;
 
@@ -58,7 +58,7 @@ fn the_exact_map_passes() {
 #[test]
 fn one_wrong_cell_fails_wherever_it_is() {
     let (_, table2) = good();
-    let map = table2.map(Gear::Forward, 90.0, 1.0).unwrap();
+    let map = table2.map(Gear::Forward, WheelAngle::from_deg(90.0)).unwrap();
     let mut tried = 0;
     for i in (0..map.speed_mps.len()).step_by(5) {
         for j in (0..map.accel_mps2.len()).step_by(7) {

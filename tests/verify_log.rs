@@ -5,8 +5,8 @@
 mod readers;
 
 use pivot_cal::map::Vehicle;
-use pivot_cal::sim::{PhysicalSettings, Settings as World};
-use pivot_cal::verify::{Extras, Maps, Scenario, VerifySettings, known_maps, verify_with};
+use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
+use pivot_cal::verify::{Maps, Scenario, VerifySettings, Wanted, known_maps, verify_with};
 use std::path::Path;
 
 /// Topics of every log with their types. What PlotJuggler, Foxglove and rerun draw without a plug-in: standard ROS 2 messages.
@@ -37,7 +37,7 @@ fn log(name: &str) -> Vec<u8> {
     let maps = Maps::new(table1, table2).unwrap();
     let scenarios = Scenario::all().into_iter().filter(|s| s.name == name).collect();
     let settings = VerifySettings { scenarios, draws: 0, comparison_draws: 0, ..VerifySettings::new().unwrap() };
-    let mut logs = verify_with(&maps, &settings, Extras { logs: true, ..Extras::default() }).unwrap().logs;
+    let mut logs = verify_with(&maps, &settings, Wanted { logs: true, ..Wanted::default() }).unwrap().logs;
     assert_eq!((logs.len(), logs[0].name.as_str()), (1, name));
     logs.remove(0).bytes
 }

@@ -6,7 +6,7 @@
 mod map_copy;
 
 use map_copy::{run, text};
-use pivot_cal::map::{Gear, Side, Table1File, Table2File};
+use pivot_cal::map::{DepartureFrom, Gear, Side, Table1File, Table2File, WheelAngle};
 use std::path::Path;
 
 /// Forward steps and braking at the angles told, and reverse steps at the test angle.
@@ -82,7 +82,7 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
     let csv = text(&maps, "table2.angle60.csv");
     std::fs::write(
         maps.join("table2.angle60.csv"),
-        map_copy::with_last_decimal_changed(&csv, table2.map(Gear::Forward, 60.0, 0.5).unwrap().torque_nm[2][2]),
+        map_copy::with_last_decimal_changed(&csv, table2.map(Gear::Forward, WheelAngle::from_deg(60.0)).unwrap().torque_nm[2][2]),
     )
     .unwrap();
     assert_eq!(run(folder, &["check", "maps/table2.json"]).0, 3);
@@ -115,7 +115,7 @@ fn angles_are_selected_and_one_that_the_log_lacks_is_an_error_that_names_those_i
     assert_eq!(csvs(folder, "table1"), ["table1.angle30.csv", "table1.csv", "table1.reverse.csv"]);
     let file = Table1File::from_json(&text(&folder.join("maps"), "table1.json")).unwrap();
     let family = &file.families[0];
-    assert!(family.departure_from == "assumed" && family.departure_nm > 0.0 && family.friction_nm[2].is_empty(), "{family:?}");
+    assert!(family.departure_from == DepartureFrom::Assumed && family.departure_nm > 0.0 && family.friction_nm[2].is_empty(), "{family:?}");
     let (status, _, errors) = run(folder, &["invert", "--angle", "60"]);
     assert!(status == 1 && errors.contains("its wheel angles are 30°, 90°"), "{errors}");
     assert_eq!(run(folder, &["invert", "--angle", "90"]).0, 0);

@@ -11,7 +11,7 @@ use pivot_cal::fit::{Fit, fit_angles};
 use pivot_cal::invert;
 use pivot_cal::invert::{Inversion, invert};
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable};
+use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable, WheelAngle};
 use pivot_cal::record::{Campaign, record};
 use pivot_cal::sim::{Truth, VehicleFile};
 use pivot_cal::units::RAD_PER_DEG;
@@ -37,13 +37,13 @@ fn recorded(seed: Option<u64>) -> (Recording, Truth) {
 }
 
 fn grouped(recording: &Recording, angles_deg: &[f64]) -> Grouped {
-    let grouped = group_by_angle(std::slice::from_ref(recording), angles_deg, &campaign::Settings::default()).unwrap();
+    let grouped = group_by_angle(std::slice::from_ref(recording), angles_deg, &campaign::SurveySettings::default()).unwrap();
     assert!(grouped.empty.is_empty() && grouped.notes.is_empty(), "{:?} {:?}", grouped.empty, grouped.notes);
     grouped
 }
 
 fn inverted(fit: &Fit) -> Inversion {
-    invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default()).unwrap()
+    invert(&fit.file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::InvertSettings::default()).unwrap()
 }
 
 /// Calls `look` with the maps of an inversion as a controller holds them.
@@ -53,7 +53,7 @@ fn with_tables<T>(inversion: &Inversion, look: impl FnOnce(&AngleTables) -> T) -
     let tables: Vec<AngleTable> = maps
         .iter()
         .zip(&tables)
-        .map(|(m, table)| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table })
+        .map(|(m, table)| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: table.view() })
         .collect();
     let families = &inversion.file.families;
     let terms: Vec<GearTerms> = families.iter().map(|f| GearTerms { gear: f.gear, left: f.side == Side::Left, terms: f.terms() }).collect();
@@ -62,7 +62,7 @@ fn with_tables<T>(inversion: &Inversion, look: impl FnOnce(&AngleTables) -> T) -
 
 /// Speeds and torques of the cells that the campaign measured at an angle, forward gear.
 fn measured_cells(fit: &Fit, angle_deg: f64) -> Vec<(f64, f64)> {
-    let map = fit.file.map(Gear::Forward, angle_deg, 0.5).unwrap();
+    let map = fit.file.map(Gear::Forward, WheelAngle::from_deg(angle_deg)).unwrap();
     let mut cells = Vec::new();
     for (i, u) in map.torque_nm.iter().enumerate() {
         for (j, v) in map.speed_mps.iter().enumerate() {
@@ -96,14 +96,14 @@ struct Outcome {
 
 fn outcome(seed: Option<u64>) -> Outcome {
     let (recording, truth) = recorded(seed);
-    let (all, _) = fit_angles(grouped(&recording, &ANGLES_DEG), true, 90.0, &fit::Settings::default()).unwrap();
+    let (all, _) = fit_angles(grouped(&recording, &ANGLES_DEG), true, 90.0, &fit::FitSettings::default()).unwrap();
     let together = inverted(&all);
     let family = &all.file.families[0];
     println!("inertia {:?}, departures {} N·m, left out {:?}", family.inertia, family.departure_nm, family.left_out);
     let measured: Vec<(f64, f64)> = ANGLES_DEG
         .iter()
         .map(|angle| {
-            let (alone, _) = fit_angles(grouped(&recording, &[*angle]), true, *angle, &fit::Settings::default()).unwrap();
+            let (alone, _) = fit_angles(grouped(&recording, &[*angle]), true, *angle, &fit::FitSettings::default()).unwrap();
             let cells = measured_cells(&alone, *angle);
             let of = |inversion: &Inversion| with_tables(inversion, |maps| torque_rms_nm(maps, &truth, &cells, *angle));
             let (together_nm, alone_nm) = (of(&together), of(&inverted(&alone)));

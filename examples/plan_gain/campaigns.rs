@@ -64,7 +64,7 @@ pub(crate) fn drive(vehicle: &VehicleFile, campaign: &Campaign, runs: &[RunGroup
         if seconds <= limit_s {
             let name = format!("{}_{seed}.mcap", campaign.name.replace(' ', "_"));
             let log = read_bytes(recording.bytes, &name, &Source::Detect, &VehicleOverrides::default())?;
-            let survey = Survey::new(Track::new(&log)?, &campaign::Settings::default())?;
+            let survey = Survey::new(Track::new(&log)?, &campaign::SurveySettings::default())?;
             return Ok(Driven { survey, seconds, runs: runs.len() });
         }
         // as many as ended in time, one fewer each time after that

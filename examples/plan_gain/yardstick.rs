@@ -59,7 +59,7 @@ impl Yardstick {
     }
 
     pub(crate) fn judge(&self, file: &Table1File) -> Fallible<Errors> {
-        let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::Settings::default())?;
+        let inversion = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &invert::InvertSettings::default())?;
         let mut errors = Errors { table: Vec::new(), surface: Vec::new(), outside: 0 };
         for gear in Gear::ALL {
             let table = inversion.file.maps.iter().find(|m| m.gear == gear).ok_or("no Table 2 of a gear")?.table()?;

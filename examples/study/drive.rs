@@ -140,6 +140,7 @@ impl Drive {
         let track = Track {
             source: LogRef { sha256: format!("{seed:064x}"), file: format!("seed_{seed}"), bytes: 0 },
             vehicle,
+            wheel_angle_deg: vehicle.test_angle_deg,
             start_ns: 0,
             encoder_mps: encoder,
             yaw_speed_mps: Some(yaw),

@@ -81,13 +81,13 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
     let truth = vehicle::truth(kind);
     let drive = Drive::new(&truth, minutes * 60.0, seed);
     let started = std::time::Instant::now();
-    let survey = Survey::new(drive.track.clone(), &campaign::Settings::default())?;
-    let fit = fit(vec![survey], &fit::Settings::default())?;
+    let survey = Survey::new(drive.track.clone(), &campaign::SurveySettings::default())?;
+    let fit = fit(vec![survey], &fit::FitSettings::default())?;
     let fit_s = started.elapsed().as_secs_f64();
     let file = &fit.file;
     let reference = || CsvRef { file: "table1.json".into(), sha256: String::new() };
     let table = |file: &pivot_cal::map::Table1File, node_exact: bool| -> Fallible<TorqueTable> {
-        let settings = invert::Settings { node_exact, ..invert::Settings::default() };
+        let settings = invert::InvertSettings { node_exact, ..invert::InvertSettings::default() };
         Ok(invert(file, reference(), &settings)?.file.maps[0].table()?)
     };
     let ours = table(file, false)?;

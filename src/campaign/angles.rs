@@ -4,7 +4,7 @@
 //! samples: the wheel angle of a run is the median over its motion, and a run along which the wheel drifts has none. Runs within
 //! `angle_tolerance_deg` of one angle are one group, so that two angles are told apart from twice the tolerance on.
 
-use crate::campaign::Settings;
+use crate::campaign::SurveySettings;
 use crate::campaign::gates::clean_angle;
 use crate::campaign::hold::holds;
 use crate::signal::{Series, Track, median};
@@ -62,7 +62,7 @@ pub struct Census {
 
 /// One run.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct AngledRun {
     angle_deg: f64,
     torque_nm: f64,
     moving_s: f64,
@@ -70,7 +70,7 @@ struct Run {
 
 impl Census {
     /// Of the runs in `tracks`. Where runs lie within the tolerance of the vehicle's test angle, that angle is one of the groups.
-    pub fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &Settings) -> Self {
+    pub fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &SurveySettings) -> Self {
         let mut census = Self::default();
         let mut runs = Vec::new();
         let mut test_angle_deg = None;
@@ -87,8 +87,9 @@ impl Census {
         let largest_nm = runs.iter().fold(1e-9f64, |m, r| m.max(r.torque_nm.abs()));
         let mut centre = runs.iter().any(|r| (r.angle_deg - test_angle_deg).abs() <= tolerance_deg).then_some(test_angle_deg);
         while let Some(angle_deg) = centre.take().or_else(|| busiest(&runs, tolerance_deg)) {
-            let (own, others): (Vec<Run>, Vec<Run>) = runs.into_iter().partition(|r| (r.angle_deg - angle_deg).abs() <= tolerance_deg);
-            let (near, rest): (Vec<Run>, Vec<Run>) =
+            let (own, others): (Vec<AngledRun>, Vec<AngledRun>) =
+                runs.into_iter().partition(|r| (r.angle_deg - angle_deg).abs() <= tolerance_deg);
+            let (near, rest): (Vec<AngledRun>, Vec<AngledRun>) =
                 others.into_iter().partition(|r| (r.angle_deg - angle_deg).abs() < 2.0 * tolerance_deg);
             census.between_runs += near.len();
             runs = rest;
@@ -114,7 +115,7 @@ impl Census {
     }
 
     /// The held angle that `wheel_angle_deg` means: the nearest one within the tolerance.
-    pub fn find(&self, wheel_angle_deg: f64, settings: &Settings) -> Option<&HeldAngle> {
+    pub fn find(&self, wheel_angle_deg: f64, settings: &SurveySettings) -> Option<&HeldAngle> {
         let away = |h: &HeldAngle| (h.wheel_angle_deg - wheel_angle_deg).abs();
         self.held.iter().filter(|h| away(h) <= settings.angle_tolerance_deg).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
@@ -129,7 +130,7 @@ impl Census {
 }
 
 /// The whole degree about which, within the tolerance, the most motion lies.
-fn busiest(runs: &[Run], tolerance_deg: f64) -> Option<f64> {
+fn busiest(runs: &[AngledRun], tolerance_deg: f64) -> Option<f64> {
     let window = |first: usize| runs[first..].iter().take_while(move |r| r.angle_deg <= runs[first].angle_deg + 2.0 * tolerance_deg - 1.0);
     let weight = |first: usize| window(first).map(|r| r.moving_s).sum::<f64>();
     let first = (0..runs.len()).max_by(|a, b| weight(*a).total_cmp(&weight(*b)).then(b.cmp(a)))?;
@@ -141,7 +142,7 @@ fn busiest(runs: &[Run], tolerance_deg: f64) -> Option<f64> {
 }
 
 /// The runs of a log: holds of a steady torque in motion.
-fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<Run> {
+fn runs_of(track: &Track, settings: &SurveySettings, drifting: &mut usize) -> Vec<AngledRun> {
     let angle = clean_angle(&track.angle_rad);
     let speed = Series { t_s: track.encoder_mps.t_s.clone(), value: track.encoder_mps.smoothed(0.04) };
     let period_s = track.encoder_mps.median_period_s().min(1.0);
@@ -167,7 +168,7 @@ fn runs_of(track: &Track, settings: &Settings, drifting: &mut usize) -> Vec<Run>
             *drifting += 1;
             continue;
         }
-        runs.push(Run { angle_deg: median(&degrees), torque_nm: hold.torque_nm, moving_s });
+        runs.push(AngledRun { angle_deg: median(&degrees), torque_nm: hold.torque_nm, moving_s });
     }
     runs
 }
@@ -195,6 +196,7 @@ mod tests {
         Track {
             source: LogRef { sha256: String::new(), file: "test".to_owned(), bytes: 0 },
             vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            wheel_angle_deg: 90.0,
             start_ns: 0,
             encoder_mps: series(speed),
             yaw_speed_mps: None,
@@ -223,29 +225,29 @@ mod tests {
             steady(-30.2, 10.0),
             steady(0.2, 10.0),
         ]);
-        let census = Census::new([&track], &Settings::default());
+        let census = Census::new([&track], &SurveySettings::default());
         assert_eq!(angles(&census), [-30.0, 0.0, 30.0, 90.0]);
-        let thirty = census.find(29.0, &Settings::default()).copied();
+        let thirty = census.find(29.0, &SurveySettings::default()).copied();
         assert_eq!(thirty.map(|h| (h.runs, h.torques, h.is_campaign())), Some((3, 3, true)));
-        assert!(census.find(26.0, &Settings::default()).is_none() && !census.held[0].is_campaign());
+        assert!(census.find(26.0, &SurveySettings::default()).is_none() && !census.held[0].is_campaign());
         assert_eq!(census.held[3].range_deg.map(|a| (a * 10.0).round() / 10.0), [89.8, 90.4]);
     }
 
     #[test]
     fn angles_within_the_tolerance_are_one_and_what_lies_between_two_is_told() {
         let steady = |angle: f64| (angle, angle, 10.0);
-        let census = Census::new([&track(&[steady(30.0), steady(33.0), steady(86.0), steady(90.0)])], &Settings::default());
+        let census = Census::new([&track(&[steady(30.0), steady(33.0), steady(86.0), steady(90.0)])], &SurveySettings::default());
         // 30 and 33 are within 2.5° of 31 or 32; 86 is too far from the test angle and too near to be another one
         assert_eq!(census.held.len(), 2);
         assert!((31.0..=32.0).contains(&census.held[0].wheel_angle_deg) && census.held[0].runs == 2, "{census:?}");
         assert_eq!((census.held[1].wheel_angle_deg, census.held[1].runs, census.between_runs), (90.0, 1, 1));
-        let apart = Census::new([&track(&[steady(30.0), steady(36.0)])], &Settings::default());
+        let apart = Census::new([&track(&[steady(30.0), steady(36.0)])], &SurveySettings::default());
         assert_eq!(angles(&apart), [30.0, 36.0]);
     }
 
     #[test]
     fn a_run_along_which_the_wheel_drifts_has_no_angle() {
-        let census = Census::new([&track(&[(20.0, 50.0, 10.0), (30.0, 31.0, 10.0)])], &Settings::default());
+        let census = Census::new([&track(&[(20.0, 50.0, 10.0), (30.0, 31.0, 10.0)])], &SurveySettings::default());
         assert_eq!((census.drifting_runs, census.held.len()), (1, 1));
         assert_eq!(census.held[0].runs, 1);
     }

@@ -7,9 +7,8 @@
 //! changes it by 0.00001 at 90°, by 0.9 % at 30°, and without bound toward 0°. Hence the angle with the largest |sin δ| alone tells the
 //! encoder's scale; elsewhere the yaw rate is scaled to agree with the encoder, and below 15° it is left out. At 0° there is none.
 
-use crate::campaign::{Settings, Survey};
+use crate::campaign::{Survey, SurveySettings};
 use crate::log::Recording;
-use crate::map::Vehicle;
 use crate::signal::{Result, Track, median};
 use crate::units::RAD_PER_DEG;
 
@@ -21,10 +20,17 @@ const UNEXPLAINED: f64 = 0.01;
 /// The surveys of the runs at one wheel angle.
 #[derive(Debug, Clone)]
 pub struct AngleGroup {
-    /// The wheel angle [°], left positive; the test angle of every track in it.
+    /// The wheel angle [°], left positive.
     pub wheel_angle_deg: f64,
     /// One survey per log with runs there.
     pub surveys: Vec<Survey>,
+}
+
+impl AngleGroup {
+    /// Surveys of runs at one wheel angle, that of the first.
+    pub fn of(surveys: Vec<Survey>) -> Self {
+        Self { wheel_angle_deg: surveys.first().map_or(0.0, |s| s.track.wheel_angle_deg), surveys }
+    }
 }
 
 /// What grouping gives.
@@ -38,11 +44,17 @@ pub struct Grouped {
     pub notes: Vec<String>,
 }
 
+impl From<AngleGroup> for Grouped {
+    fn from(group: AngleGroup) -> Self {
+        Self { groups: vec![group], ..Self::default() }
+    }
+}
+
 /// Surveys every log at each of `angles_deg`.
 ///
 /// # Errors
 /// Signals from which no track can be made.
-pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &Settings) -> Result<Grouped> {
+pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &SurveySettings) -> Result<Grouped> {
     let mut angles_deg = angles_deg.to_vec();
     angles_deg.sort_unstable_by(f64::total_cmp);
     angles_deg.dedup();
@@ -50,8 +62,7 @@ pub fn group_by_angle(recordings: &[Recording], angles_deg: &[f64], settings: &S
     for wheel_angle_deg in angles_deg {
         let (mut surveys, mut reasons) = (Vec::new(), Vec::new());
         for recording in recordings {
-            let vehicle = Vehicle { test_angle_deg: wheel_angle_deg, ..recording.vehicle };
-            let mut track = Track::new(&Recording { vehicle, ..recording.clone() })?;
+            let mut track = Track::at_angle(recording, wheel_angle_deg)?;
             if wheel_angle_deg.abs() < LEAST_YAW_ANGLE_DEG {
                 track.yaw_speed_mps = None;
             }
@@ -82,7 +93,7 @@ fn encoder_over_yaw(group: &AngleGroup) -> Option<f64> {
 }
 
 /// Scales the yaw speeds of all groups but that with the largest |sin δ| so that encoder and yaw rate compare there as they do in it.
-fn scale_yaw_rates(grouped: &mut Grouped, settings: &Settings) {
+fn scale_yaw_rates(grouped: &mut Grouped, settings: &SurveySettings) {
     let with_yaw = || grouped.groups.iter().filter(|g| encoder_over_yaw(g).is_some());
     let Some(best) = with_yaw().max_by(|a, b| sine(a).total_cmp(&sine(b)).then(a.wheel_angle_deg.total_cmp(&b.wheel_angle_deg))) else {
         return;

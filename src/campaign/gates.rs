@@ -1,6 +1,6 @@
 //! The gates that need no model: each looks at one signal and marks intervals.
 
-use crate::campaign::Settings;
+use crate::campaign::SurveySettings;
 use crate::signal::{Series, median_of_few};
 use crate::units::RAD_PER_DEG;
 
@@ -44,12 +44,12 @@ pub(crate) fn clean_angle(angle_rad: &Series) -> Series {
 }
 
 /// Where the wheel is away from the test angle.
-pub(crate) fn off_angle(angle_rad: &Series, test_angle_deg: f64, settings: &Settings) -> Intervals {
+pub(crate) fn off_angle(angle_rad: &Series, test_angle_deg: f64, settings: &SurveySettings) -> Intervals {
     intervals(angle_rad, 0.02, |i| (angle_rad.value[i] / RAD_PER_DEG - test_angle_deg).abs() > settings.angle_tolerance_deg)
 }
 
 /// Where the steering moves.
-pub(crate) fn steering(angle_rad: &Series, settings: &Settings) -> Intervals {
+pub(crate) fn steering(angle_rad: &Series, settings: &SurveySettings) -> Intervals {
     let rates = angle_rad.slopes(0.1);
     intervals(angle_rad, 0.05, |i| rates[i].abs() / RAD_PER_DEG > settings.steering_rate_deg_s)
 }
@@ -74,7 +74,7 @@ pub(crate) fn emergency_stops(estop: &Series) -> Intervals {
 }
 
 /// Where the torque command is unknown: gaps with different commands on both sides, and the time that the drive needs to settle after.
-pub(crate) fn command_gaps(command: &Series, settings: &Settings) -> Intervals {
+pub(crate) fn command_gaps(command: &Series, settings: &SurveySettings) -> Intervals {
     let longest = settings.command_gap_s.max(4.0 * command.median_period_s().min(1.0));
     let settle_s = 0.4;
     let mut found: Intervals = Vec::new();
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn a_gap_between_equal_commands_is_known_and_one_between_different_ones_is_not() {
         let command = Series { t_s: vec![0.0, 0.02, 0.5, 0.52, 1.0, 1.02], value: vec![4.0, 4.0, 4.0, 4.0, 8.0, 8.0] };
-        let gaps = command_gaps(&command, &Settings::default());
+        let gaps = command_gaps(&command, &SurveySettings::default());
         assert!(!within(&gaps, 0.3) && within(&gaps, 0.8));
     }
 

@@ -1,6 +1,6 @@
 //! Stretches of constant torque command: what people call runs.
 
-use crate::campaign::Settings;
+use crate::campaign::SurveySettings;
 use crate::signal::Series;
 
 /// A stretch of constant command, or of quick changes (each held for less than 0.3 s) taken together.
@@ -20,7 +20,7 @@ pub struct Hold {
 const QUICK_S: f64 = 0.3;
 
 /// Cuts the command into holds; `largest_nm` scales the tolerance.
-pub(crate) fn holds(command: &Series, settings: &Settings) -> Vec<Hold> {
+pub(crate) fn holds(command: &Series, settings: &SurveySettings) -> Vec<Hold> {
     let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let tolerance = (settings.hold_tolerance * largest).max(1e-9);
     let mut holds: Vec<Hold> = Vec::new();
@@ -82,7 +82,7 @@ mod tests {
                 }
             })
             .collect();
-        let holds = holds(&Series { t_s, value }, &Settings::default());
+        let holds = holds(&Series { t_s, value }, &SurveySettings::default());
         assert_eq!(holds.len(), 3);
         assert!(holds[1].steady && (holds[1].torque_nm - 20.0).abs() < 1e-9 && (holds[1].to_s - 5.0).abs() < 0.03);
         assert!(!holds[2].steady);

@@ -1,6 +1,6 @@
 //! The ledger: how many samples and seconds each verdict has.
 
-use crate::campaign::Verdict;
+use crate::campaign::SampleVerdict;
 use crate::map::LedgerRow;
 use crate::signal::Series;
 
@@ -17,18 +17,18 @@ pub fn sample_seconds(series: &Series) -> Vec<f64> {
         .collect()
 }
 
-/// Samples and seconds per verdict, in the order of [`Verdict::ALL`], verdicts without samples left out.
-pub fn ledger(samples: impl IntoIterator<Item = (Verdict, f64)>) -> Vec<LedgerRow> {
-    let mut counts = [(0u64, 0.0f64); Verdict::ALL.len()];
+/// Samples and seconds per verdict, in the order of [`SampleVerdict::ALL`], verdicts without samples left out.
+pub fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) -> Vec<LedgerRow> {
+    let mut counts = [(0u64, 0.0f64); SampleVerdict::ALL.len()];
     for (verdict, seconds) in samples {
-        let row = &mut counts[Verdict::ALL.iter().position(|v| *v == verdict).unwrap_or(0)];
+        let row = &mut counts[SampleVerdict::ALL.iter().position(|v| *v == verdict).unwrap_or(0)];
         row.0 += 1;
         row.1 += seconds;
     }
-    Verdict::ALL
+    SampleVerdict::ALL
         .iter()
         .zip(counts)
         .filter(|(_, (samples, _))| *samples > 0)
-        .map(|(verdict, (samples, seconds))| LedgerRow { verdict: verdict.to_string(), samples, seconds: (seconds * 1e3).round() / 1e3 })
+        .map(|(verdict, (samples, seconds))| LedgerRow { verdict: *verdict, samples, seconds: (seconds * 1e3).round() / 1e3 })
         .collect()
 }

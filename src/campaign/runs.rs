@@ -1,18 +1,19 @@
 //! The runs as people list them: one row per hold at the test angle, without what only a model can tell.
 
-use crate::campaign::{Hold, Survey, Verdict, ledger};
+use crate::campaign::{Hold, SampleVerdict, Survey, ledger};
 use crate::map::{Gear, RunRow};
 
 /// One row per hold that has moving samples at the test angle, or torque on a wheel at rest there, with the hold itself. `verdicts` are those
 /// of the survey, or the final ones of a fit; `encoder_scale` is the encoder's reading over the true speed.
 ///
 /// What a model tells (simulated speed, offset) is left empty.
-pub fn runs(survey: &Survey, verdicts: &[Verdict], encoder_scale: f64) -> Vec<(Hold, RunRow)> {
+pub fn runs(survey: &Survey, verdicts: &[SampleVerdict], encoder_scale: f64) -> Vec<(Hold, RunRow)> {
     let encoder = &survey.track.encoder_mps;
     let mut rows = Vec::new();
     for hold in &survey.holds {
         let samples = encoder.range(hold.from_s, hold.to_s);
-        let counted = |i: usize| !matches!(verdicts[i], Verdict::NoTorque | Verdict::WheelNotAtAngle | Verdict::SteeringMoving);
+        let counted =
+            |i: usize| !matches!(verdicts[i], SampleVerdict::NoTorque | SampleVerdict::WheelNotAtAngle | SampleVerdict::SteeringMoving);
         if samples.clone().filter(|i| counted(*i)).count() < 5 {
             continue;
         }
@@ -23,7 +24,6 @@ pub fn runs(survey: &Survey, verdicts: &[Verdict], encoder_scale: f64) -> Vec<(H
             gear.sign() * encoder.value[near].iter().sum::<f64>() / n / encoder_scale
         };
         let table = ledger(samples.clone().map(|i| (verdicts[i], survey.seconds[i])));
-        let used = Verdict::Used.to_string();
         let row = RunRow {
             log: survey.track.source.file.clone(),
             wheel_angle_deg: None,
@@ -33,11 +33,11 @@ pub fn runs(survey: &Survey, verdicts: &[Verdict], encoder_scale: f64) -> Vec<(H
             torque_nm: round(gear.sign() * hold.torque_nm, 1e4),
             start_speed_mps: round(speed_at(samples.start), 1e4),
             end_speed_mps: round(speed_at(samples.end - 1), 1e4),
-            used_s: table.iter().find(|r| r.verdict == used).map_or(0.0, |r| r.seconds),
+            used_s: table.iter().find(|r| r.verdict == SampleVerdict::Used).map_or(0.0, |r| r.seconds),
             speed_rmse_mps: None,
             r_squared: None,
             offset_mps2: None,
-            rejected: table.into_iter().filter(|r| r.verdict != used).collect(),
+            rejected: table.into_iter().filter(|r| r.verdict != SampleVerdict::Used).collect(),
         };
         rows.push((*hold, row));
     }

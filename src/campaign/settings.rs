@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Thresholds of the gates. The defaults suit any vehicle of the class; none needs touching for an ordinary log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct SurveySettings {
     /// Largest distance of the wheel from the test angle [°]. Default 2.5: an angle sensor's bias and noise stay below 1°, and 2.5° change
     /// the yaw rate of a pivot by 0.1 %.
     pub angle_tolerance_deg: f64,
@@ -30,7 +30,7 @@ pub struct Settings {
     pub stopping_mps: f64,
 }
 
-impl Default for Settings {
+impl Default for SurveySettings {
     fn default() -> Self {
         Self {
             angle_tolerance_deg: 2.5,

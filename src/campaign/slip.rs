@@ -1,6 +1,6 @@
 //! Slip by two witnesses: the encoder sees the wheel, the yaw rate sees the vehicle.
 
-use crate::campaign::Settings;
+use crate::campaign::SurveySettings;
 use crate::campaign::gates::Intervals;
 use crate::signal::{Alignment, Series};
 
@@ -8,7 +8,7 @@ use crate::signal::{Alignment, Series};
 ///
 /// The difference is averaged over ±0.06 s after scale and delay are taken out. It counts as slip from where it leaves a small band to
 /// where it returns, whenever it exceeds the threshold in between.
-pub(crate) fn slips(encoder: &Series, yaw: &Series, alignment: Alignment, settings: &Settings) -> Intervals {
+pub(crate) fn slips(encoder: &Series, yaw: &Series, alignment: Alignment, settings: &SurveySettings) -> Intervals {
     let mut yaw_along = yaw.cursor();
     let difference: Vec<f64> = encoder
         .t_s
@@ -54,7 +54,7 @@ mod tests {
         let t_s: Vec<f64> = (0..300).map(|k| f64::from(k) * 0.02).collect();
         let yaw = Series { t_s: t_s.clone(), value: vec![0.6; 300] };
         let value = t_s.iter().map(|t| if (2.0..2.5).contains(t) { 0.75 } else { 0.606 }).collect();
-        let found = slips(&Series { t_s, value }, &yaw, Alignment { scale: 1.01, delay_s: 0.0 }, &Settings::default());
+        let found = slips(&Series { t_s, value }, &yaw, Alignment { scale: 1.01, delay_s: 0.0 }, &SurveySettings::default());
         assert_eq!(found.len(), 1);
         assert!(found[0].0 < 2.0 && found[0].0 > 1.7 && found[0].1 > 2.5 && found[0].1 < 2.8, "{found:?}");
     }

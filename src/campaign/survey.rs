@@ -2,7 +2,7 @@
 
 use crate::campaign::gates::within;
 use crate::campaign::hold::{Hold, holds};
-use crate::campaign::{Error, Result, Settings, Verdict, gates, ledger, sample_seconds, slip};
+use crate::campaign::{Error, Result, SampleVerdict, SurveySettings, gates, ledger, sample_seconds, slip};
 use crate::map::Gear;
 use crate::signal::{Alignment, RestDetector, Series, Track};
 use crate::units::RAD_PER_DEG;
@@ -39,7 +39,7 @@ pub struct Survey {
     /// The signals.
     pub track: Track,
     /// One verdict per encoder sample.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<SampleVerdict>,
     /// The time that each encoder sample stands for [s].
     pub seconds: Vec<f64>,
     /// Usable stretches, in order.
@@ -61,13 +61,13 @@ impl Survey {
     ///
     /// # Errors
     /// A gate that removes everything, with its threshold, what was seen and what would pass.
-    pub fn new(track: Track, settings: &Settings) -> Result<Self> {
+    pub fn new(track: Track, settings: &SurveySettings) -> Result<Self> {
         let encoder = &track.encoder_mps;
         let n = encoder.len();
         let rest = RestDetector::new(track.witnesses());
         let at_rest: Vec<bool> = rest.are_at_rest(encoder.t_s.iter().copied()).collect();
         let angle = gates::clean_angle(&track.angle_rad);
-        let off_angle = gates::off_angle(&angle, track.vehicle.test_angle_deg, settings);
+        let off_angle = gates::off_angle(&angle, track.wheel_angle_deg, settings);
         let steering = gates::steering(&angle, settings);
         let stops = track.estop.as_ref().map(gates::emergency_stops).unwrap_or_default();
         let command_gaps = gates::command_gaps(&track.command_nm, settings);
@@ -85,30 +85,30 @@ impl Survey {
         let commanded = largest(&track.command_nm.value);
 
         let mut command = track.command_nm.cursor();
-        let mut verdicts: Vec<Verdict> = (0..n)
+        let mut verdicts: Vec<SampleVerdict> = (0..n)
             .map(|i| {
                 let t = encoder.t_s[i];
                 let idle = command.held(t).is_none_or(|c| c.abs() <= settings.hold_tolerance * commanded);
                 if within(&stops, t) {
-                    Verdict::EmergencyStop
+                    SampleVerdict::EmergencyStop
                 } else if at_rest[i] && idle {
-                    Verdict::NoTorque
+                    SampleVerdict::NoTorque
                 } else if within(&steering, t) {
-                    Verdict::SteeringMoving
+                    SampleVerdict::SteeringMoving
                 } else if within(&off_angle, t) {
-                    Verdict::WheelNotAtAngle
+                    SampleVerdict::WheelNotAtAngle
                 } else if at_rest[i] {
-                    Verdict::AtRest
+                    SampleVerdict::AtRest
                 } else if gears[i].is_none_or(|g| g.sign() * speed[i] < -settings.stopping_mps) {
-                    Verdict::WrongGear
+                    SampleVerdict::WrongGear
                 } else if within(&command_gaps, t) {
-                    Verdict::Gap
+                    SampleVerdict::Gap
                 } else if within(&slips, t) {
-                    Verdict::Slip
+                    SampleVerdict::Slip
                 } else if outliers[i] {
-                    Verdict::Outlier
+                    SampleVerdict::Outlier
                 } else {
-                    Verdict::Used
+                    SampleVerdict::Used
                 }
             })
             .collect();
@@ -124,7 +124,7 @@ impl Survey {
     }
 
     /// Says which gate removed everything, if one did.
-    fn check(&self, settings: &Settings, at_rest: &[bool], commanded: f64) -> Result<()> {
+    fn check(&self, settings: &SurveySettings, at_rest: &[bool], commanded: f64) -> Result<()> {
         let values = &self.track.command_nm.value;
         let (low_nm, high_nm) =
             (values.iter().fold(f64::INFINITY, |m, v| m.min(*v)), values.iter().fold(f64::NEG_INFINITY, |m, v| m.max(*v)));
@@ -134,7 +134,7 @@ impl Survey {
         if !self.stretches.is_empty() {
             return Ok(());
         }
-        let wanted_deg = self.track.vehicle.test_angle_deg;
+        let wanted_deg = self.track.wheel_angle_deg;
         let near = |d: f64| (d - wanted_deg).abs() <= settings.angle_tolerance_deg;
         let at_angle = self.track.angle_rad.value.iter().any(|a| near(a / RAD_PER_DEG));
         if let Some([low_deg, median_deg, high_deg]) = self.moving_angle_deg
@@ -193,21 +193,21 @@ fn moving_angle(angle: &Series, encoder: &Series, at_rest: &[bool]) -> Option<[f
 }
 
 /// A run that an emergency stop cuts off is lost from its torque step on, and what follows until the vehicle rests.
-fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest: &[bool], verdicts: &mut [Verdict]) {
+fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest: &[bool], verdicts: &mut [SampleVerdict]) {
     for (from, to) in stops {
         // the command may fall to zero a moment before the stop's own message
         let before = from - 0.05;
         let run_from = holds.iter().rev().find(|h| h.from_s <= before).map_or(*from, |h| h.from_s);
         for i in encoder.range(run_from, *from) {
-            if verdicts[i] == Verdict::Used {
-                verdicts[i] = Verdict::Aborted;
+            if verdicts[i] == SampleVerdict::Used {
+                verdicts[i] = SampleVerdict::Aborted;
             }
         }
         for i in encoder.count_until(*to)..encoder.len() {
             if at_rest[i] {
                 break;
             }
-            verdicts[i] = Verdict::EmergencyStop;
+            verdicts[i] = SampleVerdict::EmergencyStop;
         }
     }
 }
@@ -215,19 +215,19 @@ fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest:
 /// The last moments before rest. A mean over some samples tells late that the wheel stands, most of all when it brakes hard, and readings at
 /// rest would pass for motion without acceleration. So the moment of the stop is extrapolated from the readings before it, and all from a
 /// little earlier on is left out.
-fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &Settings, verdicts: &mut [Verdict]) {
-    let stands = |verdicts: &[Verdict], i: usize| at_rest[i] || verdicts[i] == Verdict::WrongGear;
+fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &SurveySettings, verdicts: &mut [SampleVerdict]) {
+    let stands = |verdicts: &[SampleVerdict], i: usize| at_rest[i] || verdicts[i] == SampleVerdict::WrongGear;
     for i in 1..encoder.len() {
-        if !stands(verdicts, i) || verdicts[i - 1] != Verdict::Used {
+        if !stands(verdicts, i) || verdicts[i - 1] != SampleVerdict::Used {
             continue;
         }
         let before: Vec<usize> =
-            (0..i).rev().take_while(|k| verdicts[*k] == Verdict::Used && encoder.t_s[i] - encoder.t_s[*k] < STOP_WINDOW_S).collect();
+            (0..i).rev().take_while(|k| verdicts[*k] == SampleVerdict::Used && encoder.t_s[i] - encoder.t_s[*k] < STOP_WINDOW_S).collect();
         let clear: Vec<usize> = before.iter().copied().filter(|k| encoder.value[*k].abs() > CLEARLY_MOVING_MPS).take(6).collect();
         let stop_s = stop_time(encoder, &clear).map_or(encoder.t_s[i] - 0.045, |t| t.min(encoder.t_s[i])) - STOP_MARGIN_S;
         for k in before {
             if encoder.t_s[k] > stop_s || speed[k].abs() < settings.stopping_mps {
-                verdicts[k] = Verdict::Stopping;
+                verdicts[k] = SampleVerdict::Stopping;
             }
         }
     }
@@ -258,12 +258,18 @@ fn stop_time(encoder: &Series, at: &[usize]) -> Option<f64> {
 }
 
 /// Joins used samples into stretches; what is too short is marked so.
-fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], settings: &Settings, verdicts: &mut [Verdict]) -> Vec<Stretch> {
+fn stretches(
+    encoder: &Series,
+    gears: &[Option<Gear>],
+    at_rest: &[bool],
+    settings: &SurveySettings,
+    verdicts: &mut [SampleVerdict],
+) -> Vec<Stretch> {
     let longest_step = settings.gap_s.max(4.0 * encoder.median_period_s().min(1.0));
     let mut found = Vec::new();
     let mut i = 0;
     while i < encoder.len() {
-        let Some(gear) = gears[i].filter(|_| verdicts[i] == Verdict::Used) else {
+        let Some(gear) = gears[i].filter(|_| verdicts[i] == SampleVerdict::Used) else {
             i += 1;
             continue;
         };
@@ -271,8 +277,8 @@ fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], setting
         let mut k = i + 1;
         while k < encoder.len() && gears[k] == Some(gear) && encoder.t_s[k] - encoder.t_s[last] <= longest_step {
             match verdicts[k] {
-                Verdict::Used => last = k,
-                Verdict::Outlier => {}
+                SampleVerdict::Used => last = k,
+                SampleVerdict::Outlier => {}
                 _ => break,
             }
             k += 1;
@@ -280,15 +286,15 @@ fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], setting
         i = last + 1;
         if encoder.t_s[last] - encoder.t_s[first] < settings.shortest_stretch_s {
             (first..=last)
-                .filter(|s| verdicts[*s] == Verdict::Used)
+                .filter(|s| verdicts[*s] == SampleVerdict::Used)
                 .collect::<Vec<_>>()
                 .into_iter()
-                .for_each(|s| verdicts[s] = Verdict::TooShort);
+                .for_each(|s| verdicts[s] = SampleVerdict::TooShort);
             continue;
         }
-        let rested = |s: usize| at_rest[s] && matches!(verdicts[s], Verdict::AtRest | Verdict::NoTorque);
+        let rested = |s: usize| at_rest[s] && matches!(verdicts[s], SampleVerdict::AtRest | SampleVerdict::NoTorque);
         let from_rest = first >= 3 && (first - 3..first).all(rested) && encoder.t_s[first] - encoder.t_s[first - 1] <= longest_step;
-        let stopping = (i..encoder.len()).take_while(|k| verdicts[*k] == Verdict::Stopping && gears[*k] == Some(gear)).last();
+        let stopping = (i..encoder.len()).take_while(|k| verdicts[*k] == SampleVerdict::Stopping && gears[*k] == Some(gear)).last();
         let stopped_s = stopping.map(|k| encoder.t_s[k]);
         found.push(Stretch { gear, from_s: encoder.t_s[first], to_s: encoder.t_s[last], stopped_s, from_rest });
     }
@@ -296,7 +302,7 @@ fn stretches(encoder: &Series, gears: &[Option<Gear>], at_rest: &[bool], setting
 }
 
 /// Torque steps that met the vehicle at rest, long enough (0.5 s) to tell whether it moves.
-fn start_trials(encoder: &Series, gears: &[Option<Gear>], holds: &[Hold], verdicts: &[Verdict], least_nm: f64) -> Vec<StartTrial> {
+fn start_trials(encoder: &Series, gears: &[Option<Gear>], holds: &[Hold], verdicts: &[SampleVerdict], least_nm: f64) -> Vec<StartTrial> {
     holds
         .iter()
         .filter(|h| h.steady && h.torque_nm.abs() > least_nm && h.to_s - h.from_s >= 0.5)
@@ -305,9 +311,9 @@ fn start_trials(encoder: &Series, gears: &[Option<Gear>], holds: &[Hold], verdic
             let first = samples.start;
             let gear = (*gears.get(first)?)?;
             let torque_nm = h.torque_nm * gear.sign();
-            let starts_at_rest = matches!(verdicts.get(first)?, Verdict::AtRest | Verdict::NoTorque);
-            let moving = samples.clone().filter(|i| verdicts[*i] == Verdict::Used).count();
-            let resting = samples.clone().filter(|i| verdicts[*i] == Verdict::AtRest).count();
+            let starts_at_rest = matches!(verdicts.get(first)?, SampleVerdict::AtRest | SampleVerdict::NoTorque);
+            let moving = samples.clone().filter(|i| verdicts[*i] == SampleVerdict::Used).count();
+            let resting = samples.clone().filter(|i| verdicts[*i] == SampleVerdict::AtRest).count();
             (starts_at_rest && torque_nm > 0.0 && moving + resting > samples.len() / 2).then_some(StartTrial {
                 gear,
                 torque_nm,

@@ -17,7 +17,7 @@ pub enum Rule {
     NotANumber,
     /// Breaks increase strictly.
     AxisOrder,
-    /// A place is told once.
+    /// A place is given once.
     Duplicate,
     /// More command, more acceleration.
     NotMonotone,
@@ -31,7 +31,7 @@ pub enum Rule {
     Jump,
     /// The axes begin where they should, and leave no hole.
     RangeGap,
-    /// The torques at which a resting wheel stays at rest are told.
+    /// The torques at which a resting wheel stays at rest are given.
     DeadBand,
     /// The file is the one that the JSON beside it describes.
     HashMismatch,
@@ -82,7 +82,7 @@ impl fmt::Display for Severity {
 
 /// A broken rule and its place.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Finding {
+pub struct RuleBreach {
     /// The rule.
     pub rule: Rule,
     /// How much it matters.
@@ -100,7 +100,7 @@ pub struct Finding {
     pub what: String,
 }
 
-impl Finding {
+impl RuleBreach {
     /// A finding about the whole file.
     pub(crate) fn whole(rule: Rule, severity: Severity, what: impl Into<String>) -> Self {
         Self { rule, severity, line: None, column: None, at: String::new(), what: what.into() }
@@ -153,7 +153,7 @@ impl fmt::Display for Count {
 
 /// What a check of one map found.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Report {
+pub struct CheckReport {
     /// The file.
     pub map: String,
     /// What it was read as.
@@ -165,12 +165,18 @@ pub struct Report {
     /// The findings, counted by rule.
     pub counts: Vec<Count>,
     /// The findings, in the order of the rules and of the file.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<RuleBreach>,
 }
 
-impl Report {
-    /// Counts and orders `findings`; `judged` tells for a rule how many places of which kind were judged.
-    pub(crate) fn new(map: String, format: &str, size: String, mut findings: Vec<Finding>, judged: &[(Rule, usize, &'static str)]) -> Self {
+impl CheckReport {
+    /// Counts and orders `findings`; `judged` has for each rule how many places of which kind were judged.
+    pub(crate) fn new(
+        map: String,
+        format: &str,
+        size: String,
+        mut findings: Vec<RuleBreach>,
+        judged: &[(Rule, usize, &'static str)],
+    ) -> Self {
         findings.sort_by_key(|f| (std::cmp::Reverse(f.severity), f.rule)); // stable: the file's order within a rule
         let mut counts: Vec<Count> = Vec::new();
         for finding in &findings {

@@ -1,4 +1,4 @@
-//! Maps of other systems, read without judging them: what cannot be read stays empty, with its place, for [`crate::check`] to tell.
+//! Maps of other systems, read without judging them: what cannot be read stays empty, with its place, for [`crate::check`] to report.
 
 mod apollo;
 mod autoware;
@@ -10,6 +10,6 @@ mod points;
 pub use apollo::points_of_apollo;
 pub use autoware::{Pedal, grid_of_autoware};
 pub use cells::{CsvLine, cells_of_csv};
-pub use grid::{Grid, Misread, MisreadKind};
+pub use grid::{CellGrid, Misread, MisreadKind};
 pub use long_csv::{points_of_long_csv, says_long_form};
-pub use points::{Point, Points};
+pub use points::{CommandPoint, CommandPoints};

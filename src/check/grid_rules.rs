@@ -1,11 +1,11 @@
 //! Rules of a matrix with breaks.
 
-use crate::check::foreign::{Grid, Misread, MisreadKind};
-use crate::check::{Finding, Rule, Settings, Severity};
+use crate::check::foreign::{CellGrid, Misread, MisreadKind};
+use crate::check::{CheckSettings, Rule, RuleBreach, Severity};
 
 /// Along which axis something lies or changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Along {
+pub(crate) enum GridAxis {
     /// From row to row.
     Rows,
     /// From column to column.
@@ -20,7 +20,7 @@ pub(crate) struct Meaning {
     /// Name of the column axis.
     pub(crate) columns: &'static str,
     /// Along which axis values must change strictly.
-    pub(crate) along: Along,
+    pub(crate) along: GridAxis,
     /// Whether they must rise; otherwise they must fall.
     pub(crate) rising: bool,
     /// How much a plateau matters.
@@ -28,8 +28,8 @@ pub(crate) struct Meaning {
 }
 
 /// A matrix under judgement.
-pub(crate) struct Judged<'a> {
-    pub(crate) grid: &'a Grid,
+pub(crate) struct JudgedGrid<'a> {
+    pub(crate) grid: &'a CellGrid,
     pub(crate) meaning: Meaning,
     /// What stands before every place: the gear of a map that has two.
     pub(crate) of: String,
@@ -38,7 +38,7 @@ pub(crate) struct Judged<'a> {
 }
 
 /// The findings of the reader.
-pub(crate) fn misread(misread: &[Misread]) -> impl Iterator<Item = Finding> + '_ {
+pub(crate) fn misread(misread: &[Misread]) -> impl Iterator<Item = RuleBreach> + '_ {
     misread.iter().map(|m| {
         let rule = match m.kind {
             MisreadKind::TooSmall => Rule::Size,
@@ -46,30 +46,30 @@ pub(crate) fn misread(misread: &[Misread]) -> impl Iterator<Item = Finding> + '_
             MisreadKind::NotANumber => Rule::NotANumber,
             MisreadKind::Malformed => Rule::Readable,
         };
-        Finding::whole(rule, Severity::Error, m.what.clone()).on(Some(m.line), m.column)
+        RuleBreach::whole(rule, Severity::Error, m.what.clone()).on(Some(m.line), m.column)
     })
 }
 
-impl Judged<'_> {
+impl JudgedGrid<'_> {
     /// The place of a cell.
-    pub(crate) fn cell(&self, rule: Rule, severity: Severity, i: usize, j: usize, what: String) -> Finding {
-        let told = |breaks: &[Option<f64>], k: usize| breaks.get(k).copied().flatten().map_or("?".to_owned(), |b| b.to_string());
-        let (row, column) = (told(&self.grid.row_breaks, i), told(&self.grid.column_breaks, j));
+    pub(crate) fn cell(&self, rule: Rule, severity: Severity, i: usize, j: usize, what: String) -> RuleBreach {
+        let text = |breaks: &[Option<f64>], k: usize| breaks.get(k).copied().flatten().map_or("?".to_owned(), |b| b.to_string());
+        let (row, column) = (text(&self.grid.row_breaks, i), text(&self.grid.column_breaks, j));
         let at = format!("{}{} {row}, {} {column}", self.of, self.meaning.rows, self.meaning.columns);
-        Finding::at(rule, severity, at, what).on(self.grid.lines.get(i).copied(), j + 2)
+        RuleBreach::at(rule, severity, at, what).on(self.grid.lines.get(i).copied(), j + 2)
     }
 
     /// Places (i, j) of every line along `along`.
-    fn lines(&self, along: Along) -> Vec<Vec<(usize, usize)>> {
+    fn lines(&self, along: GridAxis) -> Vec<Vec<(usize, usize)>> {
         let (rows, columns) = self.grid.shape();
         match along {
-            Along::Rows => (0..columns).map(|j| (0..rows).map(|i| (i, j)).collect()).collect(),
-            Along::Columns => (0..rows).map(|i| (0..columns).map(|j| (i, j)).collect()).collect(),
+            GridAxis::Rows => (0..columns).map(|j| (0..rows).map(|i| (i, j)).collect()).collect(),
+            GridAxis::Columns => (0..rows).map(|i| (0..columns).map(|j| (i, j)).collect()).collect(),
         }
     }
 
-    fn breaks(&self, along: Along) -> &[Option<f64>] {
-        if along == Along::Rows { &self.grid.row_breaks } else { &self.grid.column_breaks }
+    fn breaks(&self, along: GridAxis) -> &[Option<f64>] {
+        if along == GridAxis::Rows { &self.grid.row_breaks } else { &self.grid.column_breaks }
     }
 
     fn limited(&self, (i, j): (usize, usize)) -> bool {
@@ -77,13 +77,13 @@ impl Judged<'_> {
     }
 
     /// Breaks that do not increase, and steps far longer than the axis's others.
-    pub(crate) fn axes(&self, findings: &mut Vec<Finding>) {
-        for (along, name) in [(Along::Rows, self.meaning.rows), (Along::Columns, self.meaning.columns)] {
+    pub(crate) fn axes(&self, findings: &mut Vec<RuleBreach>) {
+        for (along, name) in [(GridAxis::Rows, self.meaning.rows), (GridAxis::Columns, self.meaning.columns)] {
             let breaks = self.breaks(along);
             let place = |k: usize| match along {
-                Along::Rows => (self.grid.lines.get(k).copied(), 1),
+                GridAxis::Rows => (self.grid.lines.get(k).copied(), 1),
                 // the header is the line before the first row, as far as lines are known
-                Along::Columns => (self.grid.lines.first().map(|_| 1), k + 2),
+                GridAxis::Columns => (self.grid.lines.first().map(|_| 1), k + 2),
             };
             let steps = steps(breaks);
             for (k, pair) in breaks.windows(2).enumerate() {
@@ -92,19 +92,19 @@ impl Judged<'_> {
                 if value <= before {
                     let what = format!("{name} {value} is not above the one before it ({before})");
                     let at = format!("{}break {} of {name}", self.of, k + 2);
-                    findings.push(Finding::at(Rule::AxisOrder, Severity::Error, at, what).on(line, column));
+                    findings.push(RuleBreach::at(Rule::AxisOrder, Severity::Error, at, what).on(line, column));
                 }
             }
             for (from, to) in long_steps(breaks, &steps) {
                 let at = format!("{}{name} {from} to {to}", self.of);
                 let what = format!("a step more than {LONG_STEP} times the axis's usual one");
-                findings.push(Finding::at(Rule::RangeGap, Severity::Warning, at, what));
+                findings.push(RuleBreach::at(Rule::RangeGap, Severity::Warning, at, what));
             }
         }
     }
 
     /// Neighbours along the command that fall where they should rise, or do not change. `excused` cells may be level.
-    pub(crate) fn monotone(&self, excused: impl Fn(usize, usize) -> bool, findings: &mut Vec<Finding>) -> usize {
+    pub(crate) fn monotone(&self, excused: impl Fn(usize, usize) -> bool, findings: &mut Vec<RuleBreach>) -> usize {
         let mut judged = 0;
         let (words, sign) = if self.meaning.rising { ("below", 1.0) } else { ("above", -1.0) };
         for line in self.lines(self.meaning.along) {
@@ -125,14 +125,14 @@ impl Judged<'_> {
     }
 
     /// Steps whose slope is above `settings.slope_bound` times the slope that nine in ten steps along the same axis stay below.
-    pub(crate) fn jumps(&self, settings: Settings, findings: &mut Vec<Finding>) {
-        for along in [Along::Rows, Along::Columns] {
-            let name = if along == Along::Rows { self.meaning.rows } else { self.meaning.columns };
+    pub(crate) fn jumps(&self, settings: CheckSettings, findings: &mut Vec<RuleBreach>) {
+        for along in [GridAxis::Rows, GridAxis::Columns] {
+            let name = if along == GridAxis::Rows { self.meaning.rows } else { self.meaning.columns };
             let breaks = self.breaks(along);
             let mut steps = Vec::new();
             for pair in self.lines(along).iter().flat_map(|line| line.windows(2)) {
                 let ((i0, j0), (i, j)) = (pair[0], pair[1]);
-                let (k0, k) = if along == Along::Rows { (i0, i) } else { (j0, j) };
+                let (k0, k) = if along == GridAxis::Rows { (i0, i) } else { (j0, j) };
                 let (Some(from), Some(to)) = (breaks.get(k0).copied().flatten(), breaks.get(k).copied().flatten()) else { continue };
                 let (Some(before), Some(value)) = (self.grid.at(i0, j0), self.grid.at(i, j)) else { continue };
                 if to > from {
@@ -155,10 +155,10 @@ impl Judged<'_> {
     }
 
     /// A speed axis that does not begin at 0.
-    pub(crate) fn speed_from_zero(&self, along: Along, severity: Severity, findings: &mut Vec<Finding>) {
+    pub(crate) fn speed_from_zero(&self, along: GridAxis, severity: Severity, findings: &mut Vec<RuleBreach>) {
         if let Some(first) = self.breaks(along).first().copied().flatten().filter(|first| *first > 0.0) {
             let what = format!("speeds begin at {first}; below it a controller has only the edge's value");
-            findings.push(Finding::at(Rule::RangeGap, severity, format!("{}speed 0 to {first}", self.of), what));
+            findings.push(RuleBreach::at(Rule::RangeGap, severity, format!("{}speed 0 to {first}", self.of), what));
         }
     }
 }

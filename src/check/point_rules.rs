@@ -1,8 +1,8 @@
 //! Rules of a map that is a list of points: Apollo's table and long-form CSV.
 
-use crate::check::foreign::{Point, Points};
+use crate::check::foreign::{CommandPoint, CommandPoints};
 use crate::check::grid_rules::{LONG_STEP, long_steps_of};
-use crate::check::{Finding, Rule, Severity};
+use crate::check::{Rule, RuleBreach, Severity};
 
 /// Which signs of command and acceleration contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,13 +14,13 @@ pub(crate) enum SignRule {
 }
 
 /// Judges the points; returns the places that were judged per rule.
-pub(crate) fn judge(points: &Points, sign: SignRule, findings: &mut Vec<Finding>) -> Vec<(Rule, usize, &'static str)> {
+pub(crate) fn judge(points: &CommandPoints, sign: SignRule, findings: &mut Vec<RuleBreach>) -> Vec<(Rule, usize, &'static str)> {
     let rows = points.rows();
     for (speed, row) in &rows {
         monotone(*speed, row, findings);
         if row.len() < 2 {
             let what = "a single entry: nothing to interpolate along acceleration".to_owned();
-            findings.push(on(row, Finding::at(Rule::RangeGap, Severity::Warning, format!("speed {speed}"), what)));
+            findings.push(on(row, RuleBreach::at(Rule::RangeGap, Severity::Warning, format!("speed {speed}"), what)));
         }
     }
     for p in &points.points {
@@ -31,21 +31,21 @@ pub(crate) fn judge(points: &Points, sign: SignRule, findings: &mut Vec<Finding>
         if wrong {
             let at = format!("speed {}, acceleration {}", p.speed, p.accel);
             let what = format!("{} {} for an acceleration of {}", points.command, p.command, p.accel);
-            findings.push(Finding::at(Rule::Sign, Severity::Error, at, what).on(Some(p.line), 0));
+            findings.push(RuleBreach::at(Rule::Sign, Severity::Error, at, what).on(Some(p.line), 0));
         }
     }
     let speeds: Vec<_> = rows.iter().map(|r| r.0).collect();
     for (from, to) in long_steps_of(&speeds) {
         let what = format!("a step more than {LONG_STEP} times the table's usual one");
-        findings.push(Finding::at(Rule::RangeGap, Severity::Warning, format!("speed {from} to {to}"), what));
+        findings.push(RuleBreach::at(Rule::RangeGap, Severity::Warning, format!("speed {from} to {to}"), what));
     }
     if let Some(first) = speeds.first().filter(|first| **first > 0.0) {
         let what = format!("speeds begin at {first}");
-        findings.push(Finding::at(Rule::RangeGap, Severity::Note, format!("speed 0 to {first}"), what));
+        findings.push(RuleBreach::at(Rule::RangeGap, Severity::Note, format!("speed 0 to {first}"), what));
     }
     if let Some(&negative) = speeds.first().filter(|first| **first < 0.0) {
         let what = "speeds are counted in the direction of travel, from 0".to_owned();
-        findings.push(Finding::at(Rule::AxisOrder, Severity::Warning, format!("speed {negative}"), what));
+        findings.push(RuleBreach::at(Rule::AxisOrder, Severity::Warning, format!("speed {negative}"), what));
     }
     vec![
         (Rule::NotMonotone, rows.len(), "speed rows"),
@@ -55,9 +55,9 @@ pub(crate) fn judge(points: &Points, sign: SignRule, findings: &mut Vec<Finding>
 }
 
 /// One finding per speed row and rule: the pairs whose command falls, does not change, or stands twice.
-fn monotone(speed: f64, row: &[Point], findings: &mut Vec<Finding>) {
+fn monotone(speed: f64, row: &[CommandPoint], findings: &mut Vec<RuleBreach>) {
     let at = || format!("speed {speed}");
-    let told = |pairs: &[(Point, Point)]| {
+    let text = |pairs: &[(CommandPoint, CommandPoint)]| {
         let shown = pairs.iter().take(3).map(|(a, b)| format!("{} → {} at acceleration {} → {}", a.command, b.command, a.accel, b.accel));
         let more = pairs.len().saturating_sub(3);
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
@@ -73,12 +73,12 @@ fn monotone(speed: f64, row: &[Point], findings: &mut Vec<Finding>) {
         (Rule::Plateau, Severity::Warning, level, "one command for several accelerations: "),
     ] {
         if let Some((_, first)) = found.first() {
-            let what = format!("{what}{}", told(&found));
-            findings.push(Finding::at(rule, severity, at(), what).on(Some(first.line), 0));
+            let what = format!("{what}{}", text(&found));
+            findings.push(RuleBreach::at(rule, severity, at(), what).on(Some(first.line), 0));
         }
     }
 }
 
-fn on(row: &[Point], finding: Finding) -> Finding {
+fn on(row: &[CommandPoint], finding: RuleBreach) -> RuleBreach {
     finding.on(row.first().map(|p| p.line), 0)
 }

@@ -4,12 +4,12 @@ use crate::campaign;
 use crate::campaign::{Census, Grouped, group_by_angle};
 use crate::cli::Ui;
 use crate::log::Recording;
-use crate::map::{AngleFamily, SAME_ANGLE_DEG, Table1File, is_csv_name};
+use crate::map::{AngleFamily, Table1File, WheelAngle, is_csv_name};
 use anyhow::bail;
 use std::path::Path;
 
 /// What several wheel angles are fitted from.
-pub(crate) struct Choice {
+pub(crate) struct AngleChoice {
     pub(crate) grouped: Grouped,
     /// The angle of the plain file names.
     pub(crate) test_angle_deg: f64,
@@ -17,10 +17,10 @@ pub(crate) struct Choice {
 
 /// The angles that are fitted: those asked for, else all at which enough torques were held. `None` where that is the test angle alone, or one
 /// angle is asked for, which is then the test angle of the fit.
-pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<Choice>> {
+pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], ui: Ui) -> anyhow::Result<Option<AngleChoice>> {
     let Some(test_angle_deg) = recordings.first().map(|r| r.vehicle.test_angle_deg) else { return Ok(None) };
-    let settings = campaign::Settings::default();
-    let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
+    let settings = campaign::SurveySettings::default();
+    let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     if asked.len() == 1 {
         return Ok(None);
     }
@@ -79,12 +79,12 @@ pub(crate) fn choose(recordings: &[Recording], census: &Census, asked: &[f64], u
     notes.append(&mut grouped.notes);
     grouped.notes = notes;
     let test_angle_deg = angles_deg.iter().copied().find(|a| is(*a, test_angle_deg)).unwrap_or(angles_deg[0]);
-    Ok(Some(Choice { grouped, test_angle_deg }))
+    Ok(Some(AngleChoice { grouped, test_angle_deg }))
 }
 
 /// Leaves the maps at the angles asked for in `file`; families stay, since they hold over the angle.
 pub(crate) fn keep(file: &mut Table1File, asked: &[f64]) -> anyhow::Result<()> {
-    let is = |a: f64, b: f64| (a - b).abs() < SAME_ANGLE_DEG;
+    let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     for angle in asked {
         if !file.maps.iter().any(|m| is(m.wheel_angle_deg, *angle)) {
             let mut found: Vec<f64> = file.maps.iter().map(|m| m.wheel_angle_deg).collect();
@@ -105,7 +105,7 @@ pub(crate) fn at(mut file: Table1File, angle_deg: f64, ui: Ui) -> anyhow::Result
     if file.maps.len() < maps {
         ui.say(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)"));
     }
-    let is = |a: f64| (a - angle_deg).abs() < SAME_ANGLE_DEG;
+    let is = |a: f64| WheelAngle::from_deg(angle_deg).is_same_deg(a);
     file.report.runs.retain(|run| run.wheel_angle_deg.is_none_or(is));
     file.families.clear();
     file.vehicle.test_angle_deg = angle_deg;

@@ -51,10 +51,9 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     verify_text::show(&verdict, ui);
     ui.say("written: verify.json");
     let folder = arguments.fit.maps.display();
-    let used = fit.file.report.ledger.iter().find(|r| r.verdict == "used").map_or(0.0, |r| r.seconds);
+    let used = fit.file.report.ledger.iter().find(|r| r.verdict == crate::map::SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = fit.file.report.ledger.iter().map(|r| r.seconds).sum();
-    let at_test_angle =
-        |m: &&crate::map::AccelMap| (m.wheel_angle_deg - fit.file.vehicle.test_angle_deg).abs() < crate::map::SAME_ANGLE_DEG;
+    let at_test_angle = |m: &&crate::map::AccelMap| m.angle().is_same(fit.file.vehicle.test_angle());
     let breakaway: Vec<String> =
         fit.file.maps.iter().filter(at_test_angle).map(|m| format!("{} {:.1} N·m", m.gear, m.breakaway.torque_nm)).collect();
     ui.say("");

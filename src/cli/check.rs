@@ -1,6 +1,6 @@
 //! `check MAP…`: judges maps, ours and foreign ones.
 
-use crate::check::{Finding, Report, Settings, Severity, check};
+use crate::check::{CheckReport, CheckSettings, RuleBreach, Severity, check};
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use std::path::PathBuf;
@@ -24,23 +24,23 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "MAP")]
     maps: Vec<PathBuf>,
     /// A step this many times as steep as nine in ten steps of the map are is a jump
-    #[arg(long, value_name = "FACTOR", default_value_t = Settings::default().slope_bound)]
+    #[arg(long, value_name = "FACTOR", default_value_t = CheckSettings::default().slope_bound)]
     slope_bound: f64,
 }
 
 #[derive(serde::Serialize)]
-struct Document {
+struct CheckDocument {
     sound: bool,
-    maps: Vec<Report>,
+    maps: Vec<CheckReport>,
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if !(arguments.slope_bound.is_finite() && arguments.slope_bound >= 1.0) {
         anyhow::bail!("--slope-bound is {}; allowed: 1 or more", arguments.slope_bound);
     }
-    let settings = Settings { slope_bound: arguments.slope_bound };
+    let settings = CheckSettings { slope_bound: arguments.slope_bound };
     let maps = arguments.maps.iter().map(|path| check(path, settings)).collect::<Result<Vec<_>, _>>()?;
-    let document = Document { sound: maps.iter().all(|m| m.sound), maps };
+    let document = CheckDocument { sound: maps.iter().all(|m| m.sound), maps };
     ui.document(&document)?;
     for report in &document.maps {
         show(report, ui);
@@ -48,12 +48,12 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(if document.sound { Outcome::Done } else { Outcome::Rejected })
 }
 
-fn show(report: &Report, ui: Ui) {
+fn show(report: &CheckReport, ui: Ui) {
     let verdict = if report.sound { "sound" } else { "FINDINGS" };
     ui.say(format!("{}: {}, {}: {verdict}", report.map, report.format, report.size));
     for count in &report.counts {
         let of_rule = || report.findings.iter().filter(|f| f.rule == count.rule && f.severity == count.severity);
-        let line = |finding: &Finding| {
+        let line = |finding: &RuleBreach| {
             let place = finding.place();
             if place.is_empty() { format!("    {}", finding.what) } else { format!("    {place}: {}", finding.what) }
         };

@@ -2,7 +2,7 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::diff::{Comparison, MapDiff, Settings, Side, Verdict, compare, html};
+use crate::diff::{DiffSettings, DiffSide, DiffVerdict, MapComparison, MapDiff, compare, html};
 use crate::map::write_whole;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
@@ -29,22 +29,22 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Expected share of false ones among the cells called significant
-    #[arg(long, value_name = "SHARE", default_value_t = Settings::default().false_discovery_rate)]
+    #[arg(long, value_name = "SHARE", default_value_t = DiffSettings::default().false_discovery_rate)]
     false_discovery_rate: f64,
     /// Acceleration [m/s²] from which on a significant change is said to matter
-    #[arg(long, value_name = "MPS2", default_value_t = Settings::default().matters_mps2)]
+    #[arg(long, value_name = "MPS2", default_value_t = DiffSettings::default().matters_mps2)]
     matters_mps2: f64,
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let settings = Settings { false_discovery_rate: arguments.false_discovery_rate, matters_mps2: arguments.matters_mps2 };
+    let settings = DiffSettings { false_discovery_rate: arguments.false_discovery_rate, matters_mps2: arguments.matters_mps2 };
     if !(settings.false_discovery_rate > 0.0 && settings.false_discovery_rate < 1.0) {
         anyhow::bail!("--false-discovery-rate is {}; allowed: above 0, below 1", settings.false_discovery_rate);
     }
     if !(settings.matters_mps2.is_finite() && settings.matters_mps2 >= 0.0) {
         anyhow::bail!("--matters-mps2 is {}; allowed: 0 or more", settings.matters_mps2);
     }
-    let comparison = compare(&Side::read(&arguments.a)?, &Side::read(&arguments.b)?, &settings);
+    let comparison = compare(&DiffSide::read(&arguments.a)?, &DiffSide::read(&arguments.b)?, &settings);
     if let Some(path) = &arguments.html {
         write_whole(path, html(&comparison).as_bytes())?;
     }
@@ -53,10 +53,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if let Some(path) = &arguments.html {
         ui.say(format!("written: {}", path.display()));
     }
-    Ok(if comparison.verdict == Verdict::Same { Outcome::Done } else { Outcome::Rejected })
+    Ok(if comparison.verdict == DiffVerdict::Same { Outcome::Done } else { Outcome::Rejected })
 }
 
-fn show(comparison: &Comparison, ui: Ui) {
+fn show(comparison: &MapComparison, ui: Ui) {
     ui.say(comparison.sentence());
     comparison.reasons.iter().for_each(|reason| ui.say(format!("  {reason}")));
     comparison.notes.iter().for_each(|note| ui.say(format!("  note: {note}")));
@@ -80,7 +80,7 @@ fn show(comparison: &Comparison, ui: Ui) {
     }
 }
 
-fn largest(comparison: &Comparison, map: &MapDiff, shown: usize) -> String {
+fn largest(comparison: &MapComparison, map: &MapDiff, shown: usize) -> String {
     let [rows, columns] = comparison.table.axes();
     let unit = comparison.table.unit();
     let mut table = Table::new();

@@ -2,7 +2,7 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::export::{Format, Precision, Source};
+use crate::export::{Format, MapSource, Precision};
 use crate::map::{sha256_hex, write_whole};
 use std::path::PathBuf;
 
@@ -60,7 +60,7 @@ struct Written {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let source = Source::read_at(&arguments.maps, arguments.angle)?;
+    let source = MapSource::read_at(&arguments.maps, arguments.angle)?;
     if !source.other_angles_deg.is_empty() {
         let others: Vec<String> = source.other_angles_deg.iter().map(|a| format!("{a}°")).collect();
         let angle_deg = source.table2.vehicle.test_angle_deg;

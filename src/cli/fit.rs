@@ -1,12 +1,12 @@
 //! `fit LOG…`: Table 1 from logs.
 
 use crate::cli::Ui;
-use crate::cli::angles::Choice;
+use crate::cli::angles::AngleChoice;
 use crate::cli::breaks::Breaks;
 use crate::cli::logs::{LogArguments, survey};
 use crate::cli::outcome::Outcome;
-use crate::fit::{Fit, Settings, fit_angles, fit_traced};
-use crate::map::{FitTraces, SAME_ANGLE_DEG, Table1File, write_whole};
+use crate::fit::{Fit, FitSettings, fit_angles, fit_traced};
+use crate::map::{FitTraces, Table1File, write_whole};
 use anyhow::Context;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::{Path, PathBuf};
@@ -48,17 +48,17 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    fn settings(&self) -> anyhow::Result<Settings> {
+    fn settings(&self) -> anyhow::Result<FitSettings> {
         let delay = |name: &str, value: Option<f64>, most_ms: f64| match value {
             Some(ms) if !(0.0..=most_ms).contains(&ms) => anyhow::bail!("{name} is {ms}; allowed: 0 to {most_ms}"),
             other => Ok(other.map(|ms| ms * 1e-3)),
         };
-        Ok(Settings {
+        Ok(FitSettings {
             dead_time_s: delay("--dead-time-ms", self.dead_time_ms, 500.0)?,
             lag_s: delay("--lag-ms", self.lag_ms, 300.0)?,
             speed_breaks_mps: self.speed_breaks.clone().map(|b| b.0),
             torque_breaks_nm: self.torque_breaks.clone().map(|b| b.0),
-            ..Settings::default()
+            ..FitSettings::default()
         })
     }
 }
@@ -80,7 +80,7 @@ pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<(Fit, bool)>
     let (recordings, census) = arguments.input.census(one, ui)?;
     let damaged = recordings.iter().any(|r| r.loss.is_damaged()) && arguments.input.strict;
     let chosen = crate::cli::angles::choose(&recordings, &census, &arguments.angle, ui)?;
-    let (fit, traces) = if let Some(Choice { grouped, test_angle_deg }) = chosen {
+    let (fit, traces) = if let Some(AngleChoice { grouped, test_angle_deg }) = chosen {
         fit_angles(grouped, !arguments.angle.is_empty(), test_angle_deg, &settings)?
     } else {
         let surveys = survey(&recordings, ui).with_context(|| format!("wheel angles of the runs: {}", census.text()))?;
@@ -106,7 +106,7 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(["verdict on samples", "samples", "seconds"]);
     for row in &file.report.ledger {
-        table.add_row([row.verdict.clone(), row.samples.to_string(), format!("{:.2}", row.seconds)]);
+        table.add_row([row.verdict.to_string(), row.samples.to_string(), format!("{:.2}", row.seconds)]);
     }
     for column in 1..3 {
         if let Some(column) = table.column_mut(column) {
@@ -120,7 +120,7 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
         let error = d.std_err_s.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         format!("{:.1}{error} ms ({})", 1e3 * d.value_s, d.status)
     };
-    if actuator.input != "torque command" {
+    if !actuator.input.is_plain_command() {
         ui.say(format!("input      {}", actuator.input));
     }
     ui.say(format!("dead time  {}", told(&actuator.dead_time)));
@@ -136,7 +136,7 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
             witness.name, witness.scale, witness.noise_mps
         ));
     }
-    let several = file.maps.iter().any(|m| (m.wheel_angle_deg - file.maps[0].wheel_angle_deg).abs() >= SAME_ANGLE_DEG);
+    let several = file.has_several_angles();
     for map in &file.maps {
         let b = &map.breakaway;
         let bound = |label: &str, v: Option<f64>| v.map_or(String::new(), |v| format!(", {label} {v:.1}"));

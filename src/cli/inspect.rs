@@ -3,7 +3,7 @@
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::log;
-use crate::log::{Depth, Preset, Source, Survey, VehicleOverrides};
+use crate::log::{Depth, LogSurvey, Preset, Source, VehicleOverrides};
 use anyhow::Context as _;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
 
 /// The JSON document.
 #[derive(serde::Serialize)]
-struct Document {
+struct InspectDocument {
     logs: Vec<Inspected>,
 }
 
@@ -54,7 +54,7 @@ struct Document {
 #[derive(serde::Serialize)]
 struct Inspected {
     #[serde(flatten)]
-    survey: Survey,
+    survey: LogSurvey,
     #[serde(skip_serializing_if = "Option::is_none")]
     runs: Option<crate::cli::inspect_runs::Runs>,
 }
@@ -85,11 +85,11 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         }
     }
     let damaged = surveys.iter().any(|inspected| inspected.survey.loss.as_ref().is_some_and(log::Loss::is_damaged));
-    ui.document(&Document { logs: surveys })?;
+    ui.document(&InspectDocument { logs: surveys })?;
     Ok(if damaged && arguments.strict { Outcome::Rejected } else { Outcome::Done })
 }
 
-fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<Survey> {
+fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<LogSurvey> {
     let bytes = fs_err::metadata(path)?.len();
     let depth = if everything || bytes <= SMALL { Depth::Everything } else { Depth::Summary };
     let bar = ui.progress(bytes, "reading");
@@ -99,7 +99,7 @@ fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Res
 }
 
 /// The survey for people.
-fn text(survey: &Survey) -> String {
+fn text(survey: &LogSurvey) -> String {
     let mut text = String::new();
     let count = |number: Option<u64>| number.map_or_else(|| "?".to_owned(), |number| number.to_string());
     let writer = if survey.library.is_empty() { "an unknown writer" } else { &survey.library };
@@ -146,7 +146,7 @@ fn text(survey: &Survey) -> String {
     text.trim_end().to_owned()
 }
 
-fn span(survey: &Survey) -> String {
+fn span(survey: &LogSurvey) -> String {
     let Some((start, end)) = survey.start_ns.zip(survey.end_ns) else {
         return String::new();
     };

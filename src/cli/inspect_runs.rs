@@ -28,13 +28,13 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
         let recording = read_split(files, source, overrides, &|read| bar.inc(read));
         bar.finish_and_clear();
         let track = Track::new(&recording?)?;
-        census = Census::new([&track], &campaign::Settings::default());
+        census = Census::new([&track], &campaign::SurveySettings::default());
         if census.has_others(track.vehicle.test_angle_deg) {
             ui.say(format!("wheel angles of the runs: {}; below, the test angle (--test-angle-deg shows another)", census.text()));
         } else {
             census.held.clear();
         }
-        Ok(Survey::new(track, &campaign::Settings::default())?)
+        Ok(Survey::new(track, &campaign::SurveySettings::default())?)
     };
     let survey = match survey() {
         Ok(survey) => survey,

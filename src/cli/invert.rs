@@ -3,10 +3,11 @@
 use crate::cli::Ui;
 use crate::cli::breaks::Breaks;
 use crate::cli::outcome::Outcome;
-use crate::invert::{Inversion, Settings, ZeroRow, invert};
-use crate::map::{CsvRef, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex, write_whole};
+use crate::cli::table1;
+use crate::invert::{Inversion, InvertSettings, ZeroRow, invert};
+use crate::map::{CsvRef, FixedText, Mismatch, Table1File, Table2File, write_whole};
 use anyhow::{Context, bail};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `invert`.
 #[derive(Debug, Clone, clap::Args)]
@@ -45,10 +46,7 @@ pub(crate) struct Arguments {
 }
 
 fn zero_row(text: &str) -> Result<ZeroRow, String> {
-    [ZeroRow::Moving, ZeroRow::Hold]
-        .into_iter()
-        .find(|z| z.name() == text)
-        .ok_or_else(|| format!("{text:?} is not known; allowed: moving, hold"))
+    ZeroRow::from_name(text).map_err(|_| format!("{text:?} is not known; allowed: moving, hold"))
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
@@ -61,20 +59,20 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 /// Inverts and writes.
 pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
     let path = arguments.maps.join("table1.json");
-    let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
-    let mut file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
+    let (folder, mismatches) = table1::read(&arguments.maps)?;
+    let mut file = folder.table1;
     if !arguments.angle.is_empty() {
         crate::cli::angles::keep(&mut file, &arguments.angle).with_context(|| path.display().to_string())?;
     }
-    check_csvs(&file, &arguments.maps, arguments.force, ui)?;
-    let settings = Settings {
+    check_csvs(&file, &mismatches, arguments, ui)?;
+    let settings = InvertSettings {
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
         accel_breaks_mps2: arguments.accel_breaks.clone().map(|b| b.0),
         place: arguments.place,
         zero_row: arguments.zero_row,
         node_exact: arguments.node_exact,
     };
-    let table1 = CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(text.as_bytes()) };
+    let table1 = CsvRef { file: "table1.json".to_owned(), sha256: folder.table1_json.sha256 };
     let inversion = invert(&file, table1, &settings).with_context(|| path.display().to_string())?;
     crate::cli::angles::remove_stale(&arguments.maps, "table2", inversion.csvs.iter().map(|(name, _)| name.as_str()))?;
     for (name, text) in &inversion.csvs {
@@ -85,15 +83,13 @@ pub(crate) fn make(arguments: &Arguments, ui: Ui) -> anyhow::Result<Inversion> {
 }
 
 /// A `table1.csv` that was edited by hand is not what `table1.json` holds, and what is inverted is the JSON.
-fn check_csvs(file: &Table1File, folder: &Path, force: bool, ui: Ui) -> anyhow::Result<()> {
-    for map in &file.maps {
-        let path = folder.join(&map.csv.file);
-        let Ok(bytes) = std::fs::read(&path) else { continue };
-        if sha256_hex(&bytes) == map.csv.sha256 {
-            continue;
-        }
+/// A CSV that is not there says nothing else.
+fn check_csvs(file: &Table1File, mismatches: &[Mismatch], arguments: &Arguments, ui: Ui) -> anyhow::Result<()> {
+    let inverted = |csv: &str| file.maps.iter().any(|map| map.csv.file == csv);
+    for edited in mismatches.iter().filter(|m| matches!(m, Mismatch::Hash { .. }) && inverted(m.file())) {
+        let path = arguments.maps.join(edited.file());
         let what = format!("{} is not the file that table1.json describes: its hash differs", path.display());
-        if force {
+        if arguments.force {
             ui.warn(format!("{what}; the numbers of table1.json are inverted, since --force was given"));
         } else {
             bail!("{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or go on with --force");
@@ -104,7 +100,7 @@ fn check_csvs(file: &Table1File, folder: &Path, force: bool, ui: Ui) -> anyhow::
 
 /// The summary for people.
 pub(crate) fn show(file: &Table2File, ui: Ui) {
-    let several = file.maps.iter().any(|m| (m.wheel_angle_deg - file.maps[0].wheel_angle_deg).abs() >= SAME_ANGLE_DEG);
+    let several = file.has_several_angles();
     for map in &file.maps {
         let trip = &map.round_trip;
         ui.say(format!(

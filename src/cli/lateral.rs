@@ -5,7 +5,7 @@ use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
 use crate::guidance::route::follower::DriveStage;
 use crate::guidance::route::tracking::LawName;
-use crate::lateral::{Settings, Weighting, fit};
+use crate::lateral::{LateralFitSettings, Weighting, fit};
 use crate::log::{Recording, SignalName, find_logs, read_lateral};
 use crate::manoeuvre::{CalibrationDrive, LoggedReference, Mounting, lateral_log};
 use crate::map::{LateralTableFile, write_whole};
@@ -118,11 +118,11 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 fn fit_table(arguments: &FitArguments, ui: Ui) -> anyhow::Result<Outcome> {
     let recordings = read(&arguments.logs, ui)?;
     let damaged = recordings.iter().any(|r| r.loss.is_damaged());
-    let settings = Settings {
+    let settings = LateralFitSettings {
         threshold_m: arguments.threshold_m,
         settle_m: arguments.settle_m,
         weighting: if arguments.over_periods { Weighting::Periods } else { Weighting::Distance },
-        ..Settings::default()
+        ..LateralFitSettings::default()
     };
     let (file, report) = fit(&recordings, &settings)?;
     let (csv, json) = (arguments.maps.join("lateral_table.csv"), arguments.maps.join("lateral_table.json"));

@@ -100,7 +100,7 @@ impl LogArguments {
             .iter()
             .map(|r| Track::new(r).with_context(|| r.path.display().to_string()))
             .collect::<anyhow::Result<Vec<Track>>>()?;
-        let census = Census::new(&tracks, &campaign::Settings::default());
+        let census = Census::new(&tracks, &campaign::SurveySettings::default());
         Ok((recordings, census))
     }
 
@@ -118,7 +118,7 @@ pub(crate) fn survey(recordings: &[Recording], ui: Ui) -> anyhow::Result<Vec<Sur
     for recording in recordings {
         let name = recording.path.display();
         let track = Track::new(recording).with_context(|| name.to_string())?;
-        match Survey::new(track, &campaign::Settings::default()) {
+        match Survey::new(track, &campaign::SurveySettings::default()) {
             Ok(survey) => surveys.push(survey),
             Err(error) if alone => return Err(error).with_context(|| name.to_string()),
             Err(error) => {

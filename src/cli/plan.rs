@@ -3,8 +3,9 @@
 use crate::cli::Ui;
 use crate::cli::breaks::Breaks;
 use crate::cli::outcome::Outcome;
-use crate::map::{PlanFile, SAME_ANGLE_DEG, Table1File, sha256_hex, write_whole};
-pub(crate) use crate::plan::{Plan, PlanSettings};
+use crate::cli::table1;
+use crate::map::{PlanFile, Proposal, WheelAngle, write_whole};
+use crate::plan::PlanSettings;
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
@@ -20,8 +21,8 @@ Examples:
   pivot-cal plan --minutes 5 -o next.toml  as a campaign file, which `pivot-cal record` drives
   pivot-cal plan --speed-breaks 0:0.05:0.8 --torque-breaks=-20:4:32   the cells that are to be known
 
-Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard error of the torque per second of driving, over the cells of the
-table, by the estimator's own information matrix.")]
+Reads table1.json, and writes plan.json beside it, which `pivot-cal report` shows. Each run is the one that takes most off the standard
+error of the torque per second of driving, over the cells of the table, by the estimator's own information matrix.")]
 pub(crate) struct Arguments {
     /// Folder with table1.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
@@ -48,11 +49,11 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         bail!("--minutes is {}; allowed: above 0, at most 60", arguments.minutes);
     }
     let path = arguments.maps.join("table1.json");
-    let text = fs_err::read_to_string(&path).context("Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder")?;
-    let file = Table1File::from_json(&text).with_context(|| path.display().to_string())?;
-    let angle_deg = arguments.angle.unwrap_or(file.vehicle.test_angle_deg);
-    let steered = (angle_deg - file.vehicle.test_angle_deg).abs() >= SAME_ANGLE_DEG;
-    let file = crate::cli::angles::at(file, angle_deg, ui).with_context(|| path.display().to_string())?;
+    let (folder, _) = table1::read(&arguments.maps)?;
+    let file = folder.table1;
+    let angle = arguments.angle.map_or(file.vehicle.test_angle(), WheelAngle::from_deg);
+    let steered = !angle.is_same(file.vehicle.test_angle());
+    let file = crate::cli::angles::at(file, angle.deg(), ui).with_context(|| path.display().to_string())?;
     let settings = PlanSettings {
         budget_s: 60.0 * arguments.minutes,
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
@@ -60,14 +61,12 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     };
     let plan = crate::plan::plan(&file, &settings).with_context(|| path.display().to_string())?;
     // for the report
-    let for_page = PlanFile::new(sha256_hex(text.as_bytes()), serde_json::to_value(&plan)?)?;
+    let for_page = PlanFile::new(folder.table1_json.sha256, plan.clone());
     if let Err(error) = write_whole(&arguments.maps.join("plan.json"), for_page.to_json()?.as_bytes()) {
         ui.warn(format!("the page will not show the plan: {error}"));
     }
     if let Some(output) = &arguments.output {
-        let text = plan.to_toml();
-        let text = if steered { text.replace("[[runs]]\n", &format!("[[runs]]\nwheel_angle_deg = {angle_deg:?}\n")) } else { text };
-        write_whole(output, text.as_bytes())?;
+        write_whole(output, plan.to_toml(steered.then_some(angle))?.as_bytes())?;
     }
     ui.document(&plan)?;
     show(&plan, ui);
@@ -78,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn show(plan: &Plan, ui: Ui) {
+fn show(plan: &Proposal, ui: Ui) {
     ui.say(format!(
         "{} runs, {:.0} s: standard error of the torque {:.3} → {:.3} N·m (root mean square over the cells)",
         plan.runs, plan.seconds, plan.std_err_nm, plan.std_err_after_nm

@@ -3,7 +3,7 @@
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::map::write_whole;
-use crate::report::{Inputs, Judgement, coverage_text, report};
+use crate::report::{Judgement, ReportFiles, coverage_text, report};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `report`.
@@ -59,14 +59,14 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 
 /// A report that was written.
 pub(crate) struct Made {
-    inputs: Inputs,
+    inputs: ReportFiles,
     bytes: usize,
     figures: Vec<String>,
 }
 
 /// Writes the page of the map in `maps`, and its figures.
 pub(crate) fn make(maps: &Path, output: &Path, svg: Option<&Path>) -> anyhow::Result<Made> {
-    let inputs = Inputs::read(maps)?;
+    let inputs = ReportFiles::read(maps)?;
     let report = report(&inputs)?;
     write_whole(output, report.html.as_bytes())?;
     let mut figures = Vec::new();

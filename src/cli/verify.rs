@@ -10,7 +10,7 @@ use crate::map::write_whole;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::verify::{
-    Class, ClosedLoop, Error, Extras, Gate, MapVerdict, Maps, ReplayedRun, Scenario, Verified, VerifySettings, replayed, verify_with,
+    Class, ClosedLoop, Error, Gate, MapVerdict, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with,
 };
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -111,10 +111,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let logs_wanted = arguments.log.is_some();
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
-        Ok(verify_with(&maps, &settings, Extras { traces: true, logs: logs_wanted, progress: Some(progress) })?)
+        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
     })?;
     let judged = with_progress("driving manoeuvres", ui, |progress| {
-        Ok(judge_manoeuvres(&maps, &driven, Extras { traces: true, logs: logs_wanted, progress: Some(progress) })?)
+        Ok(judge_manoeuvres(&maps, &driven, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
     })?;
     logs.extend(judged.logs);
     let mut verdict = verdict.with_scenarios(judged.verdicts, judged.note);
@@ -143,7 +143,7 @@ pub(crate) fn make(folder: &Path, ui: Ui) -> anyhow::Result<MapVerdict> {
     let maps = Maps::read(folder, false)?;
     let settings = VerifySettings::new()?;
     let Verified { verdict, traces, .. } = with_progress("verifying", ui, |progress| {
-        Ok(verify_with(&maps, &settings, Extras { traces: true, logs: false, progress: Some(progress) })?)
+        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: false, progress: Some(progress) })?)
     })?;
     save(&verdict, traces.as_ref(), folder)?;
     Ok(verdict)

@@ -3,10 +3,10 @@
 //! Between two measured angles each table is asked for the acceleration that needs, at its own angle, the torque that is wanted here
 //! ([`AngleTerms`]), and the two torques are weighted by how near their angles are. At a measured angle the answer is its table's.
 
-use crate::control::numeric::sin_cos;
-use crate::map::angle_lookup::{AngleTerms, Between, between};
-use crate::map::{Gear, TorqueTable, lookup};
-use crate::units::RAD_PER_DEG;
+use crate::angle::RAD_PER_DEG;
+use crate::angle_lookup::{AngleTerms, Between, between};
+use crate::numeric::sin_cos;
+use crate::{Gear, TableView};
 
 /// Table 2 of a gear at one wheel angle.
 #[derive(Debug, Clone, Copy)]
@@ -16,7 +16,7 @@ pub struct AngleTable<'a> {
     /// Wheel angle [rad], left positive.
     pub wheel_angle_rad: f64,
     /// The table.
-    pub table: &'a TorqueTable,
+    pub table: TableView<'a>,
 }
 
 /// Inertia and friction of a gear over the wheel angle, to one side.
@@ -90,10 +90,9 @@ impl AngleTables<'_> {
         let asked = |k: usize| {
             let at = self.tables.get(k)?;
             let accel = terms.map_or(accel_mps2, |t| t.accel_elsewhere_mps2(speed_mps, accel_mps2, here, sin_cos(at.wheel_angle_rad).0));
-            let (rows, columns, values) = (at.table.speed_mps().breaks(), at.table.accel_mps2().breaks(), at.table.values());
-            match lookup::bilinear(rows, columns, values, speed_mps, accel) {
+            match at.table.torque(speed_mps, accel) {
                 Some(torque) => Some((torque, false)),
-                None => Some((lookup::bilinear_clamped(rows, columns, values, speed_mps, accel)?, true)),
+                None => Some((at.table.torque_clamped(speed_mps, accel)?, true)),
             }
         };
         let ((low, low_outside), (high, high_outside)) = (asked(place.below)?, asked(place.above)?);
@@ -109,7 +108,6 @@ impl AngleTables<'_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::map::Axis;
     use proptest::prelude::*;
 
     const TERMS: AngleTerms = AngleTerms { inertia: [20.0, -8.0], speed_mps: &[0.0, 1.0], friction_nm: [&[4.0, 9.0], &[2.0, 2.0], &[]] };
@@ -120,22 +118,22 @@ mod tests {
         TERMS.inertia(sin) * accel_mps2 + TERMS.friction_nm(speed_mps, sin)
     }
 
-    fn table(angle_deg: f64) -> TorqueTable {
-        let speed = Axis::new("speed_mps", vec![0.0, 0.5, 1.0]).unwrap();
-        let accel = Axis::new("accel_mps2", vec![-2.0, 0.0, 2.0]).unwrap();
-        let mut values = Vec::new();
-        for v in speed.breaks() {
-            values.extend(accel.breaks().iter().map(|a| needed(*v, *a, angle_deg)));
-        }
-        TorqueTable::new(speed, accel, values).unwrap()
+    const SPEED_MPS: [f64; 3] = [0.0, 0.5, 1.0];
+    const ACCEL_MPS2: [f64; 3] = [-2.0, 0.0, 2.0];
+
+    fn torques_nm(angle_deg: f64) -> Vec<f64> {
+        SPEED_MPS.iter().flat_map(|v| ACCEL_MPS2.map(|a| needed(*v, a, angle_deg))).collect()
     }
 
     fn with_tables<T>(angles_deg: &[f64], look: impl FnOnce(&AngleTables) -> T) -> T {
-        let tables: Vec<TorqueTable> = angles_deg.iter().map(|a| table(*a)).collect();
+        let torques_nm: Vec<Vec<f64>> = angles_deg.iter().map(|a| torques_nm(*a)).collect();
         let tables: Vec<AngleTable> = angles_deg
             .iter()
-            .zip(&tables)
-            .map(|(angle, table)| AngleTable { gear: Gear::Forward, wheel_angle_rad: angle * RAD_PER_DEG, table })
+            .zip(&torques_nm)
+            .map(|(angle, torque_nm)| {
+                let table = TableView { speed_mps: &SPEED_MPS, accel_mps2: &ACCEL_MPS2, torque_nm };
+                AngleTable { gear: Gear::Forward, wheel_angle_rad: angle * RAD_PER_DEG, table }
+            })
             .collect();
         let terms = [GearTerms { gear: Gear::Forward, left: true, terms: TERMS }];
         look(&AngleTables { tables: &tables, terms: &terms })

@@ -1,7 +1,7 @@
 //! What a drive law is: the part of the longitudinal module that turns speed and place into torque, once the wheel is at its angle.
 
-use crate::control::messages::{DriveStep, PivotRequest, Pose};
-use crate::map::Gear;
+use crate::Gear;
+use crate::messages::{DriveStep, PivotRequest, Pose};
 
 /// What a drive law reads each period.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,16 +3,16 @@
 //! ψ is what is left of the turn, positive before the end. `v_c` = Kp·ψ + Ki·Σ ψ·Δt − Kd·ω, limited to 0…`v_max`, with ω the turning rate; then
 //! the speed loop of the map's law with the same acceleration limits, and τ = k·a within the same torque limit.
 
-use crate::control::drive_law::{DriveInputs, DriveLaw};
-use crate::control::messages::{DriveStep, PivotRequest, Pose};
-use crate::control::numeric::wrapped;
-use crate::control::speed_loop::{SpeedLoop, SpeedLoopSettings};
-use crate::control::torque_map::{ConstantGain, TorqueMap};
-use crate::map::Gear;
-use serde::Serialize;
+use crate::Gear;
+use crate::drive_law::{DriveInputs, DriveLaw};
+use crate::messages::{DriveStep, PivotRequest, Pose};
+use crate::numeric::wrapped;
+use crate::speed_loop::{SpeedLoop, SpeedLoopSettings};
+use crate::torque_map::{ConstantGain, TorqueFromAccel};
 
 /// Gains of the conventional law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct HeadingLawSettings {
     /// Control period [s]. Default 0.02.
     pub period_s: f64,

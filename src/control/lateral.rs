@@ -1,11 +1,11 @@
 //! Lateral: turns the front wheel to its angle, holds it, returns it, and watches the steering.
 
-use crate::control::messages::{AngleStatus, LateralTask, SteeringFault};
-use crate::units::RAD_PER_DEG;
-use serde::Serialize;
+use crate::angle::RAD_PER_DEG;
+use crate::messages::{AngleStatus, LateralTask, SteeringFault};
 
 /// Tolerances and times of the lateral module.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LateralSettings {
     /// Control period [s]. Default 0.02.
     pub period_s: f64,

@@ -10,17 +10,16 @@
 //! Forward and reverse have a compensation each: an error of the navigation's yaw acts with the opposite sign in reverse, one of the steering's
 //! zero does not.
 
-use crate::control::numeric::sqrt;
-use crate::control::{Error, Result};
-use crate::map::Gear;
-use crate::units::RAD_PER_DEG;
-use serde::Serialize;
+use crate::angle::RAD_PER_DEG;
+use crate::numeric::sqrt;
+use crate::{Error, Gear, Result};
 
 /// Most entries of a table.
 pub const MAX_ENTRIES: usize = 32;
 
 /// One entry or one point of the curve: a compensation angle and the mean lateral error that it adds.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CompensationEntry {
     /// Mean lateral error added [m].
     pub error_m: f64,
@@ -135,8 +134,9 @@ impl CompensationTable {
 }
 
 /// Over what the error is averaged.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Accumulation {
     /// A distance travelled [m].
     Distance(f64),
@@ -145,7 +145,8 @@ pub enum Accumulation {
 }
 
 /// Settings of the law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CompensationSettings {
     /// Over what the error is averaged. Default 5 m.
     pub accumulation: Accumulation,

@@ -1,14 +1,14 @@
 //! Longitudinal: waits for the wheel, sets the gear, lets the drive law drive, stops, hands back; and gives up when something is wrong.
 
-use crate::control::drive_law::{DriveInputs, DriveLaw};
-use crate::control::messages::{AngleStatus, DriveStep, Failure, Inputs, LateralTask, Phase, PivotRequest};
-use crate::control::phase::Event;
-use crate::map::Gear;
-use serde::Serialize;
+use crate::Gear;
+use crate::drive_law::{DriveInputs, DriveLaw};
+use crate::messages::{AngleStatus, DriveStep, Failure, Inputs, LateralTask, Phase, PivotRequest};
+use crate::phase::Event;
 
 /// What the vehicle does with its motion after a failure. Never a driving torque.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum AfterFailure {
     /// No torque: friction stops it.
     Coast,
@@ -23,7 +23,8 @@ pub enum AfterFailure {
 }
 
 /// Times and limits of the longitudinal module.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LongitudinalSettings {
     /// Control period [s]. Default 0.02.
     pub period_s: f64,

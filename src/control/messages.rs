@@ -6,13 +6,13 @@
 //!      └───────────────────────── Phase ────────────────────────────────┘   └───────────── AngleStatus ──────────────────┘
 //! ```
 
-use crate::control::waypoints::Path;
-use crate::map::Gear;
-use serde::Serialize;
+use crate::Gear;
+use crate::waypoints::Path;
 
 /// Which way the vehicle turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Direction {
     /// Heading grows.
     Left,
@@ -39,7 +39,8 @@ impl Direction {
 }
 
 /// Where the reference point (middle of the rear axle) is, and where the vehicle looks.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Pose {
     /// East of the origin [m].
     pub x_m: f64,
@@ -152,8 +153,9 @@ pub enum AngleStatus {
 }
 
 /// What the steering can do wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum SteeringFault {
     /// The angle is outside the plausible range, or not a number.
     Implausible,
@@ -166,8 +168,9 @@ pub enum SteeringFault {
 }
 
 /// Where a pivot stands: the longitudinal module's state, and its message to planning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Phase {
     /// Nothing requested.
     Idle,
@@ -195,8 +198,9 @@ impl Phase {
 }
 
 /// Why a pivot failed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Failure {
     /// Emergency stop for an obstacle before the pivot had succeeded.
     ObstacleStop,

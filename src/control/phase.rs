@@ -6,7 +6,7 @@
 //!  WaitingForAngle … RestoringAngle ──Broken(reason)──► Failed(reason)
 //! ```
 
-use crate::control::messages::{Failure, Phase};
+use crate::messages::{Failure, Phase};
 
 /// What moves the state machine on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,16 +1,16 @@
 //! The controller of a pivot: planning, lateral and longitudinal with their messages, one step per control period.
 
-use crate::control::drive_law::DriveLaw;
-use crate::control::lateral::{Lateral, LateralSettings};
-use crate::control::longitudinal::{Longitudinal, LongitudinalSettings};
-use crate::control::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
-use crate::control::planning::PlanningSettings;
-use crate::control::{Error, Result};
-use serde::Serialize;
+use crate::drive_law::DriveLaw;
+use crate::lateral::{Lateral, LateralSettings};
+use crate::longitudinal::{Longitudinal, LongitudinalSettings};
+use crate::messages::{AngleStatus, Inputs, LateralTask, Outputs, Phase, PivotRequest, Pose};
+use crate::planning::PlanningSettings;
+use crate::{Error, Result};
 
 /// Settings of the three modules; the drive law has its own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct PivotSettings {
     /// Planning.
     pub planning: PlanningSettings,
     /// Lateral.
@@ -19,7 +19,7 @@ pub struct Settings {
     pub longitudinal: LongitudinalSettings,
 }
 
-impl Settings {
+impl PivotSettings {
     /// The defaults for a wheelbase [m] and the wheel angle of the map [rad].
     pub fn new(wheelbase_m: f64, test_angle_rad: f64) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl<L: DriveLaw> PivotController<L> {
     ///
     /// # Errors
     /// Settings that cannot be used.
-    pub fn new(settings: &Settings, law: L) -> Result<Self> {
+    pub fn new(settings: &PivotSettings, law: L) -> Result<Self> {
         Ok(Self {
             planning: settings.planning.checked()?,
             lateral: Lateral::new(settings.lateral),
@@ -105,9 +105,8 @@ impl<L: DriveLaw> PivotController<L> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::control::*;
-    use crate::map::Gear;
-    use crate::units::RAD_PER_DEG;
+    use crate::angle::RAD_PER_DEG;
+    use crate::{Gear, *};
     use proptest::prelude::*;
 
     const WHEELBASE_M: f64 = 0.92;
@@ -118,7 +117,7 @@ mod tests {
     #[derive(Debug, Clone, Copy)]
     struct ToyMap;
 
-    impl TorqueMap for ToyMap {
+    impl TorqueFromAccel for ToyMap {
         fn torque(&self, _gear: Gear, _speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
             Some(Lookup { torque_nm: FRICTION_NM + INERTIA_NM_PER_MPS2 * accel_mps2, outside: false })
         }
@@ -170,8 +169,8 @@ mod tests {
         }
     }
 
-    fn settings(policy: WheelPolicy) -> Settings {
-        let mut settings = Settings::new(WHEELBASE_M, 90.0 * RAD_PER_DEG);
+    fn settings(policy: WheelPolicy) -> PivotSettings {
+        let mut settings = PivotSettings::new(WHEELBASE_M, 90.0 * RAD_PER_DEG);
         settings.planning.policy = policy;
         settings
     }

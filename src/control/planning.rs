@@ -3,18 +3,17 @@
 //! With the wheel at δ the vehicle turns about a point on the rear axle's line, L/tan δ to the left of its middle: at δ = ±90° about the middle
 //! itself. The front wheel runs on a circle of radius L/|sin δ|; a turn of Δθ is an arc of L·|Δθ|/|sin δ|.
 
-use crate::control::messages::{Direction, PivotRequest, Pose};
-use crate::control::numeric::sin_cos;
-use crate::control::waypoints::{MAX_WAYPOINTS, Path, Waypoint};
-use crate::control::{Error, Profile, Result};
-use crate::map::Gear;
-use crate::units::RAD_PER_DEG;
+use crate::angle::RAD_PER_DEG;
+use crate::messages::{Direction, PivotRequest, Pose};
+use crate::numeric::sin_cos;
+use crate::waypoints::{MAX_WAYPOINTS, Path, Waypoint};
+use crate::{Error, Gear, Profile, Result};
 use core::f64::consts::TAU;
-use serde::Serialize;
 
 /// Which wheel angle and gear turn the vehicle left and right.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum WheelPolicy {
     /// The wheel at its test angle always: left in forward gear, right in reverse gear.
     #[default]
@@ -36,7 +35,8 @@ impl WheelPolicy {
 }
 
 /// What planning needs to know.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PlanningSettings {
     /// Distance from the rear axle to the front wheel's centre [m].
     pub wheelbase_m: f64,

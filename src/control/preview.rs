@@ -1,11 +1,10 @@
 //! Formula (1): how far ahead the controller looks.
 
-use serde::Serialize;
-
 /// `d_p = v·t_lag + ½·a·t_lag² + d_min`, never less than `d_min`.
 ///
 /// What the vehicle does now was commanded `t_lag` ago; so the speed it is asked for is the one planned where it will be.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Preview {
     /// Preset lag time [s]. Default 0.30.
     pub lag_s: f64,

@@ -3,12 +3,12 @@
 //! `v(s)² = min(v₀² + 2·a·s, v_c², 2·d·(S − s))`: from the start speed v₀ with acceleration a, cruise at `v_c`, down to 0 at the end S with
 //! deceleration d. The smallest of the three is the trapezoid, and the triangle where the cruise speed is not reached.
 
-use crate::control::numeric::sqrt;
-use crate::control::{Error, Result};
-use serde::Serialize;
+use crate::numeric::sqrt;
+use crate::{Error, Result};
 
 /// Speeds and accelerations of the plan.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Profile {
     /// Speed of the first waypoint [m/s]. Default 0.1: a standing vehicle is asked to move.
     pub start_mps: f64,

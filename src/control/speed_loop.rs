@@ -3,10 +3,9 @@
 //! e(k) = `v_p` − v;  a = Kp·e(k) + Ki·Σ e(i)·Δt, limited; while the limit (or the drive's) holds, the sum is held (anti-windup by
 //! conditional integration. Source: Åström & Hägglund, *Advanced PID Control*, §3.5).
 
-use serde::Serialize;
-
 /// Gains and limits of the speed loop.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SpeedLoopSettings {
     /// Kp [1/s]. Default 3.
     pub proportional_per_s: f64,

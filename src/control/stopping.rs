@@ -4,8 +4,6 @@
 //! v' = max(v + a·T, 0) and has covered ½·(v + v')·T; with s' left it needs the deceleration v'²/(2·s') to stop at the end. This is the classical
 //! stopping distance, seen through a predictor of the dead time (Source: Smith 1959; Åström & Hägglund, *Advanced PID Control*, §8.2).
 
-use serde::Serialize;
-
 /// The wheel at the time when a command that is given now acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arrival {
@@ -96,7 +94,8 @@ impl Left {
 ///
 /// The speed loop follows the planned speeds with a lag and an error; where the wheel is heavier or rolls easier than the map says, it comes to
 /// the end too fast. The guard looks at what is left alone: its error shrinks with the distance.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StoppingGuard {
     /// It acts when stopping at the end needs more than this deceleration [m/s²]. Default 0.5: a quarter above the plan's 0.4, so that a wheel
     /// that follows the plan never feels it.

@@ -1,7 +1,6 @@
 //! What the controller asks for torque: the map, one table per gear, read with two-dimensional linear interpolation.
 
-use crate::map::{Gear, TorqueTable, lookup};
-use serde::Serialize;
+use crate::{Gear, TableView};
 
 /// Torque for a speed and a desired acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,21 +12,22 @@ pub struct Lookup {
 }
 
 /// Anything that tells the torque for an acceleration, in the gear's frame.
-pub trait TorqueMap {
+pub trait TorqueFromAccel {
     /// Torque at a speed [m/s] and a desired acceleration [m/s²]; `None` where the map has no answer: not a number, no table for the gear,
     /// or outside a table whose policy is to refuse.
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup>;
 }
 
-impl<M: TorqueMap + ?Sized> TorqueMap for &M {
+impl<M: TorqueFromAccel + ?Sized> TorqueFromAccel for &M {
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         (**self).torque(gear, speed_mps, accel_mps2)
     }
 }
 
 /// What to do outside the table's axes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum OutsidePolicy {
     /// Take the edge's value, and say so. Default: the torque is limited and right in sign, and a stop in mid-turn is worse.
     #[default]
@@ -40,34 +40,32 @@ pub enum OutsidePolicy {
 #[derive(Debug, Clone, Copy)]
 pub struct Tables<'a> {
     /// Table 2 of forward gear.
-    pub forward: &'a TorqueTable,
+    pub forward: TableView<'a>,
     /// Table 2 of reverse gear, when it was tested.
-    pub reverse: Option<&'a TorqueTable>,
+    pub reverse: Option<TableView<'a>>,
     /// Outside the axes.
     pub policy: OutsidePolicy,
 }
 
-impl TorqueMap for Tables<'_> {
+impl TorqueFromAccel for Tables<'_> {
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         let table = match gear {
             Gear::Forward => self.forward,
             Gear::Reverse => self.reverse?,
         };
-        let (rows, columns, values) = (table.speed_mps().breaks(), table.accel_mps2().breaks(), table.values());
-        if let Some(torque_nm) = lookup::bilinear(rows, columns, values, speed_mps, accel_mps2) {
+        if let Some(torque_nm) = table.torque(speed_mps, accel_mps2) {
             return Some(Lookup { torque_nm, outside: false });
         }
         match self.policy {
-            OutsidePolicy::Clamp => {
-                lookup::bilinear_clamped(rows, columns, values, speed_mps, accel_mps2).map(|torque_nm| Lookup { torque_nm, outside: true })
-            }
+            OutsidePolicy::Clamp => table.torque_clamped(speed_mps, accel_mps2).map(|torque_nm| Lookup { torque_nm, outside: true }),
             OutsidePolicy::Refuse => None,
         }
     }
 }
 
 /// Torque proportional to the acceleration: what is used where nobody has measured a map.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ConstantGain {
     /// Torque per acceleration [N·m per m/s²].
     pub gain_nm_per_mps2: f64,
@@ -75,7 +73,7 @@ pub struct ConstantGain {
     pub limit_nm: f64,
 }
 
-impl TorqueMap for ConstantGain {
+impl TorqueFromAccel for ConstantGain {
     fn torque(&self, _gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         if speed_mps.is_nan() || !accel_mps2.is_finite() || self.limit_nm.is_nan() {
             return None;
@@ -89,19 +87,17 @@ impl TorqueMap for ConstantGain {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::map::Axis;
     use proptest::prelude::*;
 
-    fn table() -> TorqueTable {
-        let speed = Axis::new("speed_mps", vec![0.0, 0.1, 0.4]).unwrap();
-        let accel = Axis::new("accel_mps2", vec![-1.0, 0.0, 0.5]).unwrap();
-        TorqueTable::new(speed, accel, vec![-20.0, 10.0, 20.0, -18.0, 8.0, 19.0, -15.0, 12.0, 24.0]).unwrap()
-    }
+    const TABLE: TableView<'static> = TableView {
+        speed_mps: &[0.0, 0.1, 0.4],
+        accel_mps2: &[-1.0, 0.0, 0.5],
+        torque_nm: &[-20.0, 10.0, 20.0, -18.0, 8.0, 19.0, -15.0, 12.0, 24.0],
+    };
 
     #[test]
     fn outside_the_axes_the_policy_decides() {
-        let table = table();
-        let clamp = Tables { forward: &table, reverse: None, policy: OutsidePolicy::Clamp };
+        let clamp = Tables { forward: TABLE, reverse: None, policy: OutsidePolicy::Clamp };
         assert_eq!(clamp.torque(Gear::Forward, 0.5, 0.0), Some(Lookup { torque_nm: 12.0, outside: true }));
         assert_eq!(clamp.torque(Gear::Forward, 0.4, 0.0), Some(Lookup { torque_nm: 12.0, outside: false }));
         assert_eq!(Tables { policy: OutsidePolicy::Refuse, ..clamp }.torque(Gear::Forward, 0.5, 0.0), None);
@@ -109,8 +105,7 @@ mod tests {
 
     #[test]
     fn reverse_gear_without_its_table_has_no_answer() {
-        let table = table();
-        let map = Tables { forward: &table, reverse: None, policy: OutsidePolicy::Clamp };
+        let map = Tables { forward: TABLE, reverse: None, policy: OutsidePolicy::Clamp };
         assert_eq!(map.torque(Gear::Reverse, 0.1, 0.0), None);
     }
 
@@ -134,9 +129,8 @@ mod tests {
     proptest! {
         #[test]
         fn no_look_up_panics_and_none_leaves_the_range_of_the_table(speed in awkward(), accel in awkward()) {
-            let table = table();
             for policy in [OutsidePolicy::Clamp, OutsidePolicy::Refuse] {
-                let map = Tables { forward: &table, reverse: Some(&table), policy };
+                let map = Tables { forward: TABLE, reverse: Some(TABLE), policy };
                 for gear in Gear::ALL {
                     let inside = (0.0..=0.4).contains(&speed) && (-1.0..=0.5).contains(&accel);
                     match map.torque(gear, speed, accel) {

@@ -1,18 +1,17 @@
 //! The law of the map: waypoints that carry speeds → preview → desired acceleration → look-up → torque.
 
-use crate::control::Preview;
-use crate::control::drive_law::{DriveInputs, DriveLaw};
-use crate::control::messages::{DriveStep, PivotRequest, Pose};
-use crate::control::numeric::sin_cos;
-use crate::control::speed_loop::{SpeedLoop, SpeedLoopSettings};
-use crate::control::stopping::{Arrival, Left, StoppingGuard, UnderWay};
-use crate::control::torque_map::TorqueMap;
-use crate::control::waypoints::{Nearest, Place};
-use crate::map::Gear;
-use serde::Serialize;
+use crate::drive_law::{DriveInputs, DriveLaw};
+use crate::messages::{DriveStep, PivotRequest, Pose};
+use crate::numeric::sin_cos;
+use crate::speed_loop::{SpeedLoop, SpeedLoopSettings};
+use crate::stopping::{Arrival, Left, StoppingGuard, UnderWay};
+use crate::torque_map::TorqueFromAccel;
+use crate::waypoints::{Nearest, Place};
+use crate::{Gear, Preview};
 
 /// Settings of the law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct WaypointLawSettings {
     /// Control period [s]. Default 0.02.
     pub period_s: f64,
@@ -69,8 +68,9 @@ impl WaypointLawSettings {
 }
 
 /// How the law finishes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Finish {
     /// The torque goes as soon as less than the end threshold is left: where the wheel then comes to rest depends on its friction.
     Threshold,
@@ -99,7 +99,7 @@ pub struct WaypointLaw<M> {
     saturated: bool,
 }
 
-impl<M: TorqueMap> WaypointLaw<M> {
+impl<M: TorqueFromAccel> WaypointLaw<M> {
     /// A law that asks `map`.
     pub fn new(settings: WaypointLawSettings, map: M) -> Self {
         Self {
@@ -162,7 +162,7 @@ impl<M: TorqueMap> WaypointLaw<M> {
     }
 }
 
-impl<M: TorqueMap> DriveLaw for WaypointLaw<M> {
+impl<M: TorqueFromAccel> DriveLaw for WaypointLaw<M> {
     fn start(&mut self, request: &PivotRequest, _pose: Pose) {
         self.place = Place::default();
         self.speed_loop = SpeedLoop::default();

@@ -3,8 +3,6 @@
 //! The wheel is only ever sought forward of where it was last seen, and only as far as it gets nearer: a full turn ends where it began, and the
 //! end must not be taken for the start.
 
-use serde::Serialize;
-
 /// Most waypoints that a path may hold: 10 m of arc every 0.02 m, a full turn with a wheelbase of 1.6 m.
 pub const MAX_WAYPOINTS: usize = 512;
 
@@ -22,8 +20,9 @@ pub struct Waypoint {
 }
 
 /// How the wheel is placed on the path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Nearest {
     /// The nearest waypoint.
     Waypoint,

@@ -1,153 +1,23 @@
 //! The comparison itself.
 
-use crate::diff::sheet::{Sheet, Side, Table};
+use crate::diff::comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
+use crate::diff::sheet::{DiffSide, Sheet, Table};
 use crate::diff::significance::{threshold, two_sided_p};
-use crate::map::Gear;
-use serde::Serialize;
+use crate::map::WheelAngle;
 
-/// Wheel angles that differ by less are the same one [°].
-const SAME_ANGLE_DEG: f64 = 1.0;
 /// Lengths of a vehicle that differ by less, as a share, are the same one.
 const SAME_LENGTH: f64 = 1e-3;
 /// Least standard error of a difference, in the values' unit: files hold six decimals, so that less is rounding.
 const LEAST_STD_ERR: f64 = 1e-6;
 
-/// How a comparison judges.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
-    /// Expected share of false ones among the cells called significant; the probability of finding anything when nothing changed.
-    /// Default 0.05.
-    pub false_discovery_rate: f64,
-    /// A significant change matters when it is worth more than this acceleration [m/s²]. Default 0.15: what the speed loop removes with a
-    /// speed error of 0.05 m/s, the limit of the closed-loop verdict's round trip.
-    pub matters_mps2: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { false_discovery_rate: 0.05, matters_mps2: 0.15 }
-    }
-}
-
-/// The outcome.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// No cell differs by more than chance explains.
-    Same,
-    /// Cells differ by more than chance explains.
-    Changed,
-    /// The maps cannot be compared.
-    Incompatible,
-}
-
-/// What a comparison found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// The first file.
-    pub a: String,
-    /// The second file.
-    pub b: String,
-    /// Which table was compared.
-    pub table: Table,
-    /// The verdict.
-    pub verdict: Verdict,
-    /// Significant cells whose change matters.
-    pub matters: usize,
-    /// Why the maps are incompatible; empty otherwise.
-    pub reasons: Vec<String>,
-    /// What a reader should know.
-    pub notes: Vec<String>,
-    /// Settings, as used.
-    pub settings: Settings,
-    /// Largest p that is significant; absent when none is.
-    pub threshold_p: Option<f64>,
-    /// Per gear.
-    pub maps: Vec<MapDiff>,
-}
-
-/// The comparison of one gear. Changes are b − a, at the breaks of a within the range of both.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MapDiff {
-    /// Gear.
-    pub gear: Gear,
-    /// Wheel angle [°].
-    pub wheel_angle_deg: f64,
-    /// Whether b was interpolated at the breaks of a.
-    pub interpolated: bool,
-    /// Cells that were compared.
-    pub compared: usize,
-    /// Cells of a that were not: outside b, extrapolated or unreachable in one of them.
-    pub left_out: usize,
-    /// Significant cells.
-    pub significant: usize,
-    /// Significant cells whose change matters.
-    pub matters: usize,
-    /// Root mean square of the change, over the compared cells.
-    pub rms_change: f64,
-    /// Root mean square of z; 1 is what chance gives.
-    pub rms_z: f64,
-    /// The significant changes, largest |z| first.
-    pub largest: Vec<Significant>,
-    /// Row breaks of a.
-    pub rows: Vec<f64>,
-    /// Column breaks of a.
-    pub columns: Vec<f64>,
-    /// Change per cell; null where it was left out.
-    pub change: Vec<Vec<Option<f64>>>,
-    /// Standard error of the change.
-    pub std_err: Vec<Vec<Option<f64>>>,
-    /// Change over its standard error.
-    pub z: Vec<Vec<Option<f64>>>,
-}
-
-/// A significant change.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Significant {
-    /// Row break: torque [N·m] in Table 1, speed [m/s] in Table 2.
-    pub row: f64,
-    /// Column break: speed [m/s] in Table 1, acceleration [m/s²] in Table 2.
-    pub column: f64,
-    /// Value in a.
-    pub a: f64,
-    /// Value in b.
-    pub b: f64,
-    /// b − a.
-    pub change: f64,
-    /// Its standard error.
-    pub std_err: f64,
-    /// Change over standard error.
-    pub z: f64,
-    /// Two-sided p of z.
-    pub p: f64,
-    /// What the change is worth as an acceleration [m/s²]: itself in Table 1; in Table 2 over the slope of torque in acceleration.
-    pub accel_mps2: f64,
-}
-
-impl Comparison {
-    /// The verdict in one sentence.
-    pub fn sentence(&self) -> String {
-        let (compared, significant): (usize, usize) =
-            self.maps.iter().fold((0, 0), |sum, map| (sum.0 + map.compared, sum.1 + map.significant));
-        match self.verdict {
-            Verdict::Same => format!("Same: none of {compared} cells differs by more than chance explains."),
-            Verdict::Changed => format!(
-                "Changed: {significant} of {compared} cells differ by more than chance explains, {} of them by more than {} m/s².",
-                self.matters, self.settings.matters_mps2
-            ),
-            Verdict::Incompatible => "Incompatible: the maps cannot be compared.".to_owned(),
-        }
-    }
-}
-
 /// Compares `b` with `a`.
-pub fn compare(a: &Side, b: &Side, settings: &Settings) -> Comparison {
+pub fn compare(a: &DiffSide, b: &DiffSide, settings: &DiffSettings) -> MapComparison {
     let reasons = differences(a, b);
-    let mut comparison = Comparison {
+    let mut comparison = MapComparison {
         a: a.name.clone(),
         b: b.name.clone(),
         table: a.table,
-        verdict: Verdict::Incompatible,
+        verdict: DiffVerdict::Incompatible,
         matters: 0,
         reasons,
         notes: notes(a, b),
@@ -179,16 +49,16 @@ pub fn compare(a: &Side, b: &Side, settings: &Settings) -> Comparison {
         comparison.matters += map.matters;
         comparison.maps.push(map);
     }
-    comparison.verdict = if comparison.threshold_p.is_some() { Verdict::Changed } else { Verdict::Same };
+    comparison.verdict = if comparison.threshold_p.is_some() { DiffVerdict::Changed } else { DiffVerdict::Same };
     comparison
 }
 
 fn matching<'a>(sheet: &Sheet, others: &'a [Sheet]) -> Option<&'a Sheet> {
-    others.iter().find(|o| o.gear == sheet.gear && (o.wheel_angle_deg - sheet.wheel_angle_deg).abs() <= SAME_ANGLE_DEG)
+    others.iter().find(|o| o.gear == sheet.gear && WheelAngle::from_deg(o.wheel_angle_deg).is_same_deg(sheet.wheel_angle_deg))
 }
 
 /// Why the two cannot be compared.
-fn differences(a: &Side, b: &Side) -> Vec<String> {
+fn differences(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let mut reasons = Vec::new();
     if a.table != b.table {
         reasons.push(format!("{} is {:?}, {} is {:?}", a.name, a.table, b.name, b.table));
@@ -200,14 +70,15 @@ fn differences(a: &Side, b: &Side) -> Vec<String> {
         }
     }
     if reasons.is_empty() && !a.sheets.iter().any(|sheet| matching(sheet, &b.sheets).is_some()) {
-        let told =
-            |side: &Side| side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ");
-        reasons.push(format!("no gear and wheel angle in common: {} and {}", told(a), told(b)));
+        let maps = |side: &DiffSide| {
+            side.sheets.iter().map(|s| format!("{} gear at {}°", s.gear, s.wheel_angle_deg)).collect::<Vec<_>>().join(", ")
+        };
+        reasons.push(format!("no gear and wheel angle in common: {} and {}", maps(a), maps(b)));
     }
     reasons
 }
 
-fn notes(a: &Side, b: &Side) -> Vec<String> {
+fn notes(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let mut notes = Vec::new();
     let shared = a.logs.iter().filter(|log| b.logs.iter().any(|other| other.sha256 == log.sha256)).count();
     if shared > 0 {
@@ -216,8 +87,8 @@ fn notes(a: &Side, b: &Side) -> Vec<String> {
         ));
     }
     if a.vehicle.torque_limit_nm != b.vehicle.torque_limit_nm {
-        let told = |limit: Option<f64>| limit.map_or("none".to_owned(), |l| format!("{l} N·m"));
-        notes.push(format!("torque limit {} and {}", told(a.vehicle.torque_limit_nm), told(b.vehicle.torque_limit_nm)));
+        let shown = |limit: Option<f64>| limit.map_or("none".to_owned(), |l| format!("{l} N·m"));
+        notes.push(format!("torque limit {} and {}", shown(a.vehicle.torque_limit_nm), shown(b.vehicle.torque_limit_nm)));
     }
     for (side, other) in [(a, b), (b, a)] {
         for sheet in side.sheets.iter().filter(|sheet| matching(sheet, &other.sheets).is_none()) {
@@ -271,4 +142,62 @@ fn slope(sheet: &Sheet, i: usize, j: usize) -> f64 {
     let value = |k: usize| sheet.values[i * sheet.columns.len() + k];
     let slope = (value(high) - value(low)) / (sheet.columns[high] - sheet.columns[low]);
     if slope > 0.0 { slope } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Gear;
+
+    /// Two speeds by three accelerations, each torque with a standard error of 0.3 N·m.
+    fn sheet(values: [f64; 6]) -> Sheet {
+        Sheet {
+            gear: Gear::Forward,
+            wheel_angle_deg: 90.0,
+            rows: vec![0.0, 1.0],
+            columns: vec![-1.0, 0.0, 1.0],
+            values: values.to_vec(),
+            std_err: vec![0.3; 6],
+            known: vec![1.0; 6],
+        }
+    }
+
+    const TORQUES: [f64; 6] = [-10.0, 0.0, 20.0, -8.0, 2.0, 2.0];
+
+    #[test]
+    fn torque_per_acceleration_comes_from_the_neighbours_and_is_infinite_on_a_plateau() {
+        let mut sheet = sheet(TORQUES);
+        assert_eq!(slope(&sheet, 0, 0), 10.0);
+        assert_eq!(slope(&sheet, 0, 1), 15.0);
+        assert_eq!(slope(&sheet, 0, 2), 20.0);
+        assert_eq!(slope(&sheet, 1, 2), f64::INFINITY);
+        sheet.columns[2] = 3.0;
+        assert_eq!(slope(&sheet, 0, 1), 7.5);
+    }
+
+    #[test]
+    fn a_change_is_judged_against_the_standard_errors_of_both_maps_and_worth_an_acceleration() {
+        let a = sheet(TORQUES);
+        let mut b = a.clone();
+        b.values[1] += 3.0;
+        b.std_err[1] = 0.4;
+        let (map, cells) = differ(&a, &b, Table::Table2);
+        let changed = cells[1];
+        assert!((changed.std_err - 0.5).abs() < 1e-12 && (changed.z - 6.0).abs() < 1e-12, "{changed:?}");
+        assert!((changed.accel_mps2 - 3.0 / 15.0).abs() < 1e-12, "{changed:?}");
+        assert!((map.rms_change - (9.0f64 / 6.0).sqrt()).abs() < 1e-12);
+        assert_eq!((map.compared, map.left_out, map.interpolated), (6, 0, false));
+        let (_, cells) = differ(&a, &b, Table::Table1);
+        assert_eq!(cells[1].accel_mps2, 3.0, "a change of Table 1 is an acceleration itself");
+    }
+
+    #[test]
+    fn a_cell_that_is_not_known_in_both_is_left_out() {
+        let (mut a, mut b) = (sheet(TORQUES), sheet(TORQUES));
+        a.known[0] = 0.0;
+        b.known[5] = 0.0;
+        let (map, cells) = differ(&a, &b, Table::Table2);
+        assert_eq!((map.compared, map.left_out, cells.len()), (4, 2, 4));
+        assert!(map.z[0][0].is_none() && map.z[1][2].is_none() && map.z[0][1].is_some());
+    }
 }

@@ -14,9 +14,4 @@ pub enum Error {
     Read { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: crate::map::Error },
-    #[error(
-        "{}: the {gear} map has {field} of {found_rows} rows, not {rows} × {columns} like its values; the file is damaged, make the map anew",
-        path.display()
-    )]
-    Shape { path: PathBuf, gear: crate::map::Gear, field: &'static str, found_rows: usize, rows: usize, columns: usize },
 }

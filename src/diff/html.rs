@@ -1,13 +1,12 @@
 //! The comparison as one HTML page: heat maps of change over standard error with values on hover, and the largest changes. No script, no
 //! request; light and dark.
 
-use crate::diff::{Comparison, MapDiff, Significant};
-use std::fmt::Write as _;
+use crate::diff::heat_map::heat_map;
+use crate::diff::{MapComparison, MapDiff, Significant, Table};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Changes listed in a table.
 const LISTED: usize = 25;
-/// |z| at which the colour is full.
-const FULL_Z: f64 = 6.0;
 
 const STYLE: &str = "\
 :root{--bg:#fff;--fg:#1b1f24;--soft:#5b6470;--line:#d5dae0;--zero:#f2f3f5;--none:#e3e6ea}\
@@ -20,114 +19,108 @@ table{border-collapse:collapse}td,th{padding:.2rem .7rem;border-bottom:1px solid
 @media print{:root{--bg:#fff;--fg:#000;--soft:#444;--line:#999;--zero:#f2f3f5;--none:#ddd}}";
 
 /// The page. Files are named as they were given; nothing else of the machine is in it.
-pub fn html(comparison: &Comparison) -> String {
-    let mut page = String::from("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
-    page.push_str("<meta name=\"viewport\" content=\"width=device-width\">\n<title>Map difference</title>\n");
-    let _ = writeln!(page, "<style>{STYLE}</style>\n</head>\n<body>\n<h1>Map difference</h1>");
-    let _ = writeln!(page, "<p>a: {}<br>b: {}</p>", escaped(&comparison.a), escaped(&comparison.b));
-    let _ = writeln!(page, "<p class=\"verdict\">{}</p>", escaped(&comparison.sentence()));
-    for note in comparison.reasons.iter().chain(&comparison.notes) {
-        let _ = writeln!(page, "<p class=\"soft\">{}</p>", escaped(note));
-    }
-    for map in &comparison.maps {
-        heat_map(&mut page, comparison, map);
-    }
-    page.push_str("</body>\n</html>\n");
-    page
-}
-
-fn heat_map(page: &mut String, comparison: &Comparison, map: &MapDiff) {
-    let [rows_name, columns_name] = comparison.table.axes();
-    let unit = comparison.table.unit();
-    let (left, top, width, height) = (64.0, 8.0, 880.0, 420.0);
-    let (rows, columns) = (map.rows.len(), map.columns.len());
-    let (w, h) = (width / columns as f64, height / rows as f64);
-    let _ = writeln!(page, "<h2>{} gear at {}°</h2>", map.gear, map.wheel_angle_deg);
-    let _ = writeln!(
-        page,
-        "<p>{} cells compared, {} left out; change {:.4} {unit} rms, z {:.2} rms (1 is chance).{}</p>",
-        map.compared,
-        map.left_out,
-        map.rms_change,
-        map.rms_z,
-        if map.interpolated { " The axes differ: b is interpolated at the breaks of a." } else { "" }
-    );
-    let _ =
-        writeln!(page, "<figure>\n<svg viewBox=\"0 0 960 500\" role=\"img\" aria-label=\"change over standard error, {} gear\">", map.gear);
-    for (i, row) in map.rows.iter().enumerate() {
-        for (j, column) in map.columns.iter().enumerate() {
-            // the first row at the bottom, as on a graph
-            let (x, y) = (left + w * j as f64, top + h * (rows - 1 - i) as f64);
-            let cell = map.change[i][j].zip(map.std_err[i][j]).zip(map.z[i][j]);
-            let significant = map.largest.iter().any(|c| c.row == *row && c.column == *column);
-            let (fill, told) = match cell {
-                Some(((change, error), z)) => (colour(z), format!("{change:+.4} ± {error:.4} {unit}, z {z:+.1}")),
-                None => ("var(--none)".to_owned(), "not compared".to_owned()),
-            };
-            let stroke = if significant { " stroke=\"var(--fg)\" stroke-width=\"1\"" } else { "" };
-            let _ = writeln!(
-                page,
-                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\"{stroke}><title>{rows_name} {row}, {columns_name} {column}: {told}</title></rect>",
-                w - 0.5,
-                h - 0.5
-            );
+pub fn html(comparison: &MapComparison) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width";
+                title { "Map difference" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Map difference" }
+                p { "a: " (comparison.a) br; "b: " (comparison.b) }
+                p.verdict { (comparison.sentence()) }
+                @for note in comparison.reasons.iter().chain(&comparison.notes) { p.soft { (note) } }
+                @for map in &comparison.maps { (one_map(comparison.table, map)) }
+            }
         }
-    }
-    for k in ticks(rows) {
-        let y = top + h * (rows - 1 - k) as f64 + 0.5 * h + 4.0;
-        let _ = writeln!(page, "<text x=\"{:.0}\" y=\"{y:.1}\" text-anchor=\"end\">{}</text>", left - 6.0, map.rows[k]);
-    }
-    for k in ticks(columns) {
-        let x = left + w * (k as f64 + 0.5);
-        let _ = writeln!(page, "<text x=\"{x:.1}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text>", top + height + 18.0, map.columns[k]);
-    }
-    let _ = writeln!(
-        page,
-        "<text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{columns_name}</text>",
-        left + 0.5 * width,
-        top + height + 40.0
-    );
-    let (x, y) = (14.0, top + 0.5 * height);
-    let _ = writeln!(page, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\">{rows_name}</text>\n</svg>");
-    let _ = writeln!(
-        page,
-        "<figcaption>Change over its standard error: blue where b is lower, red where b is higher, full colour from ±{FULL_Z}; outlined \
-         where significant; grey where not compared. Values on hover.</figcaption>\n</figure>"
-    );
-    if map.largest.is_empty() {
-        return;
-    }
-    let _ = writeln!(
-        page,
-        "<table>\n<tr><th>{rows_name}</th><th>{columns_name}</th><th>a</th><th>b</th><th>change [{unit}]</th><th>± [{unit}]</th><th>z</th><th>worth [m/s²]</th></tr>"
-    );
-    map.largest.iter().take(LISTED).for_each(|cell| table_row(page, cell));
-    page.push_str("</table>\n");
-    if map.largest.len() > LISTED {
-        let _ = writeln!(page, "<p class=\"soft\">and {} more</p>", map.largest.len() - LISTED);
+    };
+    page.into_string()
+}
+
+fn one_map(table: Table, map: &MapDiff) -> Markup {
+    html! {
+        h2 { (map.gear) " gear at " (map.wheel_angle_deg) "°" }
+        p {
+            (map.compared) " cells compared, " (map.left_out) " left out; change " (format!("{:.4}", map.rms_change)) " " (table.unit())
+            " rms, z " (format!("{:.2}", map.rms_z)) " rms (1 is chance)."
+            @if map.interpolated { " The axes differ: b is interpolated at the breaks of a." }
+        }
+        (heat_map(table, map))
+        @if !map.largest.is_empty() { (changes(table, &map.largest)) }
     }
 }
 
-fn table_row(page: &mut String, cell: &Significant) {
-    let _ = writeln!(
-        page,
-        "<tr><td>{}</td><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:+.4}</td><td>{:.4}</td><td>{:+.1}</td><td>{:+.3}</td></tr>",
-        cell.row, cell.column, cell.a, cell.b, cell.change, cell.std_err, cell.z, cell.accel_mps2
-    );
+/// The largest changes.
+fn changes(table: Table, largest: &[Significant]) -> Markup {
+    let [rows_name, columns_name] = table.axes();
+    let unit = table.unit();
+    html! {
+        table {
+            tr {
+                th { (rows_name) }
+                th { (columns_name) }
+                th { "a" }
+                th { "b" }
+                th { "change [" (unit) "]" }
+                th { "± [" (unit) "]" }
+                th { "z" }
+                th { "worth [m/s²]" }
+            }
+            @for cell in largest.iter().take(LISTED) {
+                tr {
+                    td { (cell.row) }
+                    td { (cell.column) }
+                    td { (format!("{:.4}", cell.a)) }
+                    td { (format!("{:.4}", cell.b)) }
+                    td { (format!("{:+.4}", cell.change)) }
+                    td { (format!("{:.4}", cell.std_err)) }
+                    td { (format!("{:+.1}", cell.z)) }
+                    td { (format!("{:+.3}", cell.accel_mps2)) }
+                }
+            }
+        }
+        @if largest.len() > LISTED { p.soft { "and " (largest.len() - LISTED) " more" } }
+    }
 }
 
-/// About ten of `count` places, the first among them.
-fn ticks(count: usize) -> impl Iterator<Item = usize> {
-    (0..count).step_by(count.div_ceil(10).max(1))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diff::{DiffSettings, DiffVerdict};
 
-/// Blue below 0, red above, over the page's neutral colour.
-fn colour(z: f64) -> String {
-    let share = (100.0 * (z.abs() / FULL_Z).min(1.0)).round();
-    let end = if z < 0.0 { "#2166ac" } else { "#b2182b" };
-    format!("color-mix(in oklab,{end} {share}%,var(--zero))")
-}
+    fn change(row: usize) -> Significant {
+        Significant { row: row as f64, column: 0.5, a: 1.0, b: 2.0, change: 1.0, std_err: 0.1, z: 10.0, p: 1e-6, accel_mps2: -0.25 }
+    }
 
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    #[test]
+    fn names_of_files_are_escaped() {
+        let page = html(&MapComparison {
+            a: "<script>\"&".to_owned(),
+            b: "b".to_owned(),
+            table: Table::Table1,
+            verdict: DiffVerdict::Incompatible,
+            matters: 0,
+            reasons: vec!["a <is> b".to_owned()],
+            notes: Vec::new(),
+            settings: DiffSettings::default(),
+            threshold_p: None,
+            maps: Vec::new(),
+        });
+        assert!(page.contains("a: &lt;script&gt;&quot;&amp;<br>b: b") && page.contains("a &lt;is&gt; b"), "{page}");
+        assert!(!page.contains("<script"));
+    }
+
+    #[test]
+    fn a_long_list_of_changes_is_cut_and_the_rest_counted() {
+        let all: Vec<Significant> = (0..LISTED + 2).map(change).collect();
+        let list = changes(Table::Table2, &all).into_string();
+        assert_eq!(list.matches("<tr>").count(), LISTED + 1, "a heading and the listed ones");
+        assert!(list.ends_with(">and 2 more</p>"), "{list}");
+        assert!(!changes(Table::Table2, &all[..LISTED]).into_string().contains("more"));
+        assert!(list.contains("<td>+10.0</td><td>-0.250</td>") && list.contains("<th>change [N·m]</th>"), "{list}");
+    }
 }

@@ -3,7 +3,7 @@
 use crate::diff::{Error, Result};
 use crate::map::{CellStatus, Gear, LogRef, TABLE2_FORMAT, Table1File, Table2File, Vehicle, lookup};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Which table is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -32,7 +32,7 @@ impl Table {
 
 /// A file that is compared.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Side {
+pub struct DiffSide {
     /// Its path, as given.
     pub name: String,
     /// Which table it is.
@@ -58,15 +58,15 @@ pub(crate) struct Sheet {
     pub(crate) known: Vec<f64>,
 }
 
-impl Side {
+impl DiffSide {
     /// Reads a `table1.json` or `table2.json`, or the `table2.json` of a folder.
     ///
     /// # Errors
-    /// A file that is missing, is no map, or whose matrices do not fit together.
+    /// A file that is missing, is no map, or whose arrays do not fit its axes.
     pub fn read(path: &Path) -> Result<Self> {
         let path = if path.is_dir() { path.join("table2.json") } else { path.to_owned() };
         let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
-        // a file that is neither is read as Table 1, whose reader tells what is wrong with it
+        // a file that is neither is read as Table 1, whose reader says what is wrong with it
         let second = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|json| json["format"] == TABLE2_FORMAT);
         Self::of_text(&path, &text, second)
     }
@@ -86,11 +86,10 @@ impl Side {
                     std_err: m.std_err_nm.concat().into_iter().map(Option::unwrap_or_default).collect(),
                     known: Vec::new(),
                 };
-                let told: Vec<_> = m.std_err_nm.concat().iter().map(Option::is_some).collect();
-                sheet.checked(path, m.std_err_nm.len(), &m.status, &told)
+                let errors = m.std_err_nm.concat();
+                sheet.with_known(&m.status, |k| errors[k].is_some())
             });
-            let sheets = sheets.collect::<Result<_>>()?;
-            return Ok(Self { name, table: Table::Table2, vehicle: file.vehicle, logs: file.logs, sheets });
+            return Ok(Self { name, table: Table::Table2, vehicle: file.vehicle, logs: file.logs, sheets: sheets.collect() });
         }
         let file = Table1File::from_json(text).map_err(wrong)?;
         let sheets = file.maps.iter().map(|m| {
@@ -103,32 +102,18 @@ impl Side {
                 std_err: m.std_err_mps2.concat(),
                 known: Vec::new(),
             };
-            let told = vec![true; sheet.std_err.len()];
-            sheet.checked(path, m.std_err_mps2.len(), &m.status, &told)
+            sheet.with_known(&m.status, |_| true)
         });
-        let sheets = sheets.collect::<Result<_>>()?;
-        Ok(Self { name, table: Table::Table1, vehicle: file.vehicle, logs: file.logs, sheets })
+        Ok(Self { name, table: Table::Table1, vehicle: file.vehicle, logs: file.logs, sheets: sheets.collect() })
     }
 }
 
 impl Sheet {
-    /// Checks that standard errors and status have the values' shape, and fills `known`.
-    fn checked(mut self, path: &Path, std_err_rows: usize, status: &[Vec<CellStatus>], told: &[bool]) -> Result<Self> {
-        let (rows, columns) = (self.rows.len(), self.columns.len());
-        let gear = self.gear;
-        let shape = |field, found_rows| {
-            let path: PathBuf = path.to_owned();
-            Error::Shape { path, gear, field, found_rows, rows, columns }
-        };
-        if self.std_err.len() != rows * columns || std_err_rows != rows {
-            return Err(shape("standard errors", std_err_rows));
-        }
-        if status.len() != rows || status.iter().any(|row| row.len() != columns) {
-            return Err(shape("status", status.len()));
-        }
+    /// Fills `known`: the cells that were measured or interpolated and whose standard error is given.
+    fn with_known(mut self, status: &[Vec<CellStatus>], has_error: impl Fn(usize) -> bool) -> Self {
         let sound = |s: &CellStatus| matches!(s, CellStatus::Measured | CellStatus::Interpolated);
-        self.known = status.iter().flatten().zip(told).map(|(s, told)| if sound(s) && *told { 1.0 } else { 0.0 }).collect();
-        Ok(self)
+        self.known = status.iter().flatten().enumerate().map(|(k, s)| if sound(s) && has_error(k) { 1.0 } else { 0.0 }).collect();
+        self
     }
 
     /// Value and standard error at a place by bilinear interpolation; `None` outside the axes, and where a cell around is not known. The
@@ -139,5 +124,44 @@ impl Sheet {
         let known = read(&self.known)? > 1.0 - 1e-9;
         known.then_some(())?;
         Some((read(&self.values)?, read(&self.std_err)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn sheet() -> Sheet {
+        Sheet {
+            gear: Gear::Forward,
+            wheel_angle_deg: 90.0,
+            rows: vec![0.0, 1.0],
+            columns: vec![0.0, 1.0, 2.0],
+            values: vec![0.0, 2.0, 4.0, 10.0, 12.0, 14.0],
+            std_err: vec![0.1, 0.1, 0.1, 0.3, 0.3, 0.3],
+            known: Vec::new(),
+        }
+    }
+
+    fn status(last: CellStatus) -> [Vec<CellStatus>; 2] {
+        [vec![CellStatus::Measured; 3], vec![CellStatus::Interpolated, CellStatus::Measured, last]]
+    }
+
+    #[test]
+    fn a_place_between_nodes_is_read_where_all_of_its_neighbours_are_known() {
+        let sheet = sheet().with_known(&status(CellStatus::Extrapolated), |_| true);
+        let (value, error) = sheet.at(0.5, 0.25).unwrap();
+        assert!((value - 5.5).abs() < 1e-12 && (error - 0.2).abs() < 1e-12, "{value} ± {error}");
+        assert_eq!(sheet.at(0.5, 1.5), None, "a neighbour is extrapolated");
+        assert_eq!(sheet.at(1.0, 1.0), Some((12.0, 0.3)), "a node needs no neighbour");
+        assert_eq!(sheet.at(0.5, 2.5), None, "beyond the axis");
+    }
+
+    #[test]
+    fn a_cell_without_a_standard_error_is_not_known() {
+        let sheet = sheet().with_known(&status(CellStatus::Measured), |k| k != 0);
+        assert_eq!(sheet.at(0.0, 0.0), None);
+        assert!(sheet.at(1.0, 2.0).is_some());
     }
 }

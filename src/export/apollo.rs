@@ -1,5 +1,5 @@
 //! Apollo's calibration table: protobuf text, one `calibration` message per speed and acceleration. Command is 100 · torque / full torque,
-//! the full torque being that of [`Source::full_torque_nm`]: per cent of throttle when positive, of brake when negative.
+//! the full torque being that of [`MapSource::full_torque_nm`]: per cent of throttle when positive, of brake when negative.
 //!
 //! Sign rules: throttle stands for acceleration and brake for deceleration, so no entry has a command and an acceleration of opposite sign.
 //! Between coasting (command 0) and holding a speed (acceleration 0) friction asks for a driving torque at a negative acceleration; there
@@ -12,13 +12,13 @@
 use crate::export::autoware::rounded;
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Error, Result, Source, provenance};
+use crate::export::{Error, MapSource, Result, provenance};
 use crate::map::TorqueTable;
 use std::fmt::Write as _;
 
 const FORMAT: &str = "apollo";
 
-pub(crate) fn files(source: &Source) -> Result<Vec<File>> {
+pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
     let full_nm = source.full_torque_nm();
     let mut files = Vec::new();
     for (gear, table) in &source.torque {

@@ -1,7 +1,7 @@
 //! Autoware's `accel_map.csv` and `brake_map.csv`: acceleration [m/s²] over pedal (rows, 0 to 1) and speed (columns, [m/s]).
 //!
 //! Pedal = |torque| / full torque, the full torque being the vehicle's torque limit, or without one the largest torque of Table 2: one
-//! factor for both pedals, told in the corner cell. The rows are Table 1's torques: from 0 up for the accel map, from 0 down for the brake
+//! factor for both pedals, named in the corner cell. The rows are Table 1's torques: from 0 up for the accel map, from 0 down for the brake
 //! map. Row 0, no torque, is shared.
 //!
 //! Source of the rules: `raw_vehicle_cmd_converter` of Autoware Universe. All rows have one length, of at least two cells; in every column
@@ -9,12 +9,12 @@
 
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Error, Result, Source};
+use crate::export::{Error, MapSource, Result};
 use crate::map::{AccelTable, Gear};
 
 const FORMAT: &str = "autoware";
 
-pub(crate) fn files(source: &Source) -> Result<Vec<File>> {
+pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
     let full_nm = source.full_torque_nm();
     let mut files = Vec::new();
     for (gear, table) in &source.accel {

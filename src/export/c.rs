@@ -4,7 +4,7 @@ use crate::export::crc::crc32;
 use crate::export::dcm::constants;
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Precision, Source, provenance};
+use crate::export::{MapSource, Precision, provenance};
 use crate::map::{Gear, TorqueTable};
 use std::fmt::Write as _;
 
@@ -14,7 +14,7 @@ const SOURCE: &str = include_str!("template/pivot_map.c.in");
 /// Numbers on a line.
 const PER_LINE: usize = 8;
 
-pub(crate) fn files(source: &Source, precision: Precision) -> Vec<File> {
+pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
     let provenance: Vec<_> = provenance::lines(source).iter().map(|line| format!(" * {line}")).collect();
     let has = |gear| if source.torque.iter().any(|(g, _)| *g == gear) { "1" } else { "0" };
     let real = if precision == Precision::Double { "double" } else { "float" };
@@ -38,8 +38,8 @@ pub(crate) fn files(source: &Source, precision: Precision) -> Vec<File> {
     vec![File::new("pivot_map.h", fill(HEADER)), File::new("pivot_map.c", body)]
 }
 
-/// SHA-256 of the forward gear's CSV, or of the only gear's. Hexadecimal: [`Source::read`] has compared it.
-pub(crate) fn sha256(source: &Source) -> String {
+/// SHA-256 of the forward gear's CSV, or of the only gear's. Hexadecimal: [`MapSource::read`] has compared it.
+pub(crate) fn sha256(source: &MapSource) -> String {
     source.torque.first().and_then(|(gear, _)| source.map(*gear)).map(|map| map.csv.sha256.clone()).unwrap_or_default()
 }
 

@@ -6,14 +6,14 @@
 use crate::export::dcm::{constants, name, what};
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Source, provenance};
+use crate::export::{MapSource, provenance};
 use std::fmt::Write as _;
 
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE MSRSW PUBLIC "-//ASAM//DTD CALIBRATION DATA FORMAT:V2.0.0:LAI:IAI:XML:CDF200.XSD//EN" "cdf_v2.0.0.sl.dtd">
 "#;
 
-pub(crate) fn file(source: &Source) -> File {
+pub(crate) fn file(source: &MapSource) -> File {
     let mut xml = Xml { text: HEAD.to_owned(), depth: 0 };
     // a comment may not hold two hyphens in a row
     let _ = writeln!(xml.text, "<!--\n{}\n-->", provenance::lines(source).join("\n").replace("--", "- -"));
@@ -32,7 +32,7 @@ pub(crate) fn file(source: &Source) -> File {
     File::new("pivot_map.cdfx", xml.text)
 }
 
-fn instances(xml: &mut Xml, source: &Source) {
+fn instances(xml: &mut Xml, source: &MapSource) {
     for constant in constants(source) {
         xml.element("SW-INSTANCE", |xml| {
             xml.leaf("SHORT-NAME", &constant.name);

@@ -3,14 +3,14 @@
 
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Source, provenance};
+use crate::export::{MapSource, provenance};
 use crate::map::Gear;
 use std::fmt::Write as _;
 
 /// Numbers on a line, as calibration tools write them.
 const PER_LINE: usize = 6;
 
-pub(crate) fn file(source: &Source) -> File {
+pub(crate) fn file(source: &MapSource) -> File {
     let mut text = String::from("* encoding=\"UTF-8\"\n");
     for line in provenance::lines(source) {
         let _ = writeln!(text, "* {line}");
@@ -76,7 +76,7 @@ pub(crate) struct Constant {
 }
 
 /// The drive's delays, geometry and dead bands.
-pub(crate) fn constants(source: &Source) -> Vec<Constant> {
+pub(crate) fn constants(source: &MapSource) -> Vec<Constant> {
     let file = &source.table2;
     let constant = |name: &str, what: &str, unit, value| Constant { name: name.to_owned(), what: what.to_owned(), unit, value };
     let mut constants = vec![

@@ -1,6 +1,6 @@
 //! Why a map cannot be exported.
 
-use crate::map::Gear;
+use crate::map::{FolderError, Gear};
 use std::path::PathBuf;
 
 /// Result of this room.
@@ -34,4 +34,13 @@ pub enum Error {
          another format"
     )]
     Torques { format: &'static str, what: &'static str, gear: Gear, low: f64, high: f64 },
+}
+
+impl From<FolderError> for Error {
+    fn from(error: FolderError) -> Self {
+        match error {
+            FolderError::Read { path, source } => Self::Read { path, source },
+            FolderError::File { path, source } => Self::File { path, source },
+        }
+    }
 }

@@ -1,9 +1,10 @@
 //! Where an exported map comes from, as lines for a comment.
 
-use crate::export::Source;
+use crate::export::MapSource;
+use crate::map::FixedText;
 
 /// The lines. Without time and machine, so that the same map gives the same bytes; without characters that could end a comment.
-pub(crate) fn lines(source: &Source) -> Vec<String> {
+pub(crate) fn lines(source: &MapSource) -> Vec<String> {
     let file = &source.table2;
     let vehicle = file.vehicle;
     let mut lines = vec![
@@ -26,7 +27,7 @@ pub(crate) fn lines(source: &Source) -> Vec<String> {
             map.accel_mps2.len(),
             band.low_nm,
             band.high_nm,
-            clean(&map.zero_row)
+            map.zero_row.name()
         ));
         lines.push(format!("{}: SHA-256 {}", clean(&map.csv.file), clean(&map.csv.sha256)));
     }

@@ -5,7 +5,7 @@ use crate::export::crc::crc32;
 use crate::export::dcm::constants;
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Precision, Source, provenance};
+use crate::export::{MapSource, Precision, provenance};
 use crate::map::{Gear, TorqueTable};
 
 const MODULE: &str = include_str!("template/pivot_map.rs.in");
@@ -13,7 +13,7 @@ const MODULE: &str = include_str!("template/pivot_map.rs.in");
 /// Numbers on a line.
 const PER_LINE: usize = 8;
 
-pub(crate) fn file(source: &Source, precision: Precision) -> File {
+pub(crate) fn file(source: &MapSource, precision: Precision) -> File {
     let provenance: Vec<_> = provenance::lines(source).iter().map(|line| format!("//! {line}\n//!")).collect();
     let constants: Vec<_> = constants(source)
         .iter()

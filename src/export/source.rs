@@ -1,12 +1,12 @@
 //! The map to export, whose files were found to belong together.
 
 use crate::export::{Error, Result};
-use crate::map::{AccelTable, CsvRef, Gear, Matrix, SAME_ANGLE_DEG, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
+use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table2File, TorqueMap, TorqueTable, WheelAngle};
 use std::path::Path;
 
 /// A map whose hashes match.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Source {
+pub struct MapSource {
     /// What `table2.json` says, of the maps at one wheel angle, its test angle.
     pub table2: Table2File,
     /// Its text, byte for byte.
@@ -19,11 +19,11 @@ pub struct Source {
     pub accel: Vec<(Gear, AccelTable)>,
 }
 
-impl Source {
+impl MapSource {
     /// Reads `table1.json`, `table2.json` and the CSV files that they describe from `folder`.
     ///
     /// # Errors
-    /// A file that is missing or cannot be read; a CSV or a `table1.json` whose hash is not the one told; a JSON whose numbers are not
+    /// A file that is missing or cannot be read; a CSV or a `table1.json` whose hash is another one; a JSON whose numbers are not
     /// those of its CSV; no map at the test angle.
     pub fn read(folder: &Path) -> Result<Self> {
         Self::read_at(folder, None)
@@ -32,38 +32,38 @@ impl Source {
     /// The same for the maps at a wheel angle [°], by default the test angle.
     ///
     /// # Errors
-    /// As [`Source::read`].
+    /// As [`MapSource::read`].
     pub fn read_at(folder: &Path, wheel_angle_deg: Option<f64>) -> Result<Self> {
-        let text = |name: &str| {
-            let path = folder.join(name);
-            std::fs::read_to_string(&path).map_err(|source| Error::Read { path, source })
+        let (mut files, mut mismatches) = MapFolder::read(folder)?;
+        let Some((mut table2, json2)) = files.table2.take() else {
+            let absent = mismatches.into_iter().next();
+            return Err(absent.map_or_else(|| unread(folder, "table2.json", std::io::ErrorKind::NotFound.into()), |m| mismatch(folder, m)));
         };
+        let table1 = &files.table1;
         let at = |name: &str, source| Error::File { path: folder.join(name), source };
-        let (json1, json2) = (text("table1.json")?, text("table2.json")?);
-        let mut table2 = Table2File::from_json(&json2).map_err(|e| at("table2.json", e))?;
-        expect_hash(folder, "table1.json", json1.as_bytes(), "table2.json", &table2.table1.sha256)?;
-        let table1 = Table1File::from_json(&json1).map_err(|e| at("table1.json", e))?;
-        let matrix = |csv: &CsvRef, by: &str| -> Result<Matrix> {
-            let bytes = text(&csv.file)?;
-            expect_hash(folder, &csv.file, bytes.as_bytes(), by, &csv.sha256)?;
-            Matrix::from_csv(&bytes).map_err(|e| at(&csv.file, e))
+        let mut belongs = |name: &str, by: &str| match mismatches.iter().position(|m| m.file() == name && m.by() == by) {
+            Some(k) => Err(mismatch(folder, mismatches.remove(k))),
+            None => Ok(()),
         };
-        let differs = |json: &str, csv: &CsvRef| Error::Differs { path: folder.join(json), csv: folder.join(&csv.file) };
-        let angle_deg = wheel_angle_deg.unwrap_or(table2.vehicle.test_angle_deg);
+        belongs("table1.json", "table2.json")?;
+        // a CSV must be the one that its JSON describes, and hold the JSON's numbers
+        let mut expect = |json: &'static str, csv: &CsvRef, table: Matrix| {
+            belongs(&csv.file, json)?;
+            let text = files.csv(&csv.file).map_or(Ok(""), StoredFile::text).map_err(|e| unread(folder, &csv.file, e))?;
+            let found = Matrix::from_csv(text).map_err(|e| at(&csv.file, e))?;
+            if found == table { Ok(()) } else { Err(Error::Differs { path: folder.join(json), csv: folder.join(&csv.file) }) }
+        };
+        let angle = wheel_angle_deg.map_or(table2.vehicle.test_angle(), WheelAngle::from_deg);
         let (mut torque, mut accel) = (Vec::new(), Vec::new());
         for gear in Gear::ALL {
-            if let Some(map) = table2.map(gear, angle_deg, SAME_ANGLE_DEG) {
+            if let Some(map) = table2.map(gear, angle) {
                 let table = map.table().map_err(|e| at("table2.json", e))?;
-                if matrix(&map.csv, "table2.json")? != table.to_matrix() {
-                    return Err(differs("table2.json", &map.csv));
-                }
+                expect("table2.json", &map.csv, table.to_matrix())?;
                 torque.push((gear, table));
             }
-            if let Some(map) = table1.map(gear, angle_deg, SAME_ANGLE_DEG) {
+            if let Some(map) = table1.map(gear, angle) {
                 let table = map.table().map_err(|e| at("table1.json", e))?;
-                if matrix(&map.csv, "table1.json")? != table.to_matrix() {
-                    return Err(differs("table1.json", &map.csv));
-                }
+                expect("table1.json", &map.csv, table.to_matrix())?;
                 accel.push((gear, table));
             }
         }
@@ -72,25 +72,24 @@ impl Source {
         other_angles_deg.dedup();
         if torque.is_empty() {
             let found = other_angles_deg.iter().map(|a| format!("{a}°")).collect::<Vec<_>>().join(", ");
-            return Err(Error::NoMap { path: folder.join("table2.json"), angle_deg, found });
+            return Err(Error::NoMap { path: folder.join("table2.json"), angle_deg: angle.deg(), found });
         }
-        other_angles_deg.retain(|a| (a - angle_deg).abs() > SAME_ANGLE_DEG);
-        table2.vehicle.test_angle_deg = angle_deg;
-        table2.maps.retain(|m| (m.wheel_angle_deg - angle_deg).abs() <= SAME_ANGLE_DEG);
-        Ok(Self { table2, table2_json: json2, torque, accel, other_angles_deg })
+        other_angles_deg.retain(|a| !angle.is_same_deg(*a));
+        table2.vehicle.test_angle_deg = angle.deg();
+        table2.maps.retain(|m| m.angle().is_same(angle));
+        let table2_json = json2.text().map_err(|e| unread(folder, "table2.json", e))?.to_owned();
+        Ok(Self { table2, table2_json, torque, accel, other_angles_deg })
     }
 
     /// The torque that is 100 % of a pedal [N·m]: the vehicle's limit, or without one the largest torque in Table 2.
     pub fn full_torque_nm(&self) -> f64 {
-        self.table2.vehicle.torque_limit_nm.unwrap_or_else(|| {
-            let values = self.torque.iter().flat_map(|(_, table)| table.values());
-            values.fold(0.0, |largest, value| value.abs().max(largest))
-        })
+        let values = self.torque.iter().flat_map(|(_, table)| table.values());
+        self.table2.vehicle.torque_limit_or_largest_nm(values.copied())
     }
 
-    /// What `table2.json` tells of the map of `gear` at the test angle.
+    /// What `table2.json` says of the map of `gear` at the test angle.
     pub fn map(&self, gear: Gear) -> Option<&TorqueMap> {
-        self.table2.map(gear, self.table2.vehicle.test_angle_deg, SAME_ANGLE_DEG)
+        self.table2.map_at_test_angle(gear)
     }
 
     /// Torques [N·m] at which a resting wheel stays at rest in `gear`, low and high.
@@ -99,10 +98,13 @@ impl Source {
     }
 }
 
-fn expect_hash(folder: &Path, name: &str, bytes: &[u8], by: &str, expected: &str) -> Result<()> {
-    let found = sha256_hex(bytes);
-    if found == expected {
-        return Ok(());
+fn mismatch(folder: &Path, mismatch: Mismatch) -> Error {
+    match mismatch {
+        Mismatch::Hash { file, by, found, expected } => Error::Hash { path: folder.join(file), by: folder.join(by), found, expected },
+        Mismatch::Unreadable { file, source, .. } => unread(folder, &file, source),
     }
-    Err(Error::Hash { path: folder.join(name), by: folder.join(by), found, expected: expected.to_owned() })
+}
+
+fn unread(folder: &Path, name: &str, source: std::io::Error) -> Error {
+    Error::Read { path: folder.join(name), source }
 }

@@ -1,10 +1,38 @@
-//! The rounds of the estimator: a first guess, then speeds, noise, cuts, surface and delays, each from the others, until nothing moves.
+//! The rounds of the estimator: speeds, noise, cuts, surface and delays, each from the others, until nothing moves.
+//!
+//! 1. A first guess of calibration, noise, dead time and lag (`initial_guess`, `delay_grid`).
+//! 2. Rounds on a sample of a long campaign, with delays, encoder and noise free (`delay_rounds`, `sampling`).
+//! 3. Rounds on everything, without the moments after steps (`surface_rounds`), until surface and delays converge (`convergence`).
+//!
+//! Each round (`round`) filters the speeds along the segments with the surface of the last one, adds up the whitened sums, solves them with
+//! penalties chosen by the data, and moves on to the new surface and calibration (`calibration_step`). Between rounds readings that do not
+//! belong are cut out (`outliers`). At the end runs that are left out say how much of the surface is taken (`cross_validation`).
 
+pub(crate) mod calibration_step;
 pub(crate) mod convergence;
 pub(crate) mod cross_validation;
-pub(crate) mod delay_grid;
+mod delay_grid;
+mod delay_rounds;
 pub(crate) mod estimate;
 pub(crate) mod initial_guess;
 pub(crate) mod outliers;
-pub(crate) mod sampling;
-pub(crate) mod search;
+mod round;
+mod sampling;
+mod state;
+mod surface_rounds;
+
+use crate::campaign::Survey;
+use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::rounds::estimate::Estimate;
+use crate::fit::rounds::state::State;
+use crate::fit::{FitSettings, Result};
+
+/// Runs the estimator with the torque input that was chosen.
+///
+/// # Errors
+/// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
+pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
+    let mut state = State::new(surveys, choice, settings)?;
+    let sampled = delay_rounds::run(&mut state)?;
+    surface_rounds::run(state, sampled)
+}

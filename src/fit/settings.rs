@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct FitSettings {
     /// Dead time of the drive [s] when it is known; estimated otherwise.
     pub dead_time_s: Option<f64>,
     /// Time constant of the drive's lag [s] when it is known; estimated otherwise.
@@ -33,7 +33,7 @@ pub struct Settings {
     pub known: Option<KnownCalibration>,
 }
 
-impl Default for Settings {
+impl Default for FitSettings {
     fn default() -> Self {
         Self {
             dead_time_s: None,

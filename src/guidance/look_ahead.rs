@@ -1,4 +1,4 @@
-//! The look-ahead window method: a path of continuous curvature along a [`ArcReference`], step by step.
+//! The look-ahead window method: a path of continuous curvature along a [`ReferenceLine`], step by step.
 //!
 //! Each step: the middle of the rear axle is mapped onto the reference, in a window ahead of where it was last mapped; the goal lies the look-ahead
 //! distance further along; the circle that is tangent to the vehicle in its rear axle and goes through the goal has
@@ -14,7 +14,7 @@
 use crate::guidance::body::within;
 use crate::guidance::geometry::PlanePoint;
 use crate::guidance::path::{PathPose, PosePath};
-use crate::guidance::reference::{ArcReference, ahead};
+use crate::guidance::reference::{ReferenceLine, ahead};
 use crate::guidance::{Error, Result};
 use crate::map::Gear;
 use serde::Serialize;
@@ -91,7 +91,7 @@ impl LookAheadFollower {
     /// Follows `reference` in `gear` from where it is nearest, until `done` says so or `most_m` are travelled. Returns whether it was done.
     pub(crate) fn follow(
         &mut self,
-        reference: &ArcReference,
+        reference: &ReferenceLine,
         gear: Gear,
         most_m: f64,
         mut done: impl FnMut(&PathPose, f64) -> bool,
@@ -111,7 +111,7 @@ impl LookAheadFollower {
     }
 
     /// The nearest place of the whole reference, looked for every step and refined. It may lie before the start, where the reference is a line.
-    fn first_match(&self, reference: &ArcReference) -> f64 {
+    fn first_match(&self, reference: &ReferenceLine) -> f64 {
         let here = self.last();
         let place = PlanePoint::new(here.x_m, here.y_m);
         let (start, course) = reference.at(0.0);
@@ -182,7 +182,7 @@ mod tests {
     fn a_line_is_reached_forward_and_in_reverse() {
         for (gear, course) in [(Gear::Forward, 0.0), (Gear::Reverse, PI)] {
             let mut follower = LookAheadFollower::new(0.0, 0.4, 0.1, 0.0, 0.9, LookAhead::default());
-            let reference = ArcReference::starting(PlanePoint::new(0.0, 0.0), course).then(6.0, 0.0);
+            let reference = ReferenceLine::starting(PlanePoint::new(0.0, 0.0), course).then(6.0, 0.0);
             assert!(follower.follow(&reference, gear, 8.0, |_, s| s > 5.0));
             let end = follower.last();
             assert!(end.y_m.abs() < 2e-3 && end.heading_rad.abs() < 5e-3, "{gear}: {end:?}");
@@ -193,7 +193,7 @@ mod tests {
     fn a_circle_is_held_to_the_part_of_its_radius_that_the_chord_cuts() {
         let settings = LookAhead { distance_m: 0.2, ..LookAhead::default() };
         let mut follower = LookAheadFollower::new(0.0, 0.0, 0.0, 0.42, 0.9, settings);
-        let reference = ArcReference::starting(PlanePoint::new(0.0, 0.0), 0.0).then(2.0 * PI * 2.0, 0.5);
+        let reference = ReferenceLine::starting(PlanePoint::new(0.0, 0.0), 0.0).then(2.0 * PI * 2.0, 0.5);
         follower.follow(&reference, Gear::Forward, 8.0, |_, _| false);
         let end = follower.last();
         let radius = end.x_m.hypot(end.y_m - 2.0);
@@ -205,7 +205,7 @@ mod tests {
     fn neither_the_wheel_nor_the_curvature_jumps() {
         let settings = LookAhead::default();
         let mut follower = LookAheadFollower::new(0.0, 1.5, -0.8, -0.6, 0.9, settings);
-        let reference = ArcReference::starting(PlanePoint::new(0.0, 0.0), 0.0).then(2.0, 0.0).then(1.5, 1.0).then(2.0, 0.0);
+        let reference = ReferenceLine::starting(PlanePoint::new(0.0, 0.0), 0.0).then(2.0, 0.0).then(1.5, 1.0).then(2.0, 0.0);
         follower.follow(&reference, Gear::Forward, 9.0, |_, _| false);
         let (angle, curvature) = largest_steps(&follower.path);
         assert!(angle <= settings.wheel_step_rad + 1e-12 && curvature <= settings.curvature_step_per_m(0.9) + 1e-12);

@@ -18,14 +18,14 @@ struct ReferencePiece {
 
 /// Straight lines and circles, one after the other; before its start and past its end it goes straight on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ArcReference {
+pub struct ReferenceLine {
     pieces: Vec<ReferencePiece>,
     end: PlanePoint,
     end_course_rad: f64,
     length_m: f64,
 }
 
-impl ArcReference {
+impl ReferenceLine {
     /// An empty reference that starts at a point with a direction of travel [rad].
     pub fn starting(start: PlanePoint, course_rad: f64) -> Self {
         Self {
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_line_a_quarter_circle_and_a_line_end_where_geometry_says() {
-        let reference = ArcReference::starting(PlanePoint::new(0.0, 0.0), 0.0).then(1.0, 0.0).then(FRAC_PI_2 * 2.0, 0.5).then(3.0, 0.0);
+        let reference = ReferenceLine::starting(PlanePoint::new(0.0, 0.0), 0.0).then(1.0, 0.0).then(FRAC_PI_2 * 2.0, 0.5).then(3.0, 0.0);
         let (end, course) = reference.at(reference.length_m());
         assert!(end.distance_m(PlanePoint::new(3.0, 5.0)) < 1e-12 && (course - FRAC_PI_2).abs() < 1e-12);
         let (past, _) = reference.at(reference.length_m() + 1.0);
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_place_beside_is_projected_on_its_foot() {
-        let reference = ArcReference::starting(PlanePoint::new(0.0, 0.0), 0.0).then(10.0, 0.0);
+        let reference = ReferenceLine::starting(PlanePoint::new(0.0, 0.0), 0.0).then(10.0, 0.0);
         assert!((reference.project(PlanePoint::new(4.0, 0.7), 3.5, 1.0) - 4.0).abs() < 1e-12);
         assert!((reference.project(PlanePoint::new(9.0, 0.7), 3.5, 1.0) - 4.5).abs() < 1e-12, "not beyond the window");
     }

@@ -10,7 +10,7 @@ mod scene;
 mod search;
 mod track;
 
-pub use model::{Car, Method, State, SteeringSegment, integrate};
+pub use model::{Car, Method, SteeringSegment, UTurnState, integrate};
 pub use published::{
     ANSWERS, Answer, Hypothesis, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, PublishedFinding, YAW_RATE_RAD_S, entry_speed_mps,
 };

@@ -2,10 +2,10 @@
 
 use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
-use crate::invert::{Error, Result, Settings, ZeroRow, breaks, optimal};
+use crate::invert::{Error, InvertSettings, Result, breaks, optimal};
 use crate::map::{
     AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units,
-    csv_name, sha256_hex,
+    ZeroRow, csv_name, sha256_hex,
 };
 
 /// Table 2 with its files.
@@ -21,19 +21,18 @@ pub struct Inversion {
 ///
 /// # Errors
 /// No table, a table that does not rise with torque, breaks that make no axis, a programme that does not finish.
-pub fn invert(file: &Table1File, table1: CsvRef, settings: &Settings) -> Result<Inversion> {
+pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> Result<Inversion> {
     if file.maps.is_empty() {
         return Err(Error::NoTables);
     }
     if let Some(found) = settings.place.filter(|n| !(3..=200).contains(n)) {
         return Err(Error::BadPlace { found });
     }
-    let limit_nm =
-        file.vehicle.torque_limit_nm.unwrap_or_else(|| file.maps.iter().flat_map(|m| &m.torque_nm).fold(0.0f64, |m, u| m.max(u.abs())));
+    let limit_nm = file.torque_limit_nm();
     let mut maps = Vec::new();
     let mut csvs = Vec::new();
     for map in &file.maps {
-        let other = file.maps.iter().find(|m| m.gear != map.gear && (m.wheel_angle_deg - map.wheel_angle_deg).abs() < 0.5);
+        let other = file.maps.iter().find(|m| m.gear != map.gear && m.angle().is_same(map.angle()));
         let (inverted, csv) = invert_map(map, other, (limit_nm, file.vehicle.test_angle_deg), settings)?;
         csvs.push((inverted.csv.file.clone(), csv));
         maps.push(inverted);
@@ -59,7 +58,7 @@ fn invert_map(
     map: &AccelMap,
     other: Option<&AccelMap>,
     (limit_nm, test_angle_deg): (f64, f64),
-    settings: &Settings,
+    settings: &InvertSettings,
 ) -> Result<(TorqueMap, String)> {
     let inverse = Inverse::new(map.surface.table()?, map.gear)?;
     let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| u.clamp(-limit_nm, limit_nm));
@@ -138,14 +137,14 @@ fn invert_map(
         status,
         reachable_accel_mps2: reach,
         dead_band: dead_band(map, other),
-        zero_row: settings.zero_row.name().to_owned(),
+        zero_row: settings.zero_row,
         round_trip: trip,
     };
     Ok((inverted, csv))
 }
 
 /// Breaks as given, placed, or by default.
-fn axes(inverse: &Inverse, map: &AccelMap, tested: [f64; 2], settings: &Settings) -> (Vec<f64>, Vec<f64>) {
+fn axes(inverse: &Inverse, map: &AccelMap, tested: [f64; 2], settings: &InvertSettings) -> (Vec<f64>, Vec<f64>) {
     let even_speeds = settings.speed_breaks_mps.clone().unwrap_or_else(|| map.speed_mps.clone());
     let even_accels = settings.accel_breaks_mps2.clone().unwrap_or_else(|| breaks::accel_breaks(inverse, &even_speeds, tested));
     let Some(count) = settings.place else { return (even_speeds, even_accels) };

@@ -1,7 +1,7 @@
 //! The round trip A(v, T(v, a)) − a: what the grid of Table 2 costs.
 
 use crate::invert::inverse::Inverse;
-use crate::map::{CellStatus, Place, RoundTrip, TorqueTable};
+use crate::map::{CellStatus, GridPoint, RoundTripErrors, TorqueTable};
 
 /// Dense points per interval of each axis.
 const PER_INTERVAL: usize = 5;
@@ -12,9 +12,9 @@ pub(crate) fn round_trip(
     table: &TorqueTable,
     status: &[Vec<CellStatus>],
     measured: impl Fn(f64, f64) -> bool,
-) -> RoundTrip {
+) -> RoundTripErrors {
     let (speeds, accels) = (table.speed_mps().breaks(), table.accel_mps2().breaks());
-    let mut nodes = Tally::default();
+    let mut nodes = MissTally::default();
     for (i, v) in speeds.iter().enumerate() {
         for (j, a) in accels.iter().enumerate() {
             if matches!(status[i][j], CellStatus::Measured | CellStatus::Interpolated) {
@@ -22,7 +22,7 @@ pub(crate) fn round_trip(
             }
         }
     }
-    let mut between = Tally::default();
+    let mut between = MissTally::default();
     let inner = |breaks: &[f64]| -> Vec<f64> {
         breaks
             .windows(2)
@@ -39,7 +39,7 @@ pub(crate) fn round_trip(
             }
         }
     }
-    RoundTrip {
+    RoundTripErrors {
         node_rms_mps2: nodes.rms(),
         node_max_mps2: round(nodes.largest),
         node_max_at: nodes.at,
@@ -50,20 +50,20 @@ pub(crate) fn round_trip(
 }
 
 #[derive(Default)]
-struct Tally {
+struct MissTally {
     square: f64,
     count: usize,
     largest: f64,
-    at: Place,
+    at: GridPoint,
 }
 
-impl Tally {
+impl MissTally {
     fn add(&mut self, miss: f64, speed_mps: f64, accel_mps2: f64) {
         self.square += miss * miss;
         self.count += 1;
         if miss.abs() > self.largest {
             self.largest = miss.abs();
-            self.at = Place { speed_mps: round(speed_mps), accel_mps2: round(accel_mps2) };
+            self.at = GridPoint { speed_mps: round(speed_mps), accel_mps2: round(accel_mps2) };
         }
     }
 

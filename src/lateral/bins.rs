@@ -5,8 +5,8 @@
 //! The way is that of the matched point along its path, so that runs of one task can be compared piece by piece. What lies within the settling
 //! way after a start or a standstill is left out: there the tracking law still draws the vehicle onto the path.
 
-use crate::lateral::nearest::Nearest;
-use crate::lateral::settings::Settings;
+use crate::lateral::nearest::NearestPoint;
+use crate::lateral::settings::LateralFitSettings;
 use crate::lateral::{Error, Result};
 use crate::log::{Recording, Signal, SignalName};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
@@ -31,7 +31,7 @@ impl Bin {
 
 /// One run of the calibration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LateralRun {
+pub struct CompensationRun {
     /// File name of its log.
     pub log: String,
     /// Compensation angle [rad]; 0 for the base.
@@ -53,12 +53,12 @@ const ONE_ANGLE_RAD: f64 = 0.02 * RAD_PER_DEG;
 /// Fewest matched points of a log.
 const LEAST: usize = 50;
 
-impl LateralRun {
+impl CompensationRun {
     /// Of a recording that was read for the lateral calibration.
     ///
     /// # Errors
     /// No heading, signals that do not overlap, a compensation that changes.
-    pub fn new(recording: &Recording, settings: &Settings) -> Result<Self> {
+    pub fn new(recording: &Recording, settings: &LateralFitSettings) -> Result<Self> {
         let log = recording.source.file.clone();
         let heading = heading(recording).ok_or_else(|| Error::NoHeading { log: log.clone() })?;
         let paths = &recording.signals.reference_paths;
@@ -76,20 +76,20 @@ impl LateralRun {
 }
 
 /// Time, matched point and error of one place.
-type Place = (i64, f64, f64, f64);
+type PathPlace = (i64, f64, f64, f64);
 
-fn place(time_ns: i64, [x_m, y_m]: [f64; 2], [x, y, yaw_rad]: [f64; 3]) -> Place {
+fn place(time_ns: i64, [x_m, y_m]: [f64; 2], [x, y, yaw_rad]: [f64; 3]) -> PathPlace {
     let (sin, cos) = yaw_rad.sin_cos();
     (time_ns, x_m, y_m, cos * (y_m - y) - sin * (x_m - x))
 }
 
 /// At every matched point that is logged, the pose between its readings.
-fn from_points(recording: &Recording, heading: &Signal) -> Vec<Place> {
+fn from_points(recording: &Recording, heading: &Signal) -> Vec<PathPlace> {
     let none = Signal::default();
     let read = |name| recording.signals.lateral.get(&name).unwrap_or(&none);
     let (x, y) = (read(SignalName::PoseX), read(SignalName::PoseY));
     let (reference_x, reference_y) = (read(SignalName::ReferenceX), read(SignalName::ReferenceY));
-    let mut cursors = [Cursor::default(); 4];
+    let mut cursors = [PathCursor::default(); 4];
     let places = reference_x.time_ns.iter().zip(&reference_x.value).filter_map(|(&time_ns, &x_m)| {
         let [c0, c1, c2, c3] = &mut cursors;
         let y_m = c0.at(reference_y, time_ns, false)?;
@@ -99,12 +99,12 @@ fn from_points(recording: &Recording, heading: &Signal) -> Vec<Place> {
 }
 
 /// At every pose, the nearest point of the path in force.
-fn from_paths(recording: &Recording, heading: &Signal) -> Vec<Place> {
+fn from_paths(recording: &Recording, heading: &Signal) -> Vec<PathPlace> {
     let none = Signal::default();
     let read = |name| recording.signals.lateral.get(&name).unwrap_or(&none);
     let (x, y) = (read(SignalName::PoseX), read(SignalName::PoseY));
-    let mut nearest = Nearest::new(&recording.signals.reference_paths);
-    let mut cursors = [Cursor::default(); 2];
+    let mut nearest = NearestPoint::new(&recording.signals.reference_paths);
+    let mut cursors = [PathCursor::default(); 2];
     let places = x.time_ns.iter().zip(&x.value).filter_map(|(&time_ns, &x_m)| {
         let [c0, c1] = &mut cursors;
         let (y_m, yaw_rad) = (c0.at(y, time_ns, false)?, c1.at(heading, time_ns, true)?);
@@ -120,7 +120,7 @@ fn heading(recording: &Recording) -> Option<Signal> {
         return Some(yaw.clone());
     }
     let (z, w) = (signals.get(&SignalName::YawZ)?, signals.get(&SignalName::YawW)?);
-    let mut cursor = Cursor::default();
+    let mut cursor = PathCursor::default();
     let mut yaw = Signal::default();
     for (&time_ns, &z) in z.time_ns.iter().zip(&z.value) {
         if let Some(w) = cursor.at(w, time_ns, false) {
@@ -144,7 +144,7 @@ fn angle(signal: Option<&Signal>, log: &str) -> Result<f64> {
 }
 
 /// Whole way, and the pieces that count.
-fn binned(errors: &[Place], settings: &Settings) -> (f64, BTreeMap<u32, Bin>) {
+fn binned(errors: &[PathPlace], settings: &LateralFitSettings) -> (f64, BTreeMap<u32, Bin>) {
     let mut bins: BTreeMap<u32, Bin> = BTreeMap::new();
     let (mut way_m, mut since_start_m) = (0.0, 0.0);
     let mut pending = Bin::default();
@@ -172,11 +172,11 @@ fn binned(errors: &[Place], settings: &Settings) -> (f64, BTreeMap<u32, Bin>) {
 
 /// Reads a signal at ascending times.
 #[derive(Debug, Clone, Copy, Default)]
-struct Cursor {
+struct PathCursor {
     next: usize,
 }
 
-impl Cursor {
+impl PathCursor {
     /// Linear between the readings around `time_ns`; `None` outside them or in a gap. `circular`: an angle, by the shorter way.
     fn at(&mut self, signal: &Signal, time_ns: i64, circular: bool) -> Option<f64> {
         let (times, values) = (&signal.time_ns, &signal.value);

@@ -1,9 +1,9 @@
 //! From runs to the compensation table: differences to the base, standard errors, what is dropped, the monotone curve.
 
-use crate::lateral::bins::{Bin, LateralRun};
+use crate::lateral::bins::{Bin, CompensationRun};
 use crate::lateral::isotonic::isotonic;
 use crate::lateral::newey_west::{Mean, newey_west};
-use crate::lateral::settings::{Settings, Weighting};
+use crate::lateral::settings::{LateralFitSettings, Weighting};
 use crate::lateral::{Error, Result};
 use crate::log::Recording;
 use crate::map::{
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 /// What happened.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct LateralReport {
     /// Pieces of the way that each entry rests on, in the order of the entries.
     pub pieces: Vec<usize>,
     /// Slope of the curve between its ends [rad/m].
@@ -33,7 +33,7 @@ const LEAST_STD_ERR_M: f64 = 1e-6;
 ///
 /// # Errors
 /// No base or two, logs of another task or too short, a compensation that changes within a log, fewer than one entry left.
-pub fn fit(recordings: &[Recording], settings: &Settings) -> Result<(LateralTableFile, Report)> {
+pub fn fit(recordings: &[Recording], settings: &LateralFitSettings) -> Result<(LateralTableFile, LateralReport)> {
     for (field, value, low, high) in [
         ("threshold_m", settings.threshold_m, 1e-4, 10.0),
         ("piece_m", settings.piece_m, 0.1, 10.0),
@@ -44,7 +44,7 @@ pub fn fit(recordings: &[Recording], settings: &Settings) -> Result<(LateralTabl
             return Err(Error::Setting { field, value, allowed });
         }
     }
-    let mut runs = recordings.iter().map(|r| Ok((LateralRun::new(r, settings)?, &r.source))).collect::<Result<Vec<_>>>()?;
+    let mut runs = recordings.iter().map(|r| Ok((CompensationRun::new(r, settings)?, &r.source))).collect::<Result<Vec<_>>>()?;
     // the order of the logs must not matter
     runs.sort_by(|a, b| a.0.angle_rad.total_cmp(&b.0.angle_rad).then_with(|| a.1.sha256.cmp(&b.1.sha256)));
     let mut bases = runs.iter().filter(|(run, _)| run.angle_rad.abs() <= NO_ANGLE_RAD);
@@ -74,7 +74,7 @@ pub fn fit(recordings: &[Recording], settings: &Settings) -> Result<(LateralTabl
     let (curve, largest_correction) = curve(&entries)?;
     entries.sort_by(|a, b| a.error_m.total_cmp(&b.error_m).then(a.angle_rad.total_cmp(&b.angle_rad)));
     let last = curve.error_m.len() - 1;
-    let report = Report {
+    let report = LateralReport {
         pieces: entries.iter().map(|e| (e.way_m / settings.piece_m).round() as usize).collect(),
         slope_rad_per_m: (curve.angle_rad[last] - curve.angle_rad[0]) / (curve.error_m[last] - curve.error_m[0]),
         largest_correction,
@@ -99,11 +99,11 @@ pub fn fit(recordings: &[Recording], settings: &Settings) -> Result<(LateralTabl
 }
 
 /// Weight of a piece.
-fn weight(settings: &Settings, bin: &Bin) -> f64 {
+fn weight(settings: &LateralFitSettings, bin: &Bin) -> f64 {
     if settings.weighting == Weighting::Distance { 1.0 } else { bin.count }
 }
 
-fn way(pieces: usize, log: &str, settings: &Settings) -> Result<f64> {
+fn way(pieces: usize, log: &str, settings: &LateralFitSettings) -> Result<f64> {
     let found_m = pieces as f64 * settings.piece_m;
     if found_m < settings.least_m {
         return Err(Error::TooShort { log: log.to_owned(), found_m, needed_m: settings.least_m });
@@ -112,7 +112,7 @@ fn way(pieces: usize, log: &str, settings: &Settings) -> Result<f64> {
 }
 
 /// Mean of one run.
-fn alone(run: &LateralRun, settings: &Settings) -> Result<LateralMean> {
+fn alone(run: &CompensationRun, settings: &LateralFitSettings) -> Result<LateralMean> {
     let values: Vec<f64> = run.bins.values().map(Bin::mean_m).collect();
     let weights: Vec<f64> = run.bins.values().map(|b| weight(settings, b)).collect();
     let Mean { mean, std_err } = newey_west(&values, &weights);
@@ -120,7 +120,7 @@ fn alone(run: &LateralRun, settings: &Settings) -> Result<LateralMean> {
 }
 
 /// Entry of a run: the mean of the differences to the base, piece by piece, so that what the path itself does cancels.
-fn against(run: &LateralRun, base: &LateralRun, settings: &Settings) -> Result<LateralEntry> {
+fn against(run: &CompensationRun, base: &CompensationRun, settings: &LateralFitSettings) -> Result<LateralEntry> {
     if (run.way_m - base.way_m).abs() > settings.same_task * base.way_m {
         return Err(Error::OtherTask {
             log: run.log.clone(),
@@ -259,7 +259,7 @@ mod tests {
         let (mut covered, mut largest) = (0, 0.0_f64);
         for seed in 0..trials {
             let logs = [recording("base", 0.0, base_m, 60.0, 2 * seed), recording("one", 0.02, base_m + added_m, 60.0, 2 * seed + 1)];
-            let (file, _) = fit(&logs, &Settings::default()).unwrap();
+            let (file, _) = fit(&logs, &LateralFitSettings::default()).unwrap();
             let entry = file.entries.iter().find(|e| e.angle_rad != 0.0).unwrap();
             covered += i32::from((entry.error_m - added_m).abs() <= 2.0 * entry.std_err_m);
             largest = largest.max((entry.error_m - added_m).abs());
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn logs_of_another_task_too_short_or_with_a_changing_angle_are_refused() {
         let base = || recording("base", 0.0, 0.03, 60.0, 1);
-        let settings = Settings::default();
+        let settings = LateralFitSettings::default();
         let refused = |logs: &[Recording]| fit(logs, &settings).unwrap_err();
         assert!(matches!(refused(&[base(), recording("a", 0.02, 0.0, 80.0, 2)]), Error::OtherTask { .. }));
         assert!(matches!(refused(&[recording("b", 0.0, 0.0, 9.0, 2), recording("a", 0.02, 0.0, 9.0, 3)]), Error::TooShort { .. }));
@@ -285,7 +285,7 @@ mod tests {
         let mut elsewhen = recording("a", 0.02, 0.0, 60.0, 2);
         elsewhen.signals.lateral.get_mut(&SignalName::PoseX).unwrap().time_ns.iter_mut().for_each(|t| *t += 1 << 50);
         assert!(matches!(refused(&[base(), elsewhen]), Error::NoOverlap { .. }));
-        assert!(matches!(fit(&[base()], &Settings { threshold_m: f64::NAN, ..settings }), Err(Error::Setting { .. })));
+        assert!(matches!(fit(&[base()], &LateralFitSettings { threshold_m: f64::NAN, ..settings }), Err(Error::Setting { .. })));
     }
 
     #[test]

@@ -17,7 +17,7 @@ const ALONG: f64 = 0.5;
 
 /// Matches poses at ascending times.
 #[derive(Debug, Clone)]
-pub(crate) struct Nearest<'a> {
+pub(crate) struct NearestPoint<'a> {
     paths: &'a [ReferencePath],
     /// The first path that is not yet in force.
     next: usize,
@@ -33,7 +33,7 @@ struct Foot {
     point_m: [f64; 2],
 }
 
-impl<'a> Nearest<'a> {
+impl<'a> NearestPoint<'a> {
     /// `paths`: sorted by time.
     pub(crate) fn new(paths: &'a [ReferencePath]) -> Self {
         Self { paths, next: 0, segment: None }
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn the_latest_path_before_the_pose_counts() {
         let paths = [path(10, &[[0.0, 0.0], [5.0, 0.0]]), path(20, &[]), path(30, &[[0.0, 1.0], [5.0, 1.0]])];
-        let mut nearest = Nearest::new(&paths);
+        let mut nearest = NearestPoint::new(&paths);
         assert_eq!(nearest.at(9, [1.0, 0.5], 0.0), None);
         assert_eq!(nearest.at(10, [1.0, 0.5], 0.0), Some([1.0, 0.0]));
         assert_eq!(nearest.at(20, [1.0, 0.5], 0.0), None, "an empty path takes the last one back");
@@ -132,7 +132,7 @@ mod tests {
         // east, around, and south across the first branch at x = 5
         let loop_m = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [5.0, 5.0], [5.0, -5.0]];
         let paths = [path(0, &loop_m)];
-        let mut nearest = Nearest::new(&paths);
+        let mut nearest = NearestPoint::new(&paths);
         for k in 0..100 {
             let x = 0.1 * f64::from(k);
             // 4 cm left of the branch; the other one is nearer for x within 4 cm of 5
@@ -140,14 +140,14 @@ mod tests {
             assert!(found.is_some_and(|p| (p[0] - x).abs() < 1e-12 && p[1] == 0.0), "{x}: {found:?}");
         }
         // seen for the first time at the crossing, the heading decides
-        let south = Nearest::new(&paths).at(1, [5.03, 0.0], -1.5);
+        let south = NearestPoint::new(&paths).at(1, [5.03, 0.0], -1.5);
         assert!(south.is_some_and(|p| p[0] == 5.0), "{south:?}");
     }
 
     #[test]
     fn repeated_points_and_ends_are_no_harm() {
         let paths = [path(0, &[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]), path(50, &[[3.0, 3.0], [3.0, 3.0]])];
-        let mut nearest = Nearest::new(&paths);
+        let mut nearest = NearestPoint::new(&paths);
         assert_eq!(nearest.at(1, [1.4, 0.1], 0.0), Some([1.0, 0.0]), "beyond the end: the end");
         assert_eq!(nearest.at(60, [3.0, 3.0], 0.0), None, "no segment has a length");
     }

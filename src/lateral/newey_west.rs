@@ -65,11 +65,11 @@ mod tests {
         let mut random = Pcg64::new(7, 1);
         let means: Vec<Mean> = (0..trials).map(|_| newey_west(&series(rho, n, &mut random), &vec![1.0; n])).collect();
         let scatter = (means.iter().map(|m| m.mean * m.mean).sum::<f64>() / f64::from(trials)).sqrt();
-        let told = (means.iter().map(|m| m.std_err * m.std_err).sum::<f64>() / f64::from(trials)).sqrt();
+        let estimated = (means.iter().map(|m| m.std_err * m.std_err).sum::<f64>() / f64::from(trials)).sqrt();
         let naive = (1.0 / n as f64).sqrt();
-        // the truth is √3 times the naive one; 2000 trials tell the scatter to 1.6 %, and the mean's own estimate biases ρ by −3/n
+        // the truth is √3 times the naive one; 2000 trials give the scatter to 1.6 %, and the mean's own estimate biases ρ by −3/n
         assert!((scatter / naive - 3.0_f64.sqrt()).abs() < 0.1, "{}", scatter / naive);
-        assert!((0.93..1.04).contains(&(told / scatter)), "{}", told / scatter);
+        assert!((0.93..1.04).contains(&(estimated / scatter)), "{}", estimated / scatter);
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub enum Weighting {
 
 /// Settings of the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+pub struct LateralFitSettings {
     /// Entries at or beyond this are dropped [m]. Default 0.3: further out the tracking law is at its limits.
     pub threshold_m: f64,
     /// Over what means are taken. Default the way.
@@ -29,7 +29,7 @@ pub struct Settings {
     pub same_task: f64,
 }
 
-impl Default for Settings {
+impl Default for LateralFitSettings {
     fn default() -> Self {
         Self { threshold_m: 0.3, weighting: Weighting::Distance, piece_m: 0.5, settle_m: 4.0, least_m: 10.0, same_task: 0.05 }
     }

@@ -1,7 +1,7 @@
 //! What can be wrong with a log or a signal map. The file's name is added by the caller.
 
-use crate::log::extract::plan_error::PlanError;
-use crate::log::schema::schema_error::SchemaError;
+use crate::log::extractor_error::PlanError;
+use crate::log::schema_error::SchemaError;
 use crate::map;
 use crate::units::{Dimension, UnknownUnit};
 

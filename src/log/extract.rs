@@ -5,6 +5,4 @@ pub(crate) mod convert;
 pub(crate) mod extractor;
 pub(crate) mod fields;
 pub(crate) mod message_pass;
-pub(crate) mod plan_error;
 pub(crate) mod stamp;
-pub(crate) mod value;

@@ -5,7 +5,6 @@ pub(crate) mod bytes;
 pub(crate) mod channel_set;
 pub(crate) mod container;
 pub(crate) mod input;
-pub(crate) mod loss;
 pub(crate) mod lz4;
 pub(crate) mod open;
 pub(crate) mod record;

@@ -13,13 +13,13 @@ pub struct MessagePath {
     /// Name of the topic.
     pub topic: String,
     /// The way from the message to the value.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PathStep>,
     text: String,
 }
 
 /// One step into a message.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Step {
+pub enum PathStep {
     /// Into the field of this name.
     Field(String),
     /// To an element of an array; negative counts from the end.
@@ -65,16 +65,16 @@ pub enum Literal {
 impl MessagePath {
     /// Whether a slice picks several values of each message.
     pub fn is_list(&self) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::Slice(first, last) if first.unwrap_or(0) != last.unwrap_or(-1)))
+        self.steps.iter().any(|step| matches!(step, PathStep::Slice(first, last) if first.unwrap_or(0) != last.unwrap_or(-1)))
     }
 
     /// The path that takes `steps` from the messages of any topic.
-    pub(crate) fn inside(steps: Vec<Step>) -> Self {
+    pub(crate) fn inside(steps: Vec<PathStep>) -> Self {
         Self { topic: String::new(), steps, text: String::new() }
     }
 
     /// The path that takes `steps` from the messages of `topic`.
-    pub(crate) fn new(topic: String, steps: Vec<Step>) -> Self {
+    pub(crate) fn new(topic: String, steps: Vec<PathStep>) -> Self {
         let mut text = if topic.contains(['.', '[', '{', '"', '\'']) { quoted(&topic) } else { topic.clone() };
         for step in &steps {
             let _ = write!(text, "{step}");
@@ -129,7 +129,7 @@ impl fmt::Display for MessagePath {
     }
 }
 
-impl fmt::Display for Step {
+impl fmt::Display for PathStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let end = |end: &Option<i64>| end.map(|end| end.to_string()).unwrap_or_default();
         match self {
@@ -182,21 +182,21 @@ mod tests {
         let path = parse("/a/b.c.d[2].e[-1].f[1:3].g{id==7}.h");
         assert_eq!(path.topic, "/a/b");
         assert_eq!(path.steps.len(), 10);
-        assert_eq!(path.steps[2], Step::Index(2));
-        assert_eq!(path.steps[4], Step::Index(-1));
-        assert_eq!(path.steps[6], Step::Slice(Some(1), Some(3)));
-        let Step::Filter(test) = &path.steps[8] else { panic!("{path:?}") };
+        assert_eq!(path.steps[2], PathStep::Index(2));
+        assert_eq!(path.steps[4], PathStep::Index(-1));
+        assert_eq!(path.steps[6], PathStep::Slice(Some(1), Some(3)));
+        let PathStep::Filter(test) = &path.steps[8] else { panic!("{path:?}") };
         assert!(test.number(7.0) && !test.number(8.0));
     }
 
     #[test]
     fn a_filter_takes_text_numbers_and_truth() {
-        let Step::Filter(test) = &parse(r#"/j.velocity{name=="front \"drive\""}"#).steps[1] else { panic!() };
+        let PathStep::Filter(test) = &parse(r#"/j.velocity{name=="front \"drive\""}"#).steps[1] else { panic!() };
         assert!(test.text(br#"front "drive""#));
-        let Step::Filter(test) = &parse("/j.v{ a.b >= -1.5 }").steps[1] else { panic!() };
+        let PathStep::Filter(test) = &parse("/j.v{ a.b >= -1.5 }").steps[1] else { panic!() };
         assert_eq!(test.field, ["a", "b"]);
         assert!(test.number(-1.5) && !test.number(-1.6));
-        let Step::Filter(test) = &parse("/j{on==true}.v").steps[0] else { panic!() };
+        let PathStep::Filter(test) = &parse("/j{on==true}.v").steps[0] else { panic!() };
         assert!(test.number(1.0));
     }
 

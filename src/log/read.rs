@@ -4,13 +4,13 @@ use crate::log::extract::column::Column;
 use crate::log::extract::message_pass;
 use crate::log::extract::message_pass::Gathered;
 use crate::log::file::container::Container;
-use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Loss, Why};
+use crate::log::file::input::LogInput;
 use crate::log::file::open::open;
 use crate::log::file::structure::BlockKind;
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
 use crate::log::find::resolve::Choices;
+use crate::log::loss::{Damage, Loss, Why};
 use crate::log::recording::{Origin, Recording, Signals};
 use crate::log::reference_path::{Lists, polylines};
 use crate::log::signal_map::{SignalName, VehicleOverrides};
@@ -38,7 +38,7 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 /// As [`read`].
 pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(read_input(Input::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)?.finish())
+    Ok(read_input(LogInput::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)?.finish())
 }
 
 /// As [`read_lateral`], from memory, under the name `name`.
@@ -47,7 +47,7 @@ pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, 
 /// As [`read`].
 pub fn read_lateral_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
     let named = (name.to_owned(), PathBuf::from(name), true);
-    Ok(read_input(Input::Memory(bytes), named, &SignalName::LATERAL, source, overrides, &|_| {})?.finish())
+    Ok(read_input(LogInput::Memory(bytes), named, &SignalName::LATERAL, source, overrides, &|_| {})?.finish())
 }
 
 /// As [`read`], but leaves the hash of the file empty, which takes longer than everything else on a large log.
@@ -63,12 +63,12 @@ pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, 
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides: &VehicleOverrides) -> Result<Recording> {
-    Ok(read_input(Input::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::ALL, source, overrides, &|_| {})?
+    Ok(read_input(LogInput::Memory(bytes), (name.to_owned(), PathBuf::from(name), true), &SignalName::ALL, source, overrides, &|_| {})?
         .finish())
 }
 
 /// One file of a recording; what only the values tell, of all files together, is not yet corrected.
-pub(crate) struct Part {
+pub(crate) struct RecordingPart {
     pub recording: Recording,
     /// Whether any signal was found by name.
     pub guessed: bool,
@@ -85,19 +85,19 @@ pub(crate) fn part(
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Part> {
+) -> Result<RecordingPart> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    read_input(Input::open(path)?, (name, path.to_owned(), hashed), &SignalName::ALL, source, overrides, progress)
+    read_input(LogInput::open(path)?, (name, path.to_owned(), hashed), &SignalName::ALL, source, overrides, progress)
 }
 
 fn read_input(
-    input: Input,
+    input: LogInput,
     (file, path, hashed): (String, PathBuf, bool),
     wanted: &[SignalName],
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Part> {
+) -> Result<RecordingPart> {
     let mut container = open(input)?;
     let input = container.input.clone();
     // the hash needs every byte once more: it runs beside the decoding, and each is half of the progress
@@ -106,7 +106,7 @@ fn read_input(
         || if hashed { input.sha256(&half) } else { Ok(String::new()) },
         || pass(&mut container, wanted, source, overrides, &half),
     );
-    let Pass { choices, gathered, said } = read?;
+    let ReadPass { choices, gathered, said } = read?;
     let vehicle = said.vehicle()?;
     let mut loss = loss(&container, &gathered);
     let mut notes = choices.notes;
@@ -155,11 +155,11 @@ fn read_input(
     }
     let source = LogRef { sha256: sha256?, file, bytes: input.length() };
     let recording = Recording { source, path, vehicle, signals, origins, loss, notes };
-    Ok(Part { recording, guessed: choices.guessed, unnamed, files: 1 })
+    Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1 })
 }
 
 /// What a pass over the messages gave.
-pub(crate) struct Pass {
+pub(crate) struct ReadPass {
     pub choices: Choices,
     pub gathered: Gathered,
     pub said: VehicleOverrides,
@@ -171,7 +171,7 @@ fn pass(
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Pass> {
+) -> Result<ReadPass> {
     let mut samples = message_pass::explore(container);
     let told = match source {
         Source::Map(map) => map.vehicle,
@@ -199,7 +199,7 @@ fn pass(
         }
         let new = container.learn(std::mem::take(&mut gathered.learned));
         if !new || number == MAX_PASSES {
-            return error.map_or(Ok(Pass { choices, gathered, said }), Err);
+            return error.map_or(Ok(ReadPass { choices, gathered, said }), Err);
         }
         for (id, payload) in std::mem::take(&mut gathered.samples) {
             samples.entry(id).or_insert(payload);

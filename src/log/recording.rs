@@ -1,6 +1,6 @@
 //! One log read whole: signals in SI, where they come from, and what was lost.
 
-use crate::log::file::loss::Loss;
+use crate::log::loss::Loss;
 use crate::log::reference_path::ReferencePath;
 use crate::log::signal_map::SignalName;
 use crate::map::{LogRef, Vehicle};

@@ -4,16 +4,15 @@ mod descriptor;
 mod idl;
 mod leaves;
 mod msg;
-pub(crate) mod schema_error;
 mod shape;
 
-use crate::log::schema::schema_error::SchemaError;
-pub(crate) use descriptor::{Field as ProtobufField, Kind as ProtobufKind, Message};
+use crate::log::schema_error::SchemaError;
+pub(crate) use descriptor::{ProtobufField, ProtobufKind, ProtobufMessage};
 pub(crate) use leaves::{Leaf, LeafKind};
 pub(crate) use shape::{Kind, Names, Shape, Size, Structure};
 
 use crate::log::file::structure::Schema;
-use crate::log::path::Step;
+use crate::log::path::PathStep;
 use std::sync::Arc;
 
 /// How the payload of a channel is laid out.
@@ -23,7 +22,7 @@ pub(crate) enum Layout {
     Cdr(Arc<Structure>),
     /// ROS 1: the same without alignment.
     Ros1(Arc<Structure>),
-    Protobuf(Message),
+    Protobuf(ProtobufMessage),
     /// JSON describes itself.
     Json,
 }
@@ -55,7 +54,7 @@ impl Layout {
                 msg::parse(&schema.name, &text(schema)?, msg::Dialect::Ros1).map(Self::Ros1).map_err(|reason| broken(schema, reason))
             }
             ("protobuf", "protobuf") => {
-                Message::parse(&schema.name, &schema.data).map(Self::Protobuf).map_err(|reason| broken(schema, reason))
+                ProtobufMessage::parse(&schema.name, &schema.data).map(Self::Protobuf).map_err(|reason| broken(schema, reason))
             }
             (message, encoding) => Err(SchemaError::Unsupported { message: message.to_owned(), schema: encoding.to_owned() }),
         }
@@ -71,8 +70,8 @@ impl Layout {
     }
 
     /// The numbers that the schema names for the value at the end of `steps`; none where it names none.
-    pub(crate) fn names(&self, steps: &[Step]) -> Names {
-        let mut fields = steps.iter().filter_map(|step| if let Step::Field(name) = step { Some(name.as_str()) } else { None });
+    pub(crate) fn names(&self, steps: &[PathStep]) -> Names {
+        let mut fields = steps.iter().filter_map(|step| if let PathStep::Field(name) = step { Some(name.as_str()) } else { None });
         match self {
             Self::Cdr(structure) | Self::Ros1(structure) => structure.names(&mut fields),
             Self::Protobuf(message) => message.names(&mut fields),

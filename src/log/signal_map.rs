@@ -1,6 +1,6 @@
 //! The signal map: which message path is which signal, in which unit. Read from `signals.toml`.
 
-use crate::log::path::{MessagePath, Step};
+use crate::log::path::{MessagePath, PathStep};
 use crate::log::{Error, Result};
 use crate::spelling::edits;
 use crate::units::{Dimension, Unit};
@@ -144,7 +144,7 @@ pub struct SignalSpec {
     /// Added after scaling, in `unit`. Default 0.
     pub offset: f64,
     /// Way to the source time inside the message; found by itself when `None`.
-    pub stamp: Option<Vec<Step>>,
+    pub stamp: Option<Vec<PathStep>>,
     /// Positive means in the gear's direction: negated in reverse.
     pub relative_to_gear: bool,
     /// A magnitude: its sign comes from other signals.
@@ -172,7 +172,7 @@ impl SignalSpec {
 
 /// One line of the `[signals]` table.
 #[derive(Debug, Deserialize)]
-struct Entry {
+struct SignalEntry {
     path: String,
     unit: Option<String>,
     scale: Option<f64>,
@@ -227,7 +227,7 @@ impl SignalMap {
                     for (key, value) in signals {
                         if let Some(&name) = names.iter().find(|name| name.key() == key) {
                             known_keys(&value, &key, &ENTRY_KEYS)?;
-                            let entry: Entry = value.try_into().map_err(|error| Error::Toml(format!("{key}: {error}")))?;
+                            let entry: SignalEntry = value.try_into().map_err(|error| Error::Toml(format!("{key}: {error}")))?;
                             map.signals.insert(name, entry.into_spec(name)?);
                         }
                     }
@@ -239,7 +239,7 @@ impl SignalMap {
     }
 }
 
-impl Entry {
+impl SignalEntry {
     fn into_spec(self, name: SignalName) -> Result<SignalSpec> {
         let unit: Unit = self.unit.as_deref().unwrap_or(name.default_unit()).parse()?;
         if !name.accepts(unit.dimension()) {
@@ -276,7 +276,7 @@ impl Entry {
 }
 
 /// The way to a stamp: `header.stamp`, or a whole path with its topic.
-fn stamp_steps(text: &str) -> Result<Vec<Step>> {
+fn stamp_steps(text: &str) -> Result<Vec<PathStep>> {
     let whole = if text.starts_with('/') { text.to_owned() } else { format!("message.{}", text.trim_start_matches('.')) };
     whole.parse().map(|path: MessagePath| path.steps)
 }

@@ -1,8 +1,8 @@
 //! A recording that its writer split into several files, read as one: a run that a file's border cuts is whole again.
 
-use crate::log::file::loss::Loss;
 use crate::log::find::infer_units;
-use crate::log::read::Part;
+use crate::log::loss::Loss;
+use crate::log::read::RecordingPart;
 use crate::log::recording::{Recording, Signal};
 use crate::log::signal_map::{SignalName, VehicleOverrides};
 use crate::log::{Error, Result, Source, read};
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// As [`crate::log::read`]; the first error, when no file can be used.
 pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
     let mut overrides = *overrides;
-    let mut whole: Option<Part> = None;
+    let mut whole: Option<RecordingPart> = None;
     let mut aside = Vec::new();
     let mut first_error = None;
     for path in paths {
@@ -62,7 +62,7 @@ pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrid
     Ok(whole.finish())
 }
 
-impl Part {
+impl RecordingPart {
     /// Adds the next file of the same recording.
     fn append(&mut self, next: Self) {
         self.files += 1;

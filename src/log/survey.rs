@@ -2,12 +2,12 @@
 
 use crate::log::extract::message_pass;
 use crate::log::file::container::Container;
-use crate::log::file::input::Input;
-use crate::log::file::loss::Loss;
+use crate::log::file::input::LogInput;
 use crate::log::file::open::open;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader};
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
+use crate::log::loss::Loss;
 use crate::log::rate::{Rate, rate};
 use crate::log::read::loss;
 use crate::log::signal_map::SignalName;
@@ -18,7 +18,7 @@ use std::path::Path;
 
 /// What is in a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Survey {
+pub struct LogSurvey {
     /// File name without its folder.
     pub file: String,
     /// Size [bytes].
@@ -46,7 +46,7 @@ pub struct Survey {
     /// The topics, by name.
     pub topics: Vec<Topic>,
     /// The signals found.
-    pub signals: Vec<Found>,
+    pub signals: Vec<FoundSignal>,
     /// The signals not found.
     pub missing: Vec<Missing>,
     /// Whether every message was walked: then `loss`, the counts and the true rates are measured.
@@ -76,7 +76,7 @@ pub struct Topic {
 
 /// A signal that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Found {
+pub struct FoundSignal {
     /// Which signal.
     pub signal: SignalName,
     /// Where.
@@ -115,20 +115,20 @@ pub enum Depth {
 ///
 /// # Errors
 /// A file that is no log or, when everything is read, holds no message.
-pub fn survey(path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<Survey> {
+pub fn survey(path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    survey_input(Input::open(path)?, file, source, depth, progress)
+    survey_input(LogInput::open(path)?, file, source, depth, progress)
 }
 
 /// Says what is in a log in memory; otherwise as [`survey`].
 ///
 /// # Errors
 /// As [`survey`].
-pub fn survey_bytes(bytes: Vec<u8>, name: &str, source: &Source, depth: Depth) -> Result<Survey> {
-    survey_input(Input::Memory(bytes), name.to_owned(), source, depth, &|_| {})
+pub fn survey_bytes(bytes: Vec<u8>, name: &str, source: &Source, depth: Depth) -> Result<LogSurvey> {
+    survey_input(LogInput::Memory(bytes), name.to_owned(), source, depth, &|_| {})
 }
 
-fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<Survey> {
+fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
     let mut container = open(input)?;
     let mut samples = message_pass::explore(&mut container);
     let mut gathered = None;
@@ -164,7 +164,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         let column = columns.as_mut().map(|columns| std::mem::take(&mut columns[column]));
         not_finite.extend(column.as_ref().filter(|column| column.not_finite > 0).map(|c| (choice.signal.key().to_owned(), c.not_finite)));
         let signal = column.map(|column| column.into_signal(false, false));
-        found.push(Found {
+        found.push(FoundSignal {
             signal: choice.signal,
             path: choice.spec.path.to_string(),
             unit: choice.spec.unit.name().to_owned(),
@@ -211,7 +211,7 @@ fn survey_input(input: Input, file: String, source: &Source, depth: Depth, progr
         })
         .collect();
     topics.sort_by(|a, b| a.topic.cmp(&b.topic));
-    Ok(Survey {
+    Ok(LogSurvey {
         file,
         bytes: container.input.length(),
         library: container.library.clone(),

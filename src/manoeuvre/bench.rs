@@ -24,7 +24,7 @@ impl<'a> ManoeuvreBench<'a> {
     ///
     /// # Errors
     /// A vehicle that cannot be simulated.
-    pub(crate) fn new(maps: &'a Maps, vehicle: &sim::Settings) -> Result<Self> {
+    pub(crate) fn new(maps: &'a Maps, vehicle: &sim::WorldSettings) -> Result<Self> {
         Ok(Self { maps, torque: ManoeuvreTorque::new(Some(maps), vehicle)?, wheelbase_m: vehicle.vehicle.wheelbase_m, planned: None })
     }
 }

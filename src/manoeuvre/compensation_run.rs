@@ -68,7 +68,7 @@ impl CompensationScenario {
     pub(crate) fn run(
         &self,
         bench: &ManoeuvreBench<'_>,
-        plant: &sim::Settings,
+        plant: &sim::WorldSettings,
         seed: u64,
         uncompensated: impl ManoeuvreObserver,
         observer: impl ManoeuvreObserver,
@@ -87,7 +87,7 @@ impl CompensationScenario {
     fn once(
         &self,
         bench: &ManoeuvreBench<'_>,
-        plant: &sim::Settings,
+        plant: &sim::WorldSettings,
         seed: u64,
         mut law: Option<LateralCompensation>,
         observer: impl ManoeuvreObserver,

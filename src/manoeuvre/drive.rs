@@ -4,7 +4,7 @@ use crate::control::{Inputs, Pose};
 use crate::guidance::route::follower::{DriveCommand, DriveStage};
 use crate::manoeuvre::Result;
 use crate::sim;
-use crate::sim::{Command, Measurement, TrueState, World};
+use crate::sim::{Measurement, TrueState, World, WorldCommand};
 use crate::verify;
 use crate::verify::drive::{Driver, Observer, drive, inputs, steps_of};
 
@@ -86,11 +86,11 @@ impl Driver for ManoeuvreDriver<'_> {
         Ok(true)
     }
 
-    fn command(&mut self, world: &World) -> (ManoeuvreMoment, Command) {
+    fn command(&mut self, world: &World) -> (ManoeuvreMoment, WorldCommand) {
         let (state, seen) = readings(world, self.start, self.mounting);
         let Commanded { command, compensation_rad, leg } = (self.controller)(&inputs(&seen));
         self.stage = command.stage;
-        let order = Command {
+        let order = WorldCommand {
             torque_nm: command.torque_nm,
             wheel_angle_rad: command.wheel_angle_rad + self.mounting.steering_zero_rad,
             gear: command.gear,
@@ -104,7 +104,7 @@ impl Driver for ManoeuvreDriver<'_> {
 /// # Errors
 /// A world that cannot be simulated.
 pub(crate) fn drive_manoeuvre(
-    plant: &sim::Settings,
+    plant: &sim::WorldSettings,
     seed: u64,
     start: &ManoeuvreStart,
     mounting: &Mounting,
@@ -115,7 +115,7 @@ pub(crate) fn drive_manoeuvre(
     let mut world = World::new(plant, seed)?;
     let wheel_angle_rad = start.wheel_angle_rad + mounting.steering_zero_rad;
     world.place_wheel(wheel_angle_rad);
-    let order = Command { torque_nm: 0.0, wheel_angle_rad, gear: None };
+    let order = WorldCommand { torque_nm: 0.0, wheel_angle_rad, gear: None };
     for _ in 0..(SETTLE_S / plant.step_s) as usize {
         world.step(&order);
     }

@@ -11,7 +11,7 @@ use crate::manoeuvre::traces::{ManoeuvreTrace, ManoeuvreTraces, NominalRun};
 use crate::sim;
 use crate::verify::drive::EachMoment;
 use crate::verify::perturbations::draws;
-use crate::verify::{Extras, Maps, MetricSummary, RunLog, ScenarioVerdict, Values};
+use crate::verify::{Maps, MetricSummary, RunLog, ScenarioVerdict, Values, Wanted};
 use rayon::prelude::*;
 
 /// The manoeuvres judged, and what was wanted beside it.
@@ -31,16 +31,16 @@ pub struct JudgedManoeuvres {
 ///
 /// # Errors
 /// A vehicle that cannot be simulated, a path that cannot be planned. A manoeuvre driven badly is no error: it is the verdict.
-pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, extras: Extras<'_>) -> Result<JudgedManoeuvres> {
+pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wanted<'_>) -> Result<JudgedManoeuvres> {
     let vehicle = &settings.vehicle;
     let varied = draws(vehicle, &settings.spread, settings.draws, settings.seed)?;
     let total = settings.manoeuvres.iter().filter(|m| m.hindrance(maps, vehicle).is_none()).count() * (varied.len() + 1);
     let done = || {
-        if let Some(progress) = extras.progress {
+        if let Some(progress) = wanted.progress {
             progress(total);
         }
     };
-    let stage = ManoeuvreStage { maps, settings, bench: ManoeuvreBench::new(maps, vehicle)?, varied: &varied, extras, done: &done };
+    let stage = ManoeuvreStage { maps, settings, bench: ManoeuvreBench::new(maps, vehicle)?, varied: &varied, wanted, done: &done };
     let judged: Result<Vec<JudgedManoeuvre>> = settings.manoeuvres.par_iter().map(|manoeuvre| stage.judge(manoeuvre)).collect();
     let mut all = JudgedManoeuvres { verdicts: Vec::new(), note: None, traces: None, logs: Vec::new() };
     if !settings.manoeuvres.is_empty() {
@@ -63,8 +63,8 @@ struct ManoeuvreStage<'a> {
     maps: &'a Maps,
     settings: &'a ManoeuvreSettings,
     bench: ManoeuvreBench<'a>,
-    varied: &'a [(sim::Settings, u64)],
-    extras: Extras<'a>,
+    varied: &'a [(sim::WorldSettings, u64)],
+    wanted: Wanted<'a>,
     /// Called each time a run has ended.
     done: &'a (dyn Fn() + Sync),
 }
@@ -89,10 +89,10 @@ impl ManoeuvreStage<'_> {
             Some(planned) => planned.path.clone(),
             None => manoeuvre.reference(bench.wheelbase_m)?,
         };
-        let mut log = if self.extras.logs { Some(ManoeuvreLog::of_scenario(&vehicle.vehicle, name, what, &path)?) } else { None };
+        let mut log = if self.wanted.logs { Some(ManoeuvreLog::of_scenario(&vehicle.vehicle, name, what, &path)?) } else { None };
         let (mut uncompensated, mut moments) = (Vec::new(), Vec::new());
         let keep = |kept: &mut Vec<ManoeuvreMoment>, moment: &ManoeuvreMoment| {
-            if self.extras.traces {
+            if self.wanted.traces {
                 kept.push(*moment);
             }
         };
@@ -101,7 +101,7 @@ impl ManoeuvreStage<'_> {
         let nominal = manoeuvre.run(&bench, vehicle, settings.seed, first, second);
         (self.done)();
         let nominal = nominal?;
-        let one = |(plant, seed): &(sim::Settings, u64)| {
+        let one = |(plant, seed): &(sim::WorldSettings, u64)| {
             let values = manoeuvre.run(&bench, plant, *seed, (), ());
             (self.done)();
             values
@@ -110,7 +110,7 @@ impl ManoeuvreStage<'_> {
         let metrics = MetricSummary::all(&nominal, &runs?);
         let verdict = ScenarioVerdict::new(name, what, class, metrics, &settings.gate);
         let nominal = NominalRun { path: &path, planned: planned.as_ref(), uncompensated: &uncompensated, moments: &moments };
-        let trace = self.extras.traces.then(|| ManoeuvreTrace::new(manoeuvre, verdict.clone(), &nominal));
+        let trace = self.wanted.traces.then(|| ManoeuvreTrace::new(manoeuvre, verdict.clone(), &nominal));
         let log = log.map(ManoeuvreLog::finish).transpose()?.map(|bytes| RunLog { name: name.clone(), bytes });
         Ok(JudgedManoeuvre { verdict, trace, log })
     }
@@ -130,8 +130,8 @@ mod tests {
         let maps = Maps::new(table1, table2).unwrap();
         let all = Manoeuvre::all().into_iter();
         settings.manoeuvres = all.filter(|m| m.name == "polyline-lqr" || matches!(m.kind, ManoeuvreKind::Compensation(_))).collect();
-        let plain = judge_manoeuvres(&maps, &settings, Extras::default()).unwrap();
-        let rich = judge_manoeuvres(&maps, &settings, Extras { traces: true, logs: true, progress: None }).unwrap();
+        let plain = judge_manoeuvres(&maps, &settings, Wanted::default()).unwrap();
+        let rich = judge_manoeuvres(&maps, &settings, Wanted { traces: true, logs: true, progress: None }).unwrap();
         assert_eq!((&plain.verdicts, &plain.note), (&rich.verdicts, &rich.note));
         assert!(plain.traces.is_none() && plain.logs.is_empty());
         // without a lateral table nothing is compensated
@@ -147,7 +147,7 @@ mod tests {
     fn without_a_manoeuvre_there_is_nothing_to_note() {
         let settings = ManoeuvreSettings::new().unwrap();
         let (table1, table2) = known_maps(&settings.vehicle).unwrap();
-        let none = judge_manoeuvres(&Maps::new(table1, table2).unwrap(), &settings, Extras::default()).unwrap();
+        let none = judge_manoeuvres(&Maps::new(table1, table2).unwrap(), &settings, Wanted::default()).unwrap();
         assert_eq!(none, JudgedManoeuvres { verdicts: Vec::new(), note: None, traces: None, logs: Vec::new() });
     }
 }

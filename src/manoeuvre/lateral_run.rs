@@ -38,12 +38,12 @@ pub enum LoggedReference {
 }
 
 /// The path of the lateral calibration: a straight, a bend, around an obstacle, reverse.
-fn task(vehicle: &sim::Settings) -> PosePath {
+fn task(vehicle: &sim::WorldSettings) -> PosePath {
     course(&lateral_task(), vehicle.vehicle.wheelbase_m)
 }
 
 /// Drives the path of the lateral calibration; returns how it ended.
-fn lateral_run(vehicle: &sim::Settings, run: &CalibrationDrive, observer: impl ManoeuvreObserver) -> Result<DriveStage> {
+fn lateral_run(vehicle: &sim::WorldSettings, run: &CalibrationDrive, observer: impl ManoeuvreObserver) -> Result<DriveStage> {
     let path = task(vehicle);
     let settings = FollowerSettings::new(vehicle.vehicle.wheelbase_m, TrackingSettings::new(run.law));
     let torque = ExactTorque::new(vehicle)?;
@@ -59,7 +59,7 @@ fn lateral_run(vehicle: &sim::Settings, run: &CalibrationDrive, observer: impl M
 ///
 /// # Errors
 /// A vehicle that cannot be simulated, and what the MCAP writer refuses.
-pub fn lateral_log(vehicle: &sim::Settings, run: &CalibrationDrive, reference: LoggedReference) -> Result<(Vec<u8>, DriveStage)> {
+pub fn lateral_log(vehicle: &sim::WorldSettings, run: &CalibrationDrive, reference: LoggedReference) -> Result<(Vec<u8>, DriveStage)> {
     let mut log = ManoeuvreLog::new(&vehicle.vehicle);
     if reference == LoggedReference::Path {
         log = log.without_points();

@@ -6,7 +6,7 @@ use crate::manoeuvre::Result;
 use crate::manoeuvre::drive::{ManoeuvreDriver, ManoeuvreMoment};
 use crate::map::Vehicle;
 use crate::record;
-use crate::record::{LogWriter, Message, Odometry, PathMessage, PointStamped, Stamp};
+use crate::record::{LogWriter, MessageStamp, Odometry, PathMessage, PointStamped, RosMessage};
 use crate::verify::drive::{Observer, Period};
 use crate::verify::vehicle_log::{START_NS, log_time_ns, write_vehicle};
 
@@ -53,7 +53,7 @@ impl ManoeuvreLog {
     /// The reference path, once, at the start.
     pub(crate) fn reference(&mut self, path: &PosePath) -> Result<()> {
         let poses: Vec<[f64; 3]> = path.poses.iter().map(|p| [p.x_m, p.y_m, p.heading_rad]).collect();
-        let message = Message::Path(PathMessage { stamp: Stamp { ns: START_NS }, frame_id: "odom", poses: &poses });
+        let message = RosMessage::Path(PathMessage { stamp: MessageStamp { ns: START_NS }, frame_id: "odom", poses: &poses });
         Ok(self.log.write("/reference/path", START_NS, START_NS, &message)?)
     }
 
@@ -61,31 +61,34 @@ impl ManoeuvreLog {
         let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
         write_vehicle(&mut self.log, self.wheel_radius_m, state, seen, command.torque_nm, command.gear)?;
         let ns = log_time_ns(state.t_s);
-        let stamp = Stamp { ns };
+        let stamp = MessageStamp { ns };
         let log = &mut self.log;
-        let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
+        let mut put = |topic: &str, message: &RosMessage<'_>| log.write(topic, ns, ns, message);
         let speed_mps = state.speed_mps * state.wheel_angle_rad.cos();
         for (topic, x_m, y_m, heading_rad) in
             [("/odom", seen.x_m, seen.y_m, seen.heading_rad), ("/ground_truth/odom", state.x_m, state.y_m, state.heading_rad)]
         {
             let (frame_id, child_frame_id, yaw_rate_rad_s) = ("odom", "base_link", seen.yaw_rate_rad_s);
-            put(topic, &Message::Odometry(Odometry { stamp, frame_id, child_frame_id, x_m, y_m, heading_rad, speed_mps, yaw_rate_rad_s }))?;
+            put(
+                topic,
+                &RosMessage::Odometry(Odometry { stamp, frame_id, child_frame_id, x_m, y_m, heading_rad, speed_mps, yaw_rate_rad_s }),
+            )?;
         }
-        put("/navigation/yaw", &Message::Float64(seen.heading_rad))?;
-        put("/manoeuvre/speed_actual", &Message::Float64(state.speed_mps))?;
-        put("/manoeuvre/speed_desired", &Message::Float64(command.target_speed_mps))?;
-        put("/manoeuvre/accel_desired", &Message::Float64(command.accel_mps2))?;
-        put("/manoeuvre/wheel_angle_desired", &Message::Float64(command.wheel_angle_rad))?;
-        put("/steering/compensation", &Message::Float64(moment.compensation_rad))?;
+        put("/navigation/yaw", &RosMessage::Float64(seen.heading_rad))?;
+        put("/manoeuvre/speed_actual", &RosMessage::Float64(state.speed_mps))?;
+        put("/manoeuvre/speed_desired", &RosMessage::Float64(command.target_speed_mps))?;
+        put("/manoeuvre/accel_desired", &RosMessage::Float64(command.accel_mps2))?;
+        put("/manoeuvre/wheel_angle_desired", &RosMessage::Float64(command.wheel_angle_rad))?;
+        put("/steering/compensation", &RosMessage::Float64(moment.compensation_rad))?;
         if let Some(matched) = &command.matched {
             if self.points {
                 let point = PointStamped { stamp, frame_id: "odom", x_m: matched.x_m, y_m: matched.y_m };
-                put("/reference/matched_point", &Message::PointStamped(point))?;
+                put("/reference/matched_point", &RosMessage::PointStamped(point))?;
             }
-            put("/manoeuvre/lateral_error", &Message::Float64(command.lateral_error_m))?;
+            put("/manoeuvre/lateral_error", &RosMessage::Float64(command.lateral_error_m))?;
         }
         if self.last_stage != Some(command.stage) {
-            put("/manoeuvre/stage", &Message::String(&format!("{:?}, leg {}", command.stage, moment.leg + 1)))?;
+            put("/manoeuvre/stage", &RosMessage::String(&format!("{:?}, leg {}", command.stage, moment.leg + 1)))?;
         }
         self.last_stage = Some(command.stage);
         Ok(())

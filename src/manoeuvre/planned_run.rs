@@ -93,7 +93,7 @@ impl<'b> Observer<ManoeuvreDriver<'b>> for PlannedMetrics<'_> {
 pub(crate) fn run(
     bench: &ManoeuvreBench<'_>,
     planned: &Planned,
-    plant: &sim::Settings,
+    plant: &sim::WorldSettings,
     seed: u64,
     observer: impl ManoeuvreObserver,
 ) -> Result<Values> {

@@ -137,7 +137,7 @@ pub(crate) fn run(
     bench: &ManoeuvreBench<'_>,
     law: LawName,
     points_m: &[[f64; 2]],
-    plant: &sim::Settings,
+    plant: &sim::WorldSettings,
     seed: u64,
     observer: impl ManoeuvreObserver,
 ) -> Result<Values> {

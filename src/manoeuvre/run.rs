@@ -16,7 +16,7 @@ impl Manoeuvre {
     pub(crate) fn run(
         &self,
         bench: &ManoeuvreBench<'_>,
-        plant: &sim::Settings,
+        plant: &sim::WorldSettings,
         seed: u64,
         uncompensated: impl ManoeuvreObserver,
         observer: impl ManoeuvreObserver,

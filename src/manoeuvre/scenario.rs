@@ -96,7 +96,7 @@ impl Manoeuvre {
     }
 
     /// Why it cannot be run, if it cannot.
-    pub(crate) fn hindrance(&self, maps: &Maps, plant: &sim::Settings) -> Option<String> {
+    pub(crate) fn hindrance(&self, maps: &Maps, plant: &sim::WorldSettings) -> Option<String> {
         let (map_m, plant_m) = (maps.table2.vehicle.wheelbase_m, plant.vehicle.wheelbase_m);
         if (map_m - plant_m).abs() > 0.01 * plant_m {
             return Some(format!(
@@ -176,7 +176,7 @@ mod tests {
         let vehicle = VehicleFile::bundled().unwrap().settings();
         let (table1, table2) = known_maps(&vehicle).unwrap();
         let maps = Maps::new(table1, table2).unwrap();
-        let hindered = |vehicle: &sim::Settings| -> Vec<Class> {
+        let hindered = |vehicle: &sim::WorldSettings| -> Vec<Class> {
             Manoeuvre::all().iter().filter(|m| m.hindrance(&maps, vehicle).is_some()).map(|m| m.class).collect()
         };
         assert_eq!(hindered(&vehicle), [Class::Compensation; 2]);

@@ -14,7 +14,7 @@ pub struct ManoeuvreSettings {
     /// Perturbed vehicles per manoeuvre. Default 20: a manoeuvre takes a hundred times as long as a pivot.
     pub draws: usize,
     /// The physical vehicle. Default the bundled scrubber.
-    pub vehicle: sim::Settings,
+    pub vehicle: sim::WorldSettings,
     /// How far it is perturbed.
     pub spread: Spread,
     /// Seed of everything random. Default 1.

@@ -1,10 +1,10 @@
 //! Torque for a manoeuvre: the maps under test over the wheel angle; with the map of one angle alone, that one where the wheel is at its
 //! angle, and the exact inverse of the physical plant elsewhere.
 
-use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueMap};
+use crate::control::{AngleTable, AngleTables, GearTerms, OutsidePolicy, Tables, TorqueFromAccel};
 use crate::guidance::torque_source::TorqueSource;
 use crate::manoeuvre::Result;
-use crate::map::{Gear, SAME_ANGLE_DEG, Side};
+use crate::map::{Gear, SAME_ANGLE_DEG, Side, TorqueTable};
 use crate::sim;
 use crate::sim::{MotionSettings, Truth};
 use crate::units::RAD_PER_DEG;
@@ -25,7 +25,7 @@ impl ExactTorque {
     ///
     /// # Errors
     /// A plant out of its range.
-    pub(crate) fn new(world: &sim::Settings) -> Result<Self> {
+    pub(crate) fn new(world: &sim::WorldSettings) -> Result<Self> {
         let truth = match &world.motion {
             MotionSettings::Physical(physical) => Some(Truth::new(physical, &world.vehicle)?),
             MotionSettings::Identified(_) => None,
@@ -73,12 +73,16 @@ impl<'a> ManoeuvreTorque<'a> {
     ///
     /// # Errors
     /// A plant out of its range.
-    pub(crate) fn new(maps: Option<&'a Maps>, world: &sim::Settings) -> Result<Self> {
-        let tables = maps.map(|m| Tables { forward: &m.forward, reverse: m.reverse.as_ref(), policy: OutsidePolicy::Clamp });
+    pub(crate) fn new(maps: Option<&'a Maps>, world: &sim::WorldSettings) -> Result<Self> {
+        let tables = maps.map(|m| Tables {
+            forward: m.forward.view(),
+            reverse: m.reverse.as_ref().map(TorqueTable::view),
+            policy: OutsidePolicy::Clamp,
+        });
         let angle_deg = maps.map_or(90.0, |m| m.table2.vehicle.test_angle_deg);
         let angles = maps.iter().flat_map(|m| &m.angles);
         let angles =
-            angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: &m.table }).collect();
+            angles.map(|m| AngleTable { gear: m.gear, wheel_angle_rad: m.wheel_angle_deg * RAD_PER_DEG, table: m.table.view() }).collect();
         let families = maps.iter().flat_map(|m| &m.table2.families);
         let terms = families.map(|f| GearTerms { gear: f.gear, left: f.side == Side::Left, terms: f.terms() }).collect();
         Ok(Self { tables, angle_rad: angle_deg * RAD_PER_DEG, angles, terms, exact: ExactTorque::new(world)? })

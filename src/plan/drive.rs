@@ -4,10 +4,9 @@ use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Reading, UNKNOWN_SPEED_MPS};
-use crate::map::{AccelTable, Gear};
+use crate::fit::noise::model::{Reading, UNKNOWN_SPEED_MPS};
+use crate::map::{AccelTable, Gear, PlannedRun};
 use crate::signal::Series;
-use serde::Serialize;
 
 /// Step of the simulation [s].
 const STEP_S: f64 = 5e-3;
@@ -35,7 +34,7 @@ const SETTLE_S: f64 = 0.63;
 const LONGEST_SPIN_UP_S: f64 = 5.0;
 /// Longest coast [s].
 const LONGEST_COAST_S: f64 = 10.0;
-/// What a message that tells a step is late by, from one to the next, root mean square [s]: a usual bus.
+/// Scatter of the delay of the messages that carry a step, root mean square [s]: a usual bus.
 const STEPS_LATE_S: f64 = 1e-3;
 /// A level that slows down is not ended by speed: noise and what the surface does not know stay below this [m/s].
 const SPEED_MARGIN_MPS: f64 = 0.2;
@@ -47,27 +46,8 @@ const STEP_TIMING_S: f64 = 2e-3;
 /// Fewest readings of a stretch.
 const FEWEST_READINGS: usize = 8;
 
-/// A run that could be driven: from rest, or after a spin-up. In a campaign file the keys have the same names.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PlannedRun {
-    /// Gear.
-    pub gear: Gear,
-    /// Torque [N·m], gear frame.
-    pub torque_nm: f64,
-    /// Speed from which it is applied [m/s]; 0 is from rest.
-    pub start_speed_mps: f64,
-    /// Torque of the spin-up to that speed [N·m]; absent from rest.
-    pub spin_up_nm: Option<f64>,
-    /// The level ends at this speed [m/s], ...
-    pub speed_limit_mps: f64,
-    /// ... after a spin-up below this one [m/s], ...
-    pub end_speed_mps: f64,
-    /// ... and after this time [s].
-    pub hold_s: f64,
-}
-
 /// A stretch of a run: readings without noise, the command behind them.
-pub(crate) struct Part {
+pub(crate) struct DrivenPart {
     pub(crate) segment: Segment,
     pub(crate) speed_mps: Vec<f64>,
     pub(crate) command: EffectiveTorque,
@@ -77,11 +57,11 @@ pub(crate) struct Part {
 pub(crate) struct Driven {
     /// With settling, coast and pause.
     pub(crate) seconds: f64,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<DrivenPart>,
 }
 
 /// The vehicle in one gear, as the fit knows it. All numbers are in the gear's frame.
-pub(crate) struct Vehicle {
+pub(crate) struct PlannedVehicle {
     pub(crate) gear: Gear,
     pub(crate) surface: AccelTable,
     pub(crate) dead_time_s: f64,
@@ -91,7 +71,7 @@ pub(crate) struct Vehicle {
     pub(crate) fastest_mps: f64,
 }
 
-impl Vehicle {
+impl PlannedVehicle {
     /// A(V, U), going on linearly beyond the torques of the surface.
     pub(crate) fn accel_mps2(&self, speed_mps: f64, torque_nm: f64) -> f64 {
         let at = |u: f64| self.surface.accel_from_torque_clamped(speed_mps, u).unwrap_or(0.0);
@@ -153,7 +133,7 @@ impl Vehicle {
 
     /// Drives a run as `record` does; `None` when its speed is never reached, or when it ends before it differs from a shorter one.
     pub(crate) fn drive(&self, run: &PlannedRun) -> Option<Driven> {
-        let mut way = Way::new(self, 0.0, 0.0);
+        let mut way = SimulatedWay::new(self, 0.0, 0.0);
         if let Some(spin_up_nm) = run.spin_up_nm {
             way.command(spin_up_nm);
             while way.seen_mps() < run.start_speed_mps {
@@ -185,9 +165,9 @@ impl Vehicle {
     }
 
     /// A stretch that was driven: `torque_nm` held for `seconds` from `start_speed_mps`.
-    pub(crate) fn driven(&self, torque_nm: f64, start_speed_mps: f64, seconds: f64) -> Vec<Part> {
+    pub(crate) fn driven(&self, torque_nm: f64, start_speed_mps: f64, seconds: f64) -> Vec<DrivenPart> {
         let from_rest = start_speed_mps < 0.05 && torque_nm > 0.0;
-        let mut way = if from_rest { Way::new(self, 0.0, 0.0) } else { Way::new(self, start_speed_mps, torque_nm) };
+        let mut way = if from_rest { SimulatedWay::new(self, 0.0, 0.0) } else { SimulatedWay::new(self, start_speed_mps, torque_nm) };
         way.command(torque_nm);
         let until_s = if from_rest { seconds + self.dead_time_s + self.lag_s } else { seconds };
         while way.t_s < until_s {
@@ -198,8 +178,8 @@ impl Vehicle {
 }
 
 /// A vehicle on its way.
-struct Way<'a> {
-    vehicle: &'a Vehicle,
+struct SimulatedWay<'a> {
+    vehicle: &'a PlannedVehicle,
     command: Series,
     torque_nm: f64,
     speed_mps: f64,
@@ -213,8 +193,8 @@ struct Way<'a> {
     readings: Vec<(f64, f64)>,
 }
 
-impl<'a> Way<'a> {
-    fn new(vehicle: &'a Vehicle, speed_mps: f64, torque_nm: f64) -> Self {
+impl<'a> SimulatedWay<'a> {
+    fn new(vehicle: &'a PlannedVehicle, speed_mps: f64, torque_nm: f64) -> Self {
         Self {
             vehicle,
             command: Series { t_s: vec![-1.0], value: vec![torque_nm] },
@@ -277,7 +257,7 @@ impl<'a> Way<'a> {
     }
 
     /// The stretches that the fit would use: moving, without what follows a step.
-    fn parts(&self) -> Vec<Part> {
+    fn parts(&self) -> Vec<DrivenPart> {
         let lagged = EffectiveTorque::Lagged(LaggedCommand::new(&self.command, self.vehicle.lag_s));
         let moved = |r: &&(f64, f64)| r.1 > 0.0;
         let Some(first_s) = self.readings.iter().find(moved).map(|r| r.0 - READING_S) else { return Vec::new() };
@@ -288,10 +268,10 @@ impl<'a> Way<'a> {
             let first = if self.from_rest { 2 } else { 1 };
             self.command.t_s.iter().skip(first).any(|s| t >= s + dead && t < s + dead + self.vehicle.transient_s)
         };
-        let mut parts: Vec<Part> = Vec::new();
-        let mut open: Option<Part> = None;
+        let mut parts: Vec<DrivenPart> = Vec::new();
+        let mut open: Option<DrivenPart> = None;
         let timing = StepTiming::late(&self.command, STEPS_LATE_S);
-        let mut close = |part: Option<Part>| {
+        let mut close = |part: Option<DrivenPart>| {
             if let Some(mut part) = part.filter(|p| p.segment.readings.len() >= FEWEST_READINGS) {
                 let drive = (1.0, dead, self.vehicle.lag_s);
                 timing.tell(&mut part.segment.readings, part.segment.start_s, drive, |v, u| self.vehicle.accel_mps2(v, u));
@@ -305,7 +285,7 @@ impl<'a> Way<'a> {
                 close(open.take());
                 continue;
             }
-            let part = open.get_or_insert_with(|| Part {
+            let part = open.get_or_insert_with(|| DrivenPart {
                 segment: Segment {
                     log: 0,
                     run: 0,

@@ -1,12 +1,12 @@
 //! One run after the other, each the one that takes most off the cells' mean variance per second.
 //!
 //! With W the posterior covariance, R the rows of a run and M the sum of kᵀk over the cells' contrasts k, a run takes
-//! tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] off the sum of the variances (Woodbury). All is told in coordinates in which the covariance before the
+//! tr[(I + R·W·Rᵀ)⁻¹·(R·W)·M·(R·W)ᵀ] off the sum of the variances (Woodbury). All is written in coordinates in which the covariance before the
 //! plan is the identity, as many as it takes: what the data so far leave open is far less than the design has coefficients. R·W and R·W·F of
 //! all runs, with F·Fᵀ = M, are kept, and follow each choice by an update of low rank.
 
-use crate::plan::drive::PlannedRun;
-use crate::plan::information::{Cell, Information, Model, pivoted_root};
+use crate::map::PlannedRun;
+use crate::plan::information::{Information, Model, TorqueCell, pivoted_root};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef, Par};
@@ -18,14 +18,14 @@ const LEFT_OUT: f64 = 1e-6;
 const CRITERION_LEFT_OUT: f64 = 1e-5;
 
 /// A candidate's rows in the stack.
-struct Run {
+struct CandidateRun {
     rows: Range<usize>,
     seconds: f64,
 }
 
 /// The state of the choice.
 pub(crate) struct Greedy {
-    runs: Vec<Run>,
+    runs: Vec<CandidateRun>,
     /// R of all candidates, stacked.
     rows: Mat<f64>,
     /// W.
@@ -47,7 +47,7 @@ fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
 }
 
 impl Greedy {
-    pub(crate) fn new(model: &Model, covariance: &Mat<f64>, candidates: &[(PlannedRun, f64, Information)], cells: &[Cell]) -> Self {
+    pub(crate) fn new(model: &Model, covariance: &Mat<f64>, candidates: &[(PlannedRun, f64, Information)], cells: &[TorqueCell]) -> Self {
         let q = model.size();
         // coordinates: the rows of L with LᵀL = C, coefficients measured by what they give the surface
         let unit: Vec<f64> = model.unit_mps2();
@@ -61,7 +61,7 @@ impl Greedy {
         for (_, seconds, information) in candidates {
             let n = information.nrows();
             rows.submatrix_mut(at, 0, n, size).copy_from(product(information.as_ref(), root.transpose()));
-            runs.push(Run { rows: at..at + n, seconds: *seconds });
+            runs.push(CandidateRun { rows: at..at + n, seconds: *seconds });
             at += n;
         }
         let contrasts = product(root.as_ref(), Mat::from_fn(q, cells.len(), |r, c| cells[c].contrast[r]).as_ref());
@@ -86,7 +86,7 @@ impl Greedy {
     }
 
     /// I + R·W·Rᵀ of a run, solved for the rows of `right`.
-    fn solved(&self, run: &Run, right: &Mat<f64>) -> Option<Mat<f64>> {
+    fn solved(&self, run: &CandidateRun, right: &Mat<f64>) -> Option<Mat<f64>> {
         let n = run.rows.len();
         let mut inner = product(self.spread.subrows(run.rows.start, n), self.rows.subrows(run.rows.start, n).transpose());
         for k in 0..n {
@@ -98,7 +98,7 @@ impl Greedy {
     }
 
     /// What a run takes off the sum of the variances [(N·m)²].
-    fn decrease(&self, run: &Run) -> f64 {
+    fn decrease(&self, run: &CandidateRun) -> f64 {
         let n = run.rows.len();
         let reach = self.reach.subrows(run.rows.start, n);
         let square = product(reach, reach.transpose());
@@ -118,7 +118,7 @@ impl Greedy {
     }
 
     /// What a run takes off each cell's variance [(N·m)²].
-    fn decreases(&self, run: &Run) -> Vec<f64> {
+    fn decreases(&self, run: &CandidateRun) -> Vec<f64> {
         let n = run.rows.len();
         let by_cell = product(self.spread.subrows(run.rows.start, n), self.contrasts.as_ref());
         let Some(solved) = self.solved(run, &by_cell) else { return vec![0.0; by_cell.ncols()] };
@@ -138,13 +138,13 @@ impl Greedy {
     }
 
     /// The cells that gain most from a run, and how well they are known now.
-    pub(crate) fn reason(&self, index: usize, cells: &[Cell]) -> String {
+    pub(crate) fn reason(&self, index: usize, cells: &[TorqueCell]) -> String {
         let decreases = self.decreases(&self.runs[index]);
         let most = decreases.iter().fold(0.0f64, |m, d| m.max(*d));
         let best = decreases.iter().position(|d| *d >= most).unwrap_or(0);
         let gear = cells[best].gear;
         let own: Vec<usize> = (0..cells.len()).filter(|k| cells[*k].gear == gear && decreases[*k] >= 0.5 * most).collect();
-        let range = |f: &dyn Fn(&Cell) -> f64| {
+        let range = |f: &dyn Fn(&TorqueCell) -> f64| {
             own.iter().map(|k| f(&cells[*k])).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
         };
         let (v, u) = (range(&|c| c.speed_mps), range(&|c| c.torque_nm));

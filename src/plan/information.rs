@@ -1,13 +1,14 @@
-//! What runs tell of the surface's coefficients.
+//! What runs say about the surface's coefficients.
 
 use crate::fit::motion::integration::Course;
-use crate::fit::motion::regressors::{Free, nuisance, whitened_sums};
-use crate::fit::noise::kalman::Noise;
+use crate::fit::motion::regressors::{Free, whitened_sums};
+use crate::fit::noise::model::Noise;
+use crate::fit::nuisance;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
-use crate::fit::{Error, Result, Settings};
+use crate::fit::{Error, FitSettings, Result};
 use crate::map::{DelayEstimate, Gear, Table1File};
-use crate::plan::drive::{Part, READING_S, Vehicle};
+use crate::plan::drive::{DrivenPart, PlannedVehicle, READING_S};
 use crate::plan::settings::PlanSettings;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows of a stretch's information are added until so little of its trace is left: fewer make long stretches that pass many speeds and torques
-/// tell too little.
+/// say too little.
 const LEFT_OUT: f64 = 1e-3;
 /// Standard deviation that a block of the physics form may at least add to the surface [m/s², root mean square over the lattice]: what the data
 /// so far did not ask for is not thereby known to be nothing.
@@ -26,7 +27,7 @@ const UNSEEN_BEYOND_MPS2: [f64; 2] = [0.0003, 0.003];
 const DELAYS: usize = 3;
 /// What a standard error of a delay counts as beside coefficients, which are measured by what they give the surface [m/s²].
 const DELAY_UNIT_MPS2: f64 = 0.01;
-/// A delay that the data hardly tell is no worse than this [s].
+/// A delay that the data hardly determine has at most this standard error [s].
 const MOST_DELAY_STD_S: f64 = 5e-3;
 /// Usual rates of an encoder and of a yaw rate [Hz].
 const RATE_HZ: [f64; 2] = [50.0, 100.0];
@@ -39,7 +40,7 @@ const MOST_SPEEDS: usize = 40;
 pub(crate) type Information = Mat<f64>;
 
 /// A cell whose torque is to be known.
-pub(crate) struct Cell {
+pub(crate) struct TorqueCell {
     pub(crate) gear: Gear,
     pub(crate) speed_mps: f64,
     pub(crate) torque_nm: f64,
@@ -52,7 +53,7 @@ pub(crate) struct Model {
     surface: LatticeSurface,
     pub(crate) design: Design,
     noise: Noise,
-    pub(crate) vehicles: Vec<Vehicle>,
+    pub(crate) vehicles: Vec<PlannedVehicle>,
     /// Torques that may be driven [N·m], rising.
     pub(crate) levels_nm: Vec<f64>,
     breaks: (Vec<f64>, Vec<f64>),
@@ -62,7 +63,7 @@ pub(crate) struct Model {
 
 impl Model {
     pub(crate) fn new(file: &Table1File, asked: &PlanSettings) -> Result<Self> {
-        let settings: Settings = serde_json::from_value(file.settings.clone()).unwrap_or_default();
+        let settings: FitSettings = serde_json::from_value(file.settings.clone()).unwrap_or_default();
         let used: Vec<_> = file.report.runs.iter().filter(|r| r.used_s > 0.0).collect();
         let limit_nm = file.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY);
         let mut torques: Vec<f64> = match &asked.torque_breaks_nm {
@@ -86,7 +87,7 @@ impl Model {
             Some(breaks) => breaks.clone(),
             None => driven.into_iter().filter(|v| *v <= reached + 1e-9).collect(),
         };
-        // no reading tells the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error stays
+        // no reading lies in the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error stays
         let speeds: Vec<f64> = speeds.into_iter().filter(|v| *v > 1e-9).collect();
         let Some(&fastest_wanted) = speeds.last().filter(|_| high > low && high > 0.0) else {
             return Err(Error::NoCells { low_nm: low, high_nm: high });
@@ -99,7 +100,7 @@ impl Model {
             let stribeck_mps = file.report.diagnostics["stribeck_speed_mps"].as_f64().filter(|v| *v > 1e-3).unwrap_or(STRIBECK_MPS);
             Design::new(&lattice, file.maps.iter().any(|m| m.gear != file.maps[0].gear), stribeck_mps)
         };
-        // one series of readings that tells as much as all witnesses together
+        // one series of readings that carries as much information as all speed sources together
         let precision: f64 = file.witnesses.iter().zip(RATE_HZ).map(|(w, rate)| rate / (w.noise_mps * w.noise_mps).max(1e-8)).sum();
         let precision = if precision > 0.0 { precision } else { RATE_HZ[0] / (file.noise.speed_noise_mps.powi(2)).max(1e-8) };
         let noise = Noise {
@@ -111,7 +112,7 @@ impl Model {
         };
         let mut vehicles = Vec::new();
         for map in &file.maps {
-            vehicles.push(Vehicle {
+            vehicles.push(PlannedVehicle {
                 gear: map.gear,
                 surface: map.surface.table()?,
                 dead_time_s: file.actuator.dead_time.value_s.clamp(0.0, 0.5),
@@ -149,7 +150,7 @@ impl Model {
     }
 
     /// The information of stretches of a gear, in the log driven before (0) or the one to come (1).
-    pub(crate) fn information(&self, gear: Gear, parts: &[Part], log: usize) -> Information {
+    pub(crate) fn information(&self, gear: Gear, parts: &[DrivenPart], log: usize) -> Information {
         let t = self.design.transform(gear);
         let (q, base) = (t.ncols(), t.nrows());
         let blocks: Vec<Mat<f64>> = parts
@@ -243,7 +244,7 @@ impl Model {
 
     /// The diagonal of Λ: what the fit chose, yet no tighter than [`UNSEEN_PHYSICS_MPS2`] and [`UNSEEN_BEYOND_MPS2`] allow.
     fn ridge(&self, file: &Table1File) -> Vec<f64> {
-        let told = |name: &str| {
+        let chosen = |name: &str| {
             let blocks = file.report.diagnostics.get("blocks")?.as_array()?;
             blocks.iter().find(|b| b.get("block").and_then(serde_json::Value::as_str) == Some(name))?.get("penalty")?.as_f64()
         };
@@ -257,7 +258,7 @@ impl Model {
             let penalty = if block.penalised {
                 let unseen_mps2 = if block.physics { UNSEEN_PHYSICS_MPS2 } else { unseen_beyond_mps2 };
                 let most = unit / (unseen_mps2 * unseen_mps2);
-                told(block.name).filter(|p| *p > 0.0).map_or(most, |p| p.min(most))
+                chosen(block.name).filter(|p| *p > 0.0).map_or(most, |p| p.min(most))
             } else {
                 // vague: 10 m/s²
                 unit / 100.0
@@ -268,7 +269,7 @@ impl Model {
     }
 
     /// The cells of both gears whose torque is to be known.
-    pub(crate) fn cells(&self) -> Vec<Cell> {
+    pub(crate) fn cells(&self) -> Vec<TorqueCell> {
         let mut cells = Vec::new();
         let (speeds, torques) = &self.breaks;
         for vehicle in &self.vehicles {
@@ -286,7 +287,7 @@ impl Model {
                         .map(|c| spot.columns(&self.surface.lattice).map(|(r, w)| w * t[(r, c)]).sum::<f64>() / slope)
                         .collect();
                     contrast.resize(self.size(), 0.0);
-                    cells.push(Cell { gear: vehicle.gear, speed_mps, torque_nm, contrast });
+                    cells.push(TorqueCell { gear: vehicle.gear, speed_mps, torque_nm, contrast });
                 }
             }
         }
@@ -319,7 +320,7 @@ pub(crate) fn pivoted_root(gram: &Mat<f64>, size: usize, left_out: f64) -> Mat<f
 mod tests {
     use super::*;
 
-    /// A stretch that passes through many cells tells of each: no cap on the rows may cut that.
+    /// A stretch that passes through many cells carries information on each: no cap on the rows may cut that.
     #[test]
     fn rows_of_a_root_tell_all_but_the_share_that_may_be_left_out() {
         let size = 40;

@@ -8,7 +8,7 @@ pub struct PlanSettings {
     /// Time of driving [s], with turning the wheel to its angle, spin-ups and stops. Default 300.
     pub budget_s: f64,
     /// Speeds of the cells whose torque is to be known [m/s], rising; by default those of Table 1 that were driven. Runs go a little faster
-    /// than the last. A speed of 0 is left out: no reading tells it.
+    /// than the last. A speed of 0 is left out: no reading lies there.
     pub speed_breaks_mps: Option<Vec<f64>>,
     /// Torques of these cells [N·m], rising; by default those of Table 1. Levels lie between the first and the last, none above the
     /// vehicle's limit.

@@ -2,7 +2,7 @@
 
 use crate::map::Gear;
 use crate::record::error::{Error, Result};
-use crate::record::event::Event;
+use crate::record::event::RunEvent;
 use crate::sim;
 use crate::sim::{Random, Stream, Timing};
 use serde::{Deserialize, Serialize};
@@ -15,17 +15,24 @@ pub struct Campaign {
     #[serde(default)]
     pub name: String,
     /// Time of the log's first instant, RFC 3339. Fixed in the file, so that the same plan and seed give the same bytes.
-    #[serde(default = "default_start_time")]
+    #[serde(default = "default_start_time", skip_serializing_if = "is_default_start_time")]
     pub start_time: String,
     /// Seed of everything random. Default 1.
-    #[serde(default = "default_seed")]
+    #[serde(default = "default_seed", skip_serializing_if = "is_default_seed")]
     pub seed: u64,
     /// Timing of the messages that are not sensors.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default_topics")]
     pub topics: TopicSettings,
     /// The groups of runs, driven in this order.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<RunGroup>,
+}
+
+impl Default for Campaign {
+    fn default() -> Self {
+        let (start_time, seed) = (default_start_time(), default_seed());
+        Self { name: String::new(), start_time, seed, topics: TopicSettings::default(), runs: Vec::new() }
+    }
 }
 
 fn default_start_time() -> String {
@@ -92,22 +99,22 @@ pub enum WheelAngles {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunGroup {
-    /// Torque levels [N·m], gear frame: positive drives in the gear's direction.
-    pub torque_nm: Torques,
     /// Gear. Default forward.
     #[serde(default = "default_gear")]
     pub gear: Gear,
+    /// Torque levels [N·m], gear frame: positive drives in the gear's direction.
+    pub torque_nm: Torques,
     /// How often each level is driven. Default 1.
     #[serde(default = "default_repeats")]
     pub repeats: u32,
     /// Whether the runs are driven in an order drawn from the seed, so that warm-up does not look like torque. Default false.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub shuffle: bool,
     /// Speed [m/s] to spin up to before the level is applied; 0, the default, starts from rest.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub start_speed_mps: f64,
     /// Torque [N·m] of the spin-up. Default 30.
-    #[serde(default = "default_spin_up_nm")]
+    #[serde(default = "default_spin_up_nm", skip_serializing_if = "is_default_spin_up")]
     pub spin_up_nm: f64,
     /// Longest time at the level [s]. Default 3.
     #[serde(default = "default_hold_s")]
@@ -116,7 +123,7 @@ pub struct RunGroup {
     #[serde(default = "default_speed_limit_mps")]
     pub speed_limit_mps: f64,
     /// A level after a spin-up ends below this speed [m/s], so that braking does not drive backwards. Default 0.03.
-    #[serde(default = "default_end_speed_mps")]
+    #[serde(default = "default_end_speed_mps", skip_serializing_if = "is_default_end_speed")]
     pub end_speed_mps: f64,
     /// The level ends when the wheel has not moved for so long [s]. Default 1.5.
     #[serde(default = "default_stall_s")]
@@ -129,11 +136,11 @@ pub struct RunGroup {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_angle_deg: Option<WheelAngles>,
     /// Standard deviation [N·m] of a torque dithered by hand about the level. Default 0.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub dither_nm: f64,
     /// Something that happens during the level.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub event: Option<Event>,
+    pub event: Option<RunEvent>,
 }
 
 fn default_gear() -> Gear {
@@ -159,6 +166,28 @@ fn default_stall_s() -> f64 {
 }
 fn default_pause_s() -> f64 {
     0.8
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+fn is_default_start_time(value: &str) -> bool {
+    value == default_start_time()
+}
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde hands over a reference
+fn is_default_seed(value: &u64) -> bool {
+    *value == default_seed()
+}
+fn is_default_topics(value: &TopicSettings) -> bool {
+    *value == TopicSettings::default()
+}
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_default_spin_up(value: &f64) -> bool {
+    *value == default_spin_up_nm()
+}
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_default_end_speed(value: &f64) -> bool {
+    *value == default_end_speed_mps()
 }
 
 /// One run: a group's settings at one torque and wheel angle.
@@ -187,6 +216,25 @@ impl Campaign {
             timing.check()?;
         }
         Ok(campaign)
+    }
+
+    /// The TOML text, which [`Campaign::from_toml`] reads. Each group stands on its own, under the text that `comments` has for it; what is
+    /// rarely set is left out where it has its default.
+    ///
+    /// # Errors
+    /// None in practice; serialisation is fallible by its signature.
+    pub fn to_toml(&self, comments: &[String]) -> std::result::Result<String, toml::ser::Error> {
+        #[derive(Serialize)]
+        struct OneGroup<'a> {
+            runs: [&'a RunGroup; 1],
+        }
+        let mut text = toml::to_string(&Self { runs: Vec::new(), ..self.clone() })?;
+        for (k, group) in self.runs.iter().enumerate() {
+            text.push('\n');
+            text.push_str(comments.get(k).map_or("", String::as_str));
+            text.push_str(&toml::to_string(&OneGroup { runs: [group] })?);
+        }
+        Ok(text)
     }
 
     /// Start of the log [ns since 1970].
@@ -247,6 +295,26 @@ impl Torques {
 }
 
 impl RunGroup {
+    /// A group with the defaults.
+    pub fn new(torque_nm: Torques) -> Self {
+        Self {
+            gear: default_gear(),
+            torque_nm,
+            repeats: default_repeats(),
+            shuffle: false,
+            start_speed_mps: 0.0,
+            spin_up_nm: default_spin_up_nm(),
+            hold_s: default_hold_s(),
+            speed_limit_mps: default_speed_limit_mps(),
+            end_speed_mps: default_end_speed_mps(),
+            stall_s: default_stall_s(),
+            pause_s: default_pause_s(),
+            wheel_angle_deg: None,
+            dither_nm: 0.0,
+            event: None,
+        }
+    }
+
     /// The angles of the group, one of them none where the test angle is meant.
     fn angles_deg(&self) -> Vec<Option<f64>> {
         match &self.wheel_angle_deg {
@@ -324,19 +392,34 @@ mod tests {
     }
 
     #[test]
+    fn a_campaign_survives_its_text() {
+        let text = "name = \"all\"\nseed = 7\ntopics = { gear = { rate_hz = 5 } }\n[[runs]]\ntorque_nm = { start = 4, step = 4, stop = 12 }\n\
+                    shuffle = true\nwheel_angle_deg = [0, -30.5]\nevent = { kind = \"wet_patch\", at_s = 0.5, duration_s = 1, grip_nm = 5 }\n\
+                    [[runs]]\ngear = \"reverse\"\ntorque_nm = [4, 8]\nstart_speed_mps = 0.5\nspin_up_nm = 40\nend_speed_mps = 0.2\ndither_nm = 1\n";
+        let campaign = Campaign::from_toml(text).unwrap();
+        let written = campaign.to_toml(&["# the first\n".to_owned()]).unwrap();
+        assert_eq!(Campaign::from_toml(&written).unwrap(), campaign);
+        assert!(written.contains("\n# the first\n[[runs]]\n"), "{written}");
+        let short = Campaign { runs: vec![RunGroup::new(Torques::One(20.0))], ..Campaign::default() };
+        let written = short.to_toml(&[]).unwrap();
+        assert!(["start_time", "seed", "topics", "shuffle", "spin_up_nm"].iter().all(|key| !written.contains(key)), "{written}");
+        assert_eq!(Campaign::from_toml(&written).unwrap(), short);
+    }
+
+    #[test]
     fn what_is_wrong_is_told() {
-        let told = |text: &str| Campaign::from_toml(text).unwrap_err().to_string();
-        assert_eq!(told(""), Error::NoRuns.to_string());
-        assert_eq!(told("[[runs]]\ntorque_nm = 4\nhold_s = 0\n"), "runs entry 1: hold_s is 0; allowed: 0.02 to 600");
-        assert!(told("[[runs]]\ntorque_nm = 4\nholds = 2\n").ends_with("did you mean `hold_s`?"));
-        assert!(told("start_time = \"noon\"\n[[runs]]\ntorque_nm = 4\n").contains("noon"));
-        assert!(told("[[runs]]\ntorque_nm = { start = 8, step = 4, stop = 4 }\n").contains("gives no level"));
-        assert_eq!(told("[[runs]]\ntorque_nm = 4\nwheel_angle_deg = []\n"), "runs entry 1: wheel_angle_deg holds no angle");
+        let message = |text: &str| Campaign::from_toml(text).unwrap_err().to_string();
+        assert_eq!(message(""), Error::NoRuns.to_string());
+        assert_eq!(message("[[runs]]\ntorque_nm = 4\nhold_s = 0\n"), "runs entry 1: hold_s is 0; allowed: 0.02 to 600");
+        assert!(message("[[runs]]\ntorque_nm = 4\nholds = 2\n").ends_with("did you mean `hold_s`?"));
+        assert!(message("start_time = \"noon\"\n[[runs]]\ntorque_nm = 4\n").contains("noon"));
+        assert!(message("[[runs]]\ntorque_nm = { start = 8, step = 4, stop = 4 }\n").contains("gives no level"));
+        assert_eq!(message("[[runs]]\ntorque_nm = 4\nwheel_angle_deg = []\n"), "runs entry 1: wheel_angle_deg holds no angle");
         assert_eq!(
-            told("[[runs]]\ntorque_nm = 4\nwheel_angle_deg = [0, 300]\n"),
+            message("[[runs]]\ntorque_nm = 4\nwheel_angle_deg = [0, 300]\n"),
             "runs entry 1: wheel_angle_deg is 300; allowed: -180 to 180"
         );
-        assert!(told("[[runs]]\ntorque_nm = \"much\"\n").contains("expected a number, a list of numbers, or { start, step, stop }"));
-        assert!(told("[[runs]]\ntorque_nm = 4\nevent = { kind = \"wet_path\" }\n").ends_with("did you mean `wet_patch`?"));
+        assert!(message("[[runs]]\ntorque_nm = \"much\"\n").contains("expected a number, a list of numbers, or { start, step, stop }"));
+        assert!(message("[[runs]]\ntorque_nm = 4\nevent = { kind = \"wet_path\" }\n").ends_with("did you mean `wet_patch`?"));
     }
 }

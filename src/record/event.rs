@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Something that happens during a run's hold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Event {
+pub struct RunEvent {
     /// What happens.
     pub kind: EventKind,
     /// When, after the torque was applied [s]. Default 0.5.
@@ -55,7 +55,7 @@ pub enum EventKind {
     SteerAway,
 }
 
-impl Event {
+impl RunEvent {
     /// Whether it is under way at `t_s` after the torque was applied.
     pub(crate) fn is_on(&self, t_s: f64) -> bool {
         t_s >= self.at_s && t_s < self.at_s + self.duration_s

@@ -3,7 +3,7 @@
 //! Messages are kept until the end and written in the order of their log times, so that the bytes depend on nothing but what was written.
 
 use crate::record::error::{Error, Result};
-use crate::record::message::Message;
+use crate::record::message::RosMessage;
 use crate::record::schema;
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -13,13 +13,13 @@ const CHUNK_BYTES: u64 = 512 * 1024;
 /// zstd level: beyond it size falls by less than a per cent and time doubles.
 const ZSTD_LEVEL: u32 = 9;
 
-struct Topic {
+struct OpenTopic {
     name: String,
     type_name: &'static str,
     count: u32,
 }
 
-struct Entry {
+struct ChannelEntry {
     topic: usize,
     sequence: u32,
     log_time_ns: u64,
@@ -30,9 +30,9 @@ struct Entry {
 /// A log under construction.
 #[derive(Default)]
 pub struct LogWriter {
-    topics: Vec<Topic>,
+    topics: Vec<OpenTopic>,
     by_name: BTreeMap<String, usize>,
-    entries: Vec<Entry>,
+    entries: Vec<ChannelEntry>,
     metadata: Vec<mcap::records::Metadata>,
 }
 
@@ -53,11 +53,11 @@ impl LogWriter {
     ///
     /// # Errors
     /// Another type than the topic's first message had.
-    pub fn write(&mut self, topic: &str, log_time_ns: u64, publish_time_ns: u64, message: &Message<'_>) -> Result<()> {
+    pub fn write(&mut self, topic: &str, log_time_ns: u64, publish_time_ns: u64, message: &RosMessage<'_>) -> Result<()> {
         let index = if let Some(&index) = self.by_name.get(topic) {
             index
         } else {
-            self.topics.push(Topic { name: topic.to_owned(), type_name: message.type_name(), count: 0 });
+            self.topics.push(OpenTopic { name: topic.to_owned(), type_name: message.type_name(), count: 0 });
             self.by_name.insert(topic.to_owned(), self.topics.len() - 1);
             self.topics.len() - 1
         };
@@ -67,7 +67,7 @@ impl LogWriter {
         }
         opened.count += 1;
         let sequence = opened.count;
-        self.entries.push(Entry { topic: index, sequence, log_time_ns, publish_time_ns, data: message.to_cdr() });
+        self.entries.push(ChannelEntry { topic: index, sequence, log_time_ns, publish_time_ns, data: message.to_cdr() });
         Ok(())
     }
 
@@ -126,9 +126,9 @@ mod tests {
     fn example() -> LogWriter {
         let mut log = LogWriter::new();
         log.metadata("pivot-cal/vehicle", [("wheelbase_m", "0.9".to_owned())]);
-        log.write("/b", 20, 20, &Message::Float64(2.0)).unwrap();
-        log.write("/a", 10, 10, &Message::Bool(true)).unwrap();
-        log.write("/b", 5, 4, &Message::Float64(1.0)).unwrap();
+        log.write("/b", 20, 20, &RosMessage::Float64(2.0)).unwrap();
+        log.write("/a", 10, 10, &RosMessage::Bool(true)).unwrap();
+        log.write("/b", 5, 4, &RosMessage::Float64(1.0)).unwrap();
         log
     }
 
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_topic_keeps_its_type() {
-        let error = example().write("/a", 30, 30, &Message::Int8(1)).unwrap_err();
+        let error = example().write("/a", 30, 30, &RosMessage::Int8(1)).unwrap_err();
         assert_eq!(error.to_string(), "topic /a was opened as std_msgs/msg/Bool and is written as std_msgs/msg/Int8");
     }
 }

@@ -5,7 +5,7 @@ use crate::record::schema::TypeName;
 
 /// Time of a message [ns since 1970].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Stamp {
+pub struct MessageStamp {
     /// Nanoseconds since 1970-01-01 UTC.
     pub ns: u64,
 }
@@ -14,7 +14,7 @@ pub struct Stamp {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState<'a> {
     /// `header.stamp`.
-    pub stamp: Stamp,
+    pub stamp: MessageStamp,
     /// `header.frame_id`.
     pub frame_id: &'a str,
     /// Names of the joints.
@@ -31,7 +31,7 @@ pub struct JointState<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwistStamped<'a> {
     /// `header.stamp`.
-    pub stamp: Stamp,
+    pub stamp: MessageStamp,
     /// `header.frame_id`.
     pub frame_id: &'a str,
     /// `twist.linear` [m/s].
@@ -44,7 +44,7 @@ pub struct TwistStamped<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Odometry<'a> {
     /// `header.stamp`.
-    pub stamp: Stamp,
+    pub stamp: MessageStamp,
     /// `header.frame_id`, the world.
     pub frame_id: &'a str,
     /// `child_frame_id`, the vehicle.
@@ -65,7 +65,7 @@ pub struct Odometry<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointStamped<'a> {
     /// `header.stamp`.
-    pub stamp: Stamp,
+    pub stamp: MessageStamp,
     /// `header.frame_id`.
     pub frame_id: &'a str,
     /// Position [m].
@@ -78,7 +78,7 @@ pub struct PointStamped<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathMessage<'a> {
     /// `header.stamp`, and that of every pose.
-    pub stamp: Stamp,
+    pub stamp: MessageStamp,
     /// `header.frame_id`, and that of every pose.
     pub frame_id: &'a str,
     /// x [m], y [m], heading [rad] of every pose.
@@ -87,7 +87,7 @@ pub struct PathMessage<'a> {
 
 /// A message of one of the standard types.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Message<'a> {
+pub enum RosMessage<'a> {
     /// `std_msgs/msg/Float64`.
     Float64(f64),
     /// `std_msgs/msg/Int8`.
@@ -108,7 +108,7 @@ pub enum Message<'a> {
     Path(PathMessage<'a>),
 }
 
-impl Message<'_> {
+impl RosMessage<'_> {
     /// The type's full name.
     pub fn type_name(&self) -> TypeName {
         match self {
@@ -174,7 +174,7 @@ impl Message<'_> {
     }
 }
 
-fn header(cdr: &mut Cdr, stamp: Stamp, frame_id: &str) {
+fn header(cdr: &mut Cdr, stamp: MessageStamp, frame_id: &str) {
     cdr.i32((stamp.ns / 1_000_000_000) as i32);
     cdr.u32((stamp.ns % 1_000_000_000) as u32);
     cdr.string(frame_id);
@@ -199,8 +199,8 @@ mod tests {
 
     #[test]
     fn another_library_reads_the_joint_state_back() {
-        let message = Message::JointState(JointState {
-            stamp: Stamp { ns: 1_700_000_000_123_456_789 },
+        let message = RosMessage::JointState(JointState {
+            stamp: MessageStamp { ns: 1_700_000_000_123_456_789 },
             frame_id: "base_link",
             names: &["front_drive_joint", "front_steer_joint"],
             positions: &[0.25, 1.5],
@@ -215,8 +215,8 @@ mod tests {
 
     #[test]
     fn an_odometry_message_has_the_size_that_its_fields_ask_for() {
-        let message = Message::Odometry(Odometry {
-            stamp: Stamp { ns: 0 },
+        let message = RosMessage::Odometry(Odometry {
+            stamp: MessageStamp { ns: 0 },
             frame_id: "odom",
             child_frame_id: "base_link",
             x_m: 1.0,

@@ -12,16 +12,16 @@ const LIMIT_S: f64 = 4.0 * 3600.0;
 
 /// A log and what happened.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
+pub struct DrivenLog {
     /// The MCAP file.
     pub bytes: Vec<u8>,
     /// What happened.
-    pub report: Report,
+    pub report: RecordReport,
 }
 
 /// What happened in a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub struct RecordReport {
     /// The campaign's name.
     pub campaign: String,
     /// Seed.
@@ -38,7 +38,7 @@ pub struct Report {
 ///
 /// # Errors
 /// A setting out of its range, a wheel angle that the vehicle does not steer to, or a campaign without end.
-pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> Result<Recording> {
+pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> Result<DrivenLog> {
     let seed = seed.unwrap_or(campaign.seed);
     let plan = campaign.plan(seed)?;
     let limit_deg = vehicle.steering.limit_deg;
@@ -61,9 +61,14 @@ pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> 
         }
     }
     let log = topics.into_log();
-    let report =
-        Report { campaign: campaign.name.clone(), seed, duration_s: world.state().t_s, messages: log.len(), runs: runner.into_outcomes() };
-    Ok(Recording { bytes: log.finish()?, report })
+    let report = RecordReport {
+        campaign: campaign.name.clone(),
+        seed,
+        duration_s: world.state().t_s,
+        messages: log.len(),
+        runs: runner.into_outcomes(),
+    };
+    Ok(DrivenLog { bytes: log.finish()?, report })
 }
 
 #[cfg(test)]
@@ -74,7 +79,7 @@ mod tests {
 
     const VEHICLE: &str = "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.12\n";
 
-    fn recorded(campaign: &str) -> Recording {
+    fn recorded(campaign: &str) -> DrivenLog {
         record(&VehicleFile::from_toml(VEHICLE).unwrap(), &Campaign::from_toml(campaign).unwrap(), None).unwrap()
     }
 

@@ -3,7 +3,7 @@
 use crate::map::{Gear, Vehicle};
 use crate::record::campaign::RunPlan;
 use crate::record::event::EventKind;
-use crate::sim::{Command, Fault, Measurement, Random, Stream, World};
+use crate::sim::{Fault, Measurement, Random, Stream, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +62,7 @@ const STEER_LIMIT_S: f64 = 20.0;
 const DITHER_S: f64 = 0.3;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Phase {
+enum RunPhase {
     Steer,
     SpinUp,
     Hold,
@@ -75,7 +75,7 @@ pub(crate) struct Runner {
     plan: Vec<RunPlan>,
     test_angle_deg: f64,
     index: usize,
-    phase: Phase,
+    phase: RunPhase,
     since_s: f64,
     settled_since_s: f64,
     moved_at_s: f64,
@@ -92,7 +92,7 @@ impl Runner {
             plan,
             test_angle_deg: vehicle.test_angle_deg,
             index: 0,
-            phase: Phase::Steer,
+            phase: RunPhase::Steer,
             since_s: 0.0,
             settled_since_s: 0.0,
             moved_at_s: 0.0,
@@ -110,50 +110,50 @@ impl Runner {
     }
 
     /// Decides for the next cycle; `None` when the campaign is over.
-    pub(crate) fn decide(&mut self, world: &mut World) -> Option<Command> {
+    pub(crate) fn decide(&mut self, world: &mut World) -> Option<WorldCommand> {
         let now_s = world.state().t_s;
         let seen = world.measure();
         let run = self.plan.get(self.index)?.clone();
         let sign = run.settings.gear.sign();
         let speed_mps = sign * seen.speed_mps.unwrap_or(0.0);
         let angle_rad = run.wheel_angle_deg.unwrap_or(self.test_angle_deg) * RAD_PER_DEG;
-        let mut command = Command { torque_nm: 0.0, wheel_angle_rad: angle_rad, gear: Some(run.settings.gear) };
+        let mut command = WorldCommand { torque_nm: 0.0, wheel_angle_rad: angle_rad, gear: Some(run.settings.gear) };
         if speed_mps.abs() > AT_REST_MPS {
             self.moved_at_s = now_s;
         }
         match self.phase {
-            Phase::Steer => self.steer(now_s, &seen, angle_rad, &run, world),
-            Phase::SpinUp => {
+            RunPhase::Steer => self.steer(now_s, &seen, angle_rad, &run, world),
+            RunPhase::SpinUp => {
                 if speed_mps >= run.settings.start_speed_mps {
-                    self.go(Phase::Hold, now_s);
+                    self.go(RunPhase::Hold, now_s);
                 } else if now_s - self.since_s > SPIN_UP_LIMIT_S {
                     self.begin_level(&run, now_s, speed_mps);
                     self.end_level(End::NoSpinUp, now_s, speed_mps);
                 }
             }
-            Phase::Hold | Phase::Coast | Phase::Pause => {}
+            RunPhase::Hold | RunPhase::Coast | RunPhase::Pause => {}
         }
         match self.phase {
-            Phase::Hold => self.hold(now_s, speed_mps, &run, world, &mut command),
-            Phase::SpinUp => command.torque_nm = sign * run.settings.spin_up_nm,
-            Phase::Coast => {
+            RunPhase::Hold => self.hold(now_s, speed_mps, &run, world, &mut command),
+            RunPhase::SpinUp => command.torque_nm = sign * run.settings.spin_up_nm,
+            RunPhase::Coast => {
                 if now_s - self.moved_at_s > SETTLED_S && now_s - self.since_s > SETTLED_S {
                     world.set_estop(false);
-                    self.go(Phase::Pause, now_s);
+                    self.go(RunPhase::Pause, now_s);
                 }
             }
-            Phase::Pause => {
+            RunPhase::Pause => {
                 if now_s - self.since_s >= run.settings.pause_s {
                     self.index += 1;
-                    self.go(Phase::Steer, now_s);
+                    self.go(RunPhase::Steer, now_s);
                 }
             }
-            Phase::Steer => {}
+            RunPhase::Steer => {}
         }
         Some(command)
     }
 
-    fn go(&mut self, phase: Phase, now_s: f64) {
+    fn go(&mut self, phase: RunPhase, now_s: f64) {
         self.phase = phase;
         self.since_s = now_s;
         self.settled_since_s = now_s;
@@ -166,7 +166,7 @@ impl Runner {
         let settled = now_s - self.settled_since_s >= SETTLED_S && now_s - self.moved_at_s >= SETTLED_S;
         if settled || now_s - self.since_s > STEER_LIMIT_S {
             world.begin_run();
-            self.go(if run.settings.start_speed_mps > 0.0 { Phase::SpinUp } else { Phase::Hold }, now_s);
+            self.go(if run.settings.start_speed_mps > 0.0 { RunPhase::SpinUp } else { RunPhase::Hold }, now_s);
         }
     }
 
@@ -188,10 +188,10 @@ impl Runner {
         if let Some(outcome) = self.outcome.take() {
             self.outcomes.push(RunOutcome { duration_s: now_s - outcome.start_s, end_speed_mps: speed_mps, end, ..outcome });
         }
-        self.go(Phase::Coast, now_s);
+        self.go(RunPhase::Coast, now_s);
     }
 
-    fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut Command) {
+    fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut WorldCommand) {
         let settings = &run.settings;
         if self.outcome.is_none() {
             self.begin_level(run, now_s, speed_mps);
@@ -224,7 +224,7 @@ impl Runner {
     }
 
     /// Lets the run's event happen.
-    fn happen(&mut self, held_s: f64, run: &RunPlan, world: &mut World, command: &mut Command) -> Option<End> {
+    fn happen(&mut self, held_s: f64, run: &RunPlan, world: &mut World, command: &mut WorldCommand) -> Option<End> {
         let event = run.settings.event?;
         let on = event.is_on(held_s);
         if on && event.kind == EventKind::SteerAway {

@@ -7,45 +7,45 @@
 pub(crate) type TypeName = &'static str;
 
 /// Name without `msg/`, fields, and the types that the fields contain.
-struct Definition {
+struct TypeDefinition {
     short: &'static str,
     fields: &'static str,
     contains: &'static [&'static str],
 }
 
-const DEFINITIONS: &[Definition] = &[
-    Definition { short: "std_msgs/Float64", fields: "float64 data\n", contains: &[] },
-    Definition { short: "std_msgs/Int8", fields: "int8 data\n", contains: &[] },
-    Definition { short: "std_msgs/Bool", fields: "bool data\n", contains: &[] },
-    Definition { short: "std_msgs/String", fields: "string data\n", contains: &[] },
-    Definition {
+const DEFINITIONS: &[TypeDefinition] = &[
+    TypeDefinition { short: "std_msgs/Float64", fields: "float64 data\n", contains: &[] },
+    TypeDefinition { short: "std_msgs/Int8", fields: "int8 data\n", contains: &[] },
+    TypeDefinition { short: "std_msgs/Bool", fields: "bool data\n", contains: &[] },
+    TypeDefinition { short: "std_msgs/String", fields: "string data\n", contains: &[] },
+    TypeDefinition {
         short: "std_msgs/Header",
         fields: "# Time of the data and the frame that it belongs to\nbuiltin_interfaces/Time stamp\nstring frame_id\n",
         contains: &["builtin_interfaces/Time"],
     },
-    Definition {
+    TypeDefinition {
         short: "builtin_interfaces/Time",
         fields: "# Seconds since 1970, valid over all int32 values\nint32 sec\n\n# Nanoseconds, 0 to 999999999\nuint32 nanosec\n",
         contains: &[],
     },
-    Definition {
+    TypeDefinition {
         short: "sensor_msgs/JointState",
         fields: "# State of joints. Each array is either as long as name or empty.\n# Position in rad, velocity in rad/s, effort in Nm.\n\
                  std_msgs/Header header\n\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
         contains: &["std_msgs/Header", "builtin_interfaces/Time"],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/TwistStamped",
         fields: "# A twist with its frame and time\nstd_msgs/Header header\ngeometry_msgs/Twist twist\n",
         contains: &["std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Twist", "geometry_msgs/Vector3"],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/Twist",
         fields: "# Velocity in free space, linear in m/s and angular in rad/s\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n",
         contains: &["geometry_msgs/Vector3"],
     },
-    Definition { short: "geometry_msgs/Vector3", fields: "float64 x\nfloat64 y\nfloat64 z\n", contains: &[] },
-    Definition {
+    TypeDefinition { short: "geometry_msgs/Vector3", fields: "float64 x\nfloat64 y\nfloat64 z\n", contains: &[] },
+    TypeDefinition {
         short: "nav_msgs/Odometry",
         fields: "# Estimate of a pose in header.frame_id and of a velocity in child_frame_id\nstd_msgs/Header header\n\nstring child_frame_id\n\n\
                  geometry_msgs/PoseWithCovariance pose\n\ngeometry_msgs/TwistWithCovariance twist\n",
@@ -61,27 +61,27 @@ const DEFINITIONS: &[Definition] = &[
             "geometry_msgs/Vector3",
         ],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/PoseWithCovariance",
         fields: "# Row-major 6x6 covariance over x, y, z and the rotations about X, Y, Z\ngeometry_msgs/Pose pose\n\nfloat64[36] covariance\n",
         contains: &[],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/TwistWithCovariance",
         fields: "# Row-major 6x6 covariance over x, y, z and the rotations about X, Y, Z\ngeometry_msgs/Twist twist\n\nfloat64[36] covariance\n",
         contains: &[],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/PointStamped",
         fields: "# A point with its frame and time\nstd_msgs/Header header\ngeometry_msgs/Point point\n",
         contains: &["std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Point"],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/PoseStamped",
         fields: "# A pose with its frame and time\nstd_msgs/Header header\ngeometry_msgs/Pose pose\n",
         contains: &["std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Pose", "geometry_msgs/Point", "geometry_msgs/Quaternion"],
     },
-    Definition {
+    TypeDefinition {
         short: "nav_msgs/Path",
         fields: "# Poses to follow\nstd_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n",
         contains: &[
@@ -93,16 +93,16 @@ const DEFINITIONS: &[Definition] = &[
             "geometry_msgs/Quaternion",
         ],
     },
-    Definition {
+    TypeDefinition {
         short: "geometry_msgs/Pose",
         fields: "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
         contains: &[],
     },
-    Definition { short: "geometry_msgs/Point", fields: "float64 x\nfloat64 y\nfloat64 z\n", contains: &[] },
-    Definition { short: "geometry_msgs/Quaternion", fields: "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n", contains: &[] },
+    TypeDefinition { short: "geometry_msgs/Point", fields: "float64 x\nfloat64 y\nfloat64 z\n", contains: &[] },
+    TypeDefinition { short: "geometry_msgs/Quaternion", fields: "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n", contains: &[] },
 ];
 
-fn definition(short: &str) -> Option<&'static Definition> {
+fn definition(short: &str) -> Option<&'static TypeDefinition> {
     DEFINITIONS.iter().find(|d| d.short == short)
 }
 

@@ -6,8 +6,8 @@ use crate::map::Vehicle;
 use crate::record::campaign::TopicSettings;
 use crate::record::error::Result;
 use crate::record::log_writer::LogWriter;
-use crate::record::message::{JointState, Message, Odometry, Stamp, TwistStamped};
-use crate::sim::{Channel, Command, Gear, Reading, Stream, World};
+use crate::record::message::{JointState, MessageStamp, Odometry, RosMessage, TwistStamped};
+use crate::sim::{Channel, Gear, SensorReading, Stream, World, WorldCommand};
 
 /// Name of the metadata record that holds the vehicle.
 pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
@@ -48,11 +48,11 @@ impl Topics {
     }
 
     /// Messages about the command in force, before the world steps on.
-    pub(crate) fn write_command(&mut self, world: &World, command: &Command) -> Result<()> {
+    pub(crate) fn write_command(&mut self, world: &World, command: &WorldCommand) -> Result<()> {
         let now_s = world.state().t_s;
         self.torque_command.poll(now_s, |_, _| world.accepted_torque_nm(command));
         if let Some(reading) = self.torque_command.taken().copied() {
-            self.plain("/drive/torque_command", &reading, &Message::Float64(single(reading.value)))?;
+            self.plain("/drive/torque_command", &reading, &RosMessage::Float64(single(reading.value)))?;
         }
         self.gear.poll(now_s, |_, _| match command.gear {
             None => 0,
@@ -60,11 +60,11 @@ impl Topics {
             Some(Gear::Reverse) => 2,
         });
         if let Some(reading) = self.gear.taken().copied() {
-            self.plain("/drive/gear", &reading, &Message::Int8(reading.value))?;
+            self.plain("/drive/gear", &reading, &RosMessage::Int8(reading.value))?;
         }
         self.estop.poll(now_s, |_, _| world.measure().estop);
         if let Some(reading) = self.estop.taken().copied() {
-            self.plain("/safety/estop", &reading, &Message::Bool(reading.value))?;
+            self.plain("/safety/estop", &reading, &RosMessage::Bool(reading.value))?;
         }
         Ok(())
     }
@@ -74,7 +74,7 @@ impl Topics {
         let sensors = world.sensors();
         if let Some(reading) = sensors.encoder().taken() {
             let stamp = self.stamp(reading);
-            let message = Message::JointState(JointState {
+            let message = RosMessage::JointState(JointState {
                 stamp,
                 frame_id: "",
                 names: &JOINTS,
@@ -85,7 +85,7 @@ impl Topics {
             self.headed("/joint_states", reading, &message)?;
         }
         if let Some(reading) = sensors.steering_angle().taken() {
-            let message = Message::JointState(JointState {
+            let message = RosMessage::JointState(JointState {
                 stamp: self.stamp(reading),
                 frame_id: "",
                 names: &JOINTS[1..],
@@ -96,7 +96,7 @@ impl Topics {
             self.headed("/eps/joint_states", reading, &message)?;
         }
         if let Some(reading) = sensors.gyro().taken() {
-            let message = Message::TwistStamped(TwistStamped {
+            let message = RosMessage::TwistStamped(TwistStamped {
                 stamp: self.stamp(reading),
                 frame_id: FRAME,
                 linear: [0.0; 3],
@@ -105,13 +105,13 @@ impl Topics {
             self.headed("/imu/twist", reading, &message)?;
         }
         if let Some(reading) = sensors.torque_feedback().taken() {
-            self.plain("/drive/torque_feedback", reading, &Message::Float64(single(reading.value)))?;
+            self.plain("/drive/torque_feedback", reading, &RosMessage::Float64(single(reading.value)))?;
         }
         self.odometry.poll(world.state().t_s, |_, _| ());
         if let Some(reading) = self.odometry.taken().copied() {
             let seen = world.measure();
             let speed_mps = seen.speed_mps.unwrap_or(0.0) * seen.wheel_angle_rad.cos();
-            let message = Message::Odometry(Odometry {
+            let message = RosMessage::Odometry(Odometry {
                 stamp: self.stamp(&reading),
                 frame_id: "odom",
                 child_frame_id: FRAME,
@@ -132,19 +132,19 @@ impl Topics {
     }
 
     /// A message without a header: its publish time is its stamp.
-    fn plain<T>(&mut self, topic: &str, reading: &Reading<T>, message: &Message<'_>) -> Result<()> {
+    fn plain<T>(&mut self, topic: &str, reading: &SensorReading<T>, message: &RosMessage<'_>) -> Result<()> {
         let (log_ns, publish_ns) = (self.ns(reading.arrival_s), self.ns(reading.stamp_s));
         self.log.write(topic, log_ns, publish_ns, message)
     }
 
     /// A message with its stamp inside.
-    fn headed<T>(&mut self, topic: &str, reading: &Reading<T>, message: &Message<'_>) -> Result<()> {
+    fn headed<T>(&mut self, topic: &str, reading: &SensorReading<T>, message: &RosMessage<'_>) -> Result<()> {
         let log_ns = self.ns(reading.arrival_s);
         self.log.write(topic, log_ns, log_ns, message)
     }
 
-    fn stamp<T>(&self, reading: &Reading<T>) -> Stamp {
-        Stamp { ns: self.ns(reading.stamp_s) }
+    fn stamp<T>(&self, reading: &SensorReading<T>) -> MessageStamp {
+        MessageStamp { ns: self.ns(reading.stamp_s) }
     }
 
     fn ns(&self, t_s: f64) -> u64 {

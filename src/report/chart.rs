@@ -124,3 +124,40 @@ impl Chart {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(panels: Vec<Panel>) -> String {
+        Chart { id: "c".to_owned(), label: "l".to_owned(), x_title: "t [s]", width: 570.0, panel: 100.0, panels }.draw().file()
+    }
+
+    fn line(name: &'static str, points: Points) -> Line {
+        Line { name, class: "a", points }
+    }
+
+    #[test]
+    fn what_lies_above_the_top_of_the_axis_is_drawn_at_the_top() {
+        let points = vec![(0.0, 0.0), (1.0, 50.0), (2.0, 10.0)];
+        // 500 px from 0 to 2 s, 100 px from 10 at the top to 0
+        let cut = drawn(vec![Panel { lines: vec![line("", points.clone())], with_zero: true, most: Some(10.0), ..Panel::default() }]);
+        assert!(cut.contains("d=\"M56 124L306 24L556 24\""), "{cut}");
+        let whole = drawn(vec![Panel { lines: vec![line("", points)], with_zero: true, ..Panel::default() }]);
+        assert!(whole.contains("d=\"M56 124L306 24L556 104\""), "{whole}");
+    }
+
+    #[test]
+    fn panels_share_the_range_of_all_their_lines() {
+        let short = Panel { lines: vec![line("", vec![(0.0, 0.0), (1.0, 1.0)])], ..Panel::default() };
+        let long = Panel { lines: vec![line("", vec![(2.0, 0.0), (4.0, 1.0)])], ..Panel::default() };
+        let both = drawn(vec![short, long]);
+        assert!(both.contains("d=\"M56 124L181 24\"") && both.contains("d=\"M306 254L556 154\""), "{both}");
+    }
+
+    #[test]
+    fn a_chart_without_points_is_still_a_picture() {
+        let empty = drawn(vec![Panel::default()]);
+        assert!(!empty.contains("NaN") && !empty.contains("inf") && empty.contains(">t [s]</text>"), "{empty}");
+    }
+}

@@ -1,42 +1,42 @@
 //! Closed loop: the pivot over time by the map and by the conventional law, the laws compared, and every scenario.
 
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::chart::{Area, Chart, Line, Panel, Points};
-use crate::report::section::Section;
-use crate::report::svg::{escaped, num};
-use crate::verify::{Bands, ClosedLoop, LawTraces, LimitCheck, MapVerdict, Metric, MetricSummary, ScenarioVerdict, Statistic, Status};
+use crate::report::html::TableColumn::{Number, Text};
+use crate::report::html::{TableColumn, num_or_dash, table};
+use crate::report::section::{Figures, Section};
+use crate::report::svg::num;
+use crate::verify::{
+    Bands, ClosedLoop, LawComparison, LawTraces, LimitCheck, MapVerdict, Metric, MetricSummary, ScenarioVerdict, Statistic, Status,
+};
+use maud::{Markup, html};
 
 /// The closed loop as a section.
-pub(crate) fn closed_loop(inputs: &Inputs) -> Section {
-    let mut section = Section::new("closed-loop", "Closed loop");
-    match &inputs.closed_loop {
-        Some(traces) => pivot(&mut section, traces),
-        None => section.absent("The traces of the pivot are not here: verify_traces.json is missing or belongs to another Table 2."),
-    }
-    let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) else {
-        section.absent("There is no verdict on these tables: run pivot-cal verify.");
-        return section;
+pub(crate) fn closed_loop(inputs: &ReportFiles) -> Section {
+    let mut figures = Figures::default();
+    let body = html! {
+        @if let Some(traces) = &inputs.closed_loop {
+            p {
+                (traces.what) ", from the gear being set, driven by the map and by the conventional law (heading PID, tuned for this vehicle) on \
+                 the plant that Table 1 identified. Lines are medians over " (traces.draws) " perturbed plants, the inner bands hold half of \
+                 them, the outer ones 90 %."
+            }
+            (figures.chart(&pivot(traces)))
+        } @else {
+            p.absent { "The traces of the pivot are not here: verify_traces.json is missing or belongs to another Table 2." }
+        }
+        @if let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) {
+            @if let Some(comparison) = &verdict.comparison { (laws(comparison, verdict.comparison_draws)) }
+            h3 { "Scenarios" }
+            (scenarios(verdict))
+        } @else {
+            p.absent { "There is no verdict on these tables: run pivot-cal verify." }
+        }
     };
-    compare(&mut section, verdict);
-    section.heading("Scenarios");
-    // manoeuvres have a section of their own
-    let rows: Vec<Vec<String>> = verdict.scenarios.iter().filter(|s| s.class.is_pivot()).map(scenario).collect();
-    if rows.is_empty() {
-        section.absent("The verdict holds no pivot: run pivot-cal verify without --scenario.");
-        return section;
-    }
-    let header =
-        ["scenario|", "what|", "verdict|", "nearest limit|", "value", "limit", "heading error, median", "99 %", "settling time, median"];
-    section.table("", &header, &rows);
-    section
+    Section { id: "closed-loop", title: "Closed loop", body, figures }
 }
 
-fn pivot(section: &mut Section, traces: &ClosedLoop) {
-    section.paragraph(&format!(
-        "{}, from the gear being set, driven by the map and by the conventional law (heading PID, tuned for this vehicle) on the plant that \
-         Table 1 identified. Lines are medians over {} perturbed plants, the inner bands hold half of them, the outer ones 90 %.",
-        traces.what, traces.draws
-    ));
+fn pivot(traces: &ClosedLoop) -> Chart {
     let points = |values: &[f64]| -> Points { traces.t_s.iter().copied().zip(values.iter().copied()).collect() };
     let panel = |title: &str, of: &dyn Fn(&LawTraces) -> &Bands| {
         let mut panel = Panel { title: title.to_owned(), with_zero: true, ..Panel::default() };
@@ -53,7 +53,7 @@ fn pivot(section: &mut Section, traces: &ClosedLoop) {
     let mut speed = panel("front-wheel speed [m/s]", &|l| &l.speed_mps);
     let target: Points = traces.t_s.iter().zip(&traces.target_speed_mps).filter_map(|(t, v)| Some((*t, (*v)?))).collect();
     speed.lines.insert(0, Line { name: "asked for", class: "k", points: target });
-    section.chart(&Chart {
+    Chart {
         id: "pivot".to_owned(),
         label: format!("{}: map and conventional law over time", traces.what),
         x_title: "time since the gear was set [s]",
@@ -65,11 +65,11 @@ fn pivot(section: &mut Section, traces: &ClosedLoop) {
             panel("effective torque [N·m]", &|l| &l.torque_nm),
             panel("heading turned [°]", &|l| &l.heading_deg),
         ],
-    });
+    }
 }
 
-fn compare(section: &mut Section, verdict: &MapVerdict) {
-    let Some(comparison) = &verdict.comparison else { return };
+/// The map beside other laws, on one scenario.
+fn laws(comparison: &LawComparison, draws: usize) -> Markup {
     let metrics = [
         Metric::HeadingErrorDeg,
         Metric::SpeedRmsMps,
@@ -78,29 +78,69 @@ fn compare(section: &mut Section, verdict: &MapVerdict) {
         Metric::PeakAccelMps2,
         Metric::SettlingTimeS,
     ];
-    let header: Vec<String> =
-        std::iter::once("law|".to_owned()).chain(metrics.map(|m| format!("{} {}", m.title(), m.unit()).trim().to_owned())).collect();
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let median = |all: &[MetricSummary], metric| {
-        let value = all.iter().find(|s| s.metric == metric).and_then(|s| s.figure(Statistic::Median));
-        value.map_or("–".to_owned(), |v| num(v, 3))
-    };
+    let titles = metrics.map(|m| format!("{} {}", m.title(), m.unit()).trim().to_owned());
+    let columns: Vec<TableColumn> = std::iter::once(Text("law")).chain(titles.iter().map(|title| Number(title))).collect();
+    let median = |all: &[MetricSummary], metric| num_or_dash(figure(all, metric, Statistic::Median), 3);
     let rows: Vec<Vec<String>> = comparison
         .laws
         .iter()
-        .map(|law| std::iter::once(escaped(&law.name)).chain(metrics.map(|m| median(&law.metrics, m))).collect())
+        .map(|law| std::iter::once(law.name.clone()).chain(metrics.map(|m| median(&law.metrics, m))).collect())
         .collect();
-    section.heading(&format!(
-        "The map beside other laws: {}, medians over {} perturbed plants",
-        comparison.scenario, verdict.comparison_draws
-    ));
-    section.table("", &header, &rows);
-    let told = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| num(r, 2));
-    section.paragraph(&format!(
-        "Start jerk, map over conventional law: {} (goal: at most 0.33). Speed tracking, map over perfect inverse: {} (goal: at most 1.15).",
-        told(comparison.start_jerk_ratio),
-        told(comparison.speed_rms_ratio)
-    ));
+    let ratio = |ratio: Option<f64>| ratio.map_or("none".to_owned(), |r| num(r, 2));
+    html! {
+        h3 { "The map beside other laws: " (comparison.scenario) ", medians over " (draws) " perturbed plants" }
+        (table("", &columns, &rows))
+        p {
+            "Start jerk, map over conventional law: " (ratio(comparison.start_jerk_ratio)) " (goal: at most 0.33). "
+            "Speed tracking, map over perfect inverse: " (ratio(comparison.speed_rms_ratio)) " (goal: at most 1.15)."
+        }
+    }
+}
+
+/// Every pivot; the manoeuvres have a section of their own.
+fn scenarios(verdict: &MapVerdict) -> Markup {
+    let columns = [
+        Text("scenario"),
+        Text("what"),
+        Text("verdict"),
+        Text("nearest limit"),
+        Number("value"),
+        Number("limit"),
+        Number("heading error, median"),
+        Number("99 %"),
+        Number("settling time, median"),
+    ];
+    let rows: Vec<Vec<Markup>> = verdict.scenarios.iter().filter(|s| s.class.is_pivot()).map(scenario).collect();
+    html! {
+        @if rows.is_empty() {
+            p.absent { "The verdict holds no pivot: run pivot-cal verify without --scenario." }
+        } @else {
+            (table("", &columns, &rows))
+        }
+    }
+}
+
+fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
+    let nearest = scenario.checks.iter().max_by(|a, b| used(a).total_cmp(&used(b)));
+    let of_nearest = |text: &dyn Fn(&LimitCheck) -> String| nearest.map_or("–".to_owned(), text);
+    let shown = |metric, statistic| figure(&scenario.metrics, metric, statistic).map_or("–".to_owned(), |v| with_unit(metric, v));
+    vec![
+        html! { (scenario.name) },
+        html! { (scenario.what) },
+        html! {
+            @match scenario.status {
+                Status::Pass => "pass",
+                Status::Fail => strong { "FAIL" },
+                Status::NotTested => "not tested",
+            }
+        },
+        html! { (of_nearest(&|c| format!("{}, {}", c.metric.title(), c.statistic.title()))) },
+        html! { (of_nearest(&|c| c.value.map_or("none".to_owned(), |v| with_unit(c.metric, v)))) },
+        html! { (of_nearest(&limit)) },
+        html! { (shown(Metric::HeadingErrorDeg, Statistic::Median)) },
+        html! { (shown(Metric::HeadingErrorDeg, Statistic::P99)) },
+        html! { (shown(Metric::SettlingTimeS, Statistic::Median)) },
+    ]
 }
 
 /// How much of a limit is used up: 1 at the limit.
@@ -112,37 +152,57 @@ fn used(check: &LimitCheck) -> f64 {
     }
 }
 
-fn scenario(scenario: &ScenarioVerdict) -> Vec<String> {
-    let status = match scenario.status {
-        Status::Pass => "pass",
-        Status::Fail => "<strong>FAIL</strong>",
-        Status::NotTested => "not tested",
-    };
-    let nearest = scenario.checks.iter().max_by(|a, b| used(a).total_cmp(&used(b)));
-    let unit = |m: Metric, v: f64| match m.unit() {
-        "" => format!("{}\u{a0}%", num(100.0 * v, 0)),
-        "°" => format!("{}°", num(v, 2)),
-        "m" => format!("{}\u{a0}mm", num(1e3 * v, 0)),
-        unit => format!("{}\u{a0}{unit}", num(v, 2)),
-    };
-    let figure = |metric: Metric, statistic| {
-        let value = scenario.metrics.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic));
-        value.map_or("–".to_owned(), |v| unit(metric, v))
-    };
-    let told = |f: &dyn Fn(&LimitCheck) -> String| nearest.map_or("–".to_owned(), f);
-    vec![
-        escaped(&scenario.name),
-        escaped(&scenario.what),
-        status.to_owned(),
-        told(&|c| format!("{}, {}", c.metric.title(), c.statistic.title())),
-        told(&|c| c.value.map_or("none".to_owned(), |v| unit(c.metric, v))),
-        told(&|c| match (c.at_most, c.at_least) {
-            (Some(most), _) => format!("≤\u{a0}{}", unit(c.metric, most)),
-            (_, Some(least)) => format!("≥\u{a0}{}", unit(c.metric, least)),
-            _ => String::new(),
-        }),
-        figure(Metric::HeadingErrorDeg, Statistic::Median),
-        figure(Metric::HeadingErrorDeg, Statistic::P99),
-        figure(Metric::SettlingTimeS, Statistic::Median),
-    ]
+fn figure(all: &[MetricSummary], metric: Metric, statistic: Statistic) -> Option<f64> {
+    all.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic))
+}
+
+fn limit(check: &LimitCheck) -> String {
+    match (check.at_most, check.at_least) {
+        (Some(most), _) => format!("≤\u{a0}{}", with_unit(check.metric, most)),
+        (_, Some(least)) => format!("≥\u{a0}{}", with_unit(check.metric, least)),
+        _ => String::new(),
+    }
+}
+
+fn with_unit(metric: Metric, value: f64) -> String {
+    match metric.unit() {
+        "" => format!("{}\u{a0}%", num(100.0 * value, 0)),
+        "°" => format!("{}°", num(value, 2)),
+        "m" => format!("{}\u{a0}mm", num(1e3 * value, 0)),
+        unit => format!("{}\u{a0}{unit}", num(value, 2)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(metric: Metric, value: Option<f64>, at_most: f64, pass: bool) -> LimitCheck {
+        LimitCheck { metric, statistic: Statistic::P99, value, at_most: Some(at_most), at_least: None, pass }
+    }
+
+    fn verdict(checks: Vec<LimitCheck>) -> ScenarioVerdict {
+        let class = crate::verify::Class::Turn;
+        let (name, what) = ("left-90".to_owned(), "<90°>".to_owned());
+        ScenarioVerdict { name, what, class, status: Status::Fail, notes: Vec::new(), metrics: Vec::new(), checks }
+    }
+
+    #[test]
+    fn the_nearest_limit_is_the_one_of_which_most_is_used_and_a_broken_one_is_nearest() {
+        let close = check(Metric::HeadingErrorDeg, Some(0.9), 1.0, true);
+        let far = check(Metric::SettlingTimeS, Some(1.0), 4.0, true);
+        let cells = |checks| scenario(&verdict(checks)).into_iter().map(maud::PreEscaped::into_string).collect::<Vec<_>>();
+        let found = cells(vec![close.clone(), far]);
+        assert_eq!(found[3..6], ["final heading error, 99 %", "0.90°", "≤\u{a0}1.00°"]);
+        let broken = check(Metric::SettlingTimeS, None, 4.0, false);
+        let found = cells(vec![close, broken]);
+        assert_eq!(found[3..6], ["settling time, 99 %", "none", "≤\u{a0}4.00\u{a0}s"]);
+        assert_eq!(found[1..3], ["&lt;90°&gt;", "<strong>FAIL</strong>"]);
+    }
+
+    #[test]
+    fn a_scenario_without_checks_has_dashes() {
+        let found = scenario(&verdict(Vec::new()));
+        assert!(found[3..].iter().all(|cell| cell.0 == "–"), "{found:?}");
+    }
 }

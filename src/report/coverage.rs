@@ -1,12 +1,17 @@
 //! Coverage: how sure each cell is, and where its value comes from.
 
 use crate::map::{AccelMap, CellStatus};
-use crate::report::Inputs;
+use crate::report::ReportFiles;
 use crate::report::heat::{Heat, Quantity};
+use crate::report::html::{
+    TableColumn::{Number, Text},
+    table,
+};
 use crate::report::scale::Colours;
-use crate::report::section::Section;
+use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
 use crate::report::tables::{ACCEL_ERROR, SAMPLES, SIZE, SPEED, TORQUE};
+use maud::html;
 use std::fmt::Write as _;
 
 const CONFIDENCE: Quantity = Quantity { name: "confidence", unit: "", digits: 2 };
@@ -14,40 +19,53 @@ const CONFIDENCE: Quantity = Quantity { name: "confidence", unit: "", digits: 2 
 const MOST_COLUMNS: usize = 64;
 
 /// Coverage as a section.
-pub(crate) fn coverage(inputs: &Inputs) -> Section {
-    let mut section = Section::new("coverage", "Coverage and confidence");
-    section.paragraph(
-        "Confidence falls from 1 with the standard error and is one half at 0.1 m/s²; where nothing was measured nearby it is at most one \
-         half. Measured cells are plain, interpolated ones dotted, extrapolated ones hatched.",
-    );
-    let mut rows = Vec::new();
-    section.open_row();
-    for map in &inputs.table1.maps {
-        section.heat(&Heat {
-            id: format!("coverage-{}", map.gear),
-            title: format!("Confidence, {} gear", map.gear),
-            x: (SPEED, &map.speed_mps),
-            y: (TORQUE, &map.torque_nm),
-            value: (CONFIDENCE, Box::new(move |i, j| Some(map.confidence[j][i]))),
-            beside: vec![
-                (ACCEL_ERROR, Box::new(move |i, j| Some(map.std_err_mps2[j][i]))),
-                (SAMPLES, Box::new(move |i, j| Some(map.count[j][i] as f64))),
-            ],
-            status: Some(Box::new(move |i, j| map.status[j][i])),
-            colours: Colours::Blues,
-            range: Some((0.0, 1.0)),
-            legend: true,
-            curve: None,
-            dot: None,
-            size: SIZE,
-        });
-        rows.push(shares(map));
-    }
-    section.close_row();
-    section.table("", &["gear|", "cells", "measured", "interpolated", "extrapolated", "median standard error m/s²", "samples"], &rows);
-    section
+pub(crate) fn coverage(inputs: &ReportFiles) -> Section {
+    let mut figures = Figures::default();
+    let columns = [
+        Text("gear"),
+        Number("cells"),
+        Number("measured"),
+        Number("interpolated"),
+        Number("extrapolated"),
+        Number("median standard error m/s²"),
+        Number("samples"),
+    ];
+    let rows: Vec<Vec<String>> = inputs.table1.maps.iter().map(shares).collect();
+    let body = html! {
+        p {
+            "Confidence falls from 1 with the standard error and is one half at 0.1 m/s²; where nothing was measured nearby it is at most one \
+             half. Measured cells are plain, interpolated ones dotted, extrapolated ones hatched."
+        }
+        div.row {
+            @for map in &inputs.table1.maps { (figures.heat(&confidence(map))) }
+        }
+        (table("", &columns, &rows))
+    };
+    Section { id: "coverage", title: "Coverage and confidence", body, figures }
 }
 
+fn confidence(map: &AccelMap) -> Heat<'_> {
+    Heat {
+        id: format!("coverage-{}", map.gear),
+        title: format!("Confidence, {} gear", map.gear),
+        x: (SPEED, &map.speed_mps),
+        y: (TORQUE, &map.torque_nm),
+        value: (CONFIDENCE, Box::new(move |i, j| Some(map.confidence[j][i]))),
+        beside: vec![
+            (ACCEL_ERROR, Box::new(move |i, j| Some(map.std_err_mps2[j][i]))),
+            (SAMPLES, Box::new(move |i, j| Some(map.count[j][i] as f64))),
+        ],
+        status: Some(Box::new(move |i, j| map.status[j][i])),
+        colours: Colours::Blues,
+        range: Some((0.0, 1.0)),
+        legend: true,
+        curve: None,
+        dot: None,
+        size: SIZE,
+    }
+}
+
+/// A row of the table: how many of a gear's cells are measured, interpolated and extrapolated.
 fn shares(map: &AccelMap) -> Vec<String> {
     let all: Vec<CellStatus> = map.status.iter().flatten().copied().collect();
     let share = |status| {
@@ -94,15 +112,11 @@ pub fn coverage_text(map: &AccelMap) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::map::{Gear, Vehicle};
-    use crate::sim::{PhysicalSettings, Settings as World};
-    use crate::verify::known_maps;
+    use crate::report::known::known;
 
     #[test]
     fn the_terminal_shows_one_character_per_cell_and_the_highest_torque_first() {
-        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let (mut table1, _) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
-        let map = table1.maps.iter_mut().find(|m| m.gear == Gear::Forward).unwrap();
+        let map = &mut known().0.maps[0];
         let last = map.status.len() - 1;
         map.status[last][0] = CellStatus::Extrapolated;
         map.status[last][1] = CellStatus::Interpolated;

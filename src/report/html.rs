@@ -1,34 +1,77 @@
-//! Pieces of the page: tables and paragraphs.
+//! Pieces of the page that several sections use: tables, and numbers that may be missing.
+//!
+//! Text is escaped where it enters the page, by its type: `html!` takes only [`Markup`] as it stands.
 
-use crate::report::svg::escaped;
-use std::fmt::Write as _;
+use crate::report::svg::num;
+use maud::{Markup, Render, html};
 
-/// A table; `header` cells that end in `|` head columns of text, the others columns of numbers. `class` goes to the table. Cells are HTML.
-pub(crate) fn table(class: &str, header: &[&str], rows: &[Vec<String>]) -> String {
-    let text_column: Vec<bool> = header.iter().map(|h| h.ends_with('|')).collect();
-    let mut html = format!("<div class=\"scroll\"><table class=\"{class}\"><thead><tr>");
-    let left = |k: usize| if text_column.get(k).copied().unwrap_or(true) { " class=\"l\"" } else { "" };
-    for (k, name) in header.iter().enumerate() {
-        let _ = write!(html, "<th{}>{}</th>", left(k), escaped(name.trim_end_matches('|')));
-    }
-    html.push_str("</tr></thead><tbody>\n");
-    for row in rows {
-        html.push_str("<tr>");
-        for (k, cell) in row.iter().enumerate() {
-            let _ = write!(html, "<td{}>{cell}</td>", left(k));
+/// A column of a table: its heading, and how its cells are aligned.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum TableColumn<'a> {
+    /// Words, aligned left.
+    Text(&'a str),
+    /// Numbers, aligned right.
+    Number(&'a str),
+}
+
+impl<'a> TableColumn<'a> {
+    /// The heading.
+    pub(crate) fn title(self) -> &'a str {
+        match self {
+            Self::Text(title) | Self::Number(title) => title,
         }
-        html.push_str("</tr>\n");
     }
-    html.push_str("</tbody></table></div>\n");
-    html
+
+    /// The class of its heading and of its cells.
+    pub(crate) fn class(self) -> Option<&'static str> {
+        matches!(self, Self::Text(_)).then_some("l")
+    }
 }
 
-/// A paragraph of plain text.
-pub(crate) fn paragraph(text: &str) -> String {
-    format!("<p>{}</p>\n", escaped(text))
+/// A table that scrolls sideways where it is too wide; `class` is the table's. A cell is a text, or markup.
+pub(crate) fn table<C: Render>(class: &str, columns: &[TableColumn], rows: &[Vec<C>]) -> Markup {
+    html! {
+        div.scroll {
+            table class=(class) {
+                thead {
+                    tr {
+                        @for column in columns { th class=[column.class()] { (column.title()) } }
+                    }
+                }
+                tbody {
+                    @for row in rows {
+                        tr {
+                            @for (column, cell) in columns.iter().zip(row) { td class=[column.class()] { (cell) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
 
-/// A remark that something is absent.
-pub(crate) fn absent(text: &str) -> String {
-    format!("<p class=\"absent\">{}</p>\n", escaped(text))
+/// A number with `digits` decimals, a dash where there is none.
+pub(crate) fn num_or_dash(value: Option<f64>, digits: usize) -> String {
+    value.map_or("–".to_owned(), |v| num(v, digits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TableColumn::{Number, Text};
+    use super::*;
+
+    #[test]
+    fn text_from_a_file_is_escaped_and_markup_is_kept() {
+        let rows = [vec![html! { ("<b>&\"") }, html! { strong { "FAIL" } }]];
+        let page = table("narrow", &[Text("log"), Number("a<b")], &rows).into_string();
+        assert!(page.contains("<td class=\"l\">&lt;b&gt;&amp;&quot;</td><td><strong>FAIL</strong></td>"), "{page}");
+        assert!(page.contains("<th class=\"l\">log</th><th>a&lt;b</th>"), "{page}");
+        assert!(table("", &[Text("log")], &[vec!["<i>".to_owned()]]).into_string().contains(">&lt;i&gt;<"));
+    }
+
+    #[test]
+    fn a_missing_number_is_a_dash() {
+        assert_eq!(num_or_dash(Some(-0.26), 1), "−0.3");
+        assert_eq!(num_or_dash(None, 1), "–");
+    }
 }

@@ -1,14 +1,14 @@
 //! What a folder of maps holds, and whether its files belong together.
 
 use crate::manoeuvre::ManoeuvreTraces;
-use crate::map::{FitTraces, PlanFile, SAME_ANGLE_DEG, Table1File, Table2File, sha256_hex};
+use crate::map::{FitTraces, FolderError, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File};
 use crate::report::{Error, Result};
 use crate::verify::{ClosedLoop, MapVerdict, Scenario};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The files that a report is made from. Only `table1.json` is needed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Inputs {
+pub struct ReportFiles {
     /// `table1.json`.
     pub table1: Table1File,
     /// `table2.json`.
@@ -33,7 +33,7 @@ pub struct Inputs {
     pub other_angles_deg: Vec<f64>,
 }
 
-/// Whether a map may be deployed, as far as the files tell.
+/// Whether a map may be deployed, as far as the files show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
@@ -45,129 +45,59 @@ pub enum Judgement {
     NotJudged,
 }
 
-impl Inputs {
-    /// Reads the folder. What is absent, or belongs to other tables, is left out and told in `notes`.
+impl ReportFiles {
+    /// Reads the folder. What is absent, or belongs to other tables, is left out and noted.
     ///
     /// # Errors
     /// No `table1.json`, or a file that is there and cannot be read.
     pub fn read(folder: &Path) -> Result<Self> {
-        let path = folder.join("table1.json");
-        let text1 = std::fs::read_to_string(&path).map_err(|source| Error::NoTable1 { path: path.clone(), source })?;
-        let table1 = Table1File::from_json(&text1).map_err(|source| Error::Map { path, source })?;
-        let mut files = vec![("table1.json".to_owned(), sha256_hex(text1.as_bytes()))];
-        let mut notes = Vec::new();
-        let mut text = |name: &str| -> Result<Option<String>> {
-            let path = folder.join(name);
-            match std::fs::read_to_string(&path) {
-                Ok(text) => {
-                    files.push((name.to_owned(), sha256_hex(text.as_bytes())));
-                    Ok(Some(text))
-                }
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-                Err(source) => Err(Error::Read { path, source }),
-            }
-        };
-        let of_map = |name: &str| {
-            let path = folder.join(name);
-            move |source| Error::Map { path, source }
-        };
-        let of_verdict = |name: &str| {
-            let path = folder.join(name);
-            move |source| Error::Verdict { path, source }
-        };
-        let table2 = text("table2.json")?.map(|t| Table2File::from_json(&t)).transpose().map_err(of_map("table2.json"))?;
-        let verdict = text("verify.json")?.map(|t| MapVerdict::from_json(&t)).transpose().map_err(of_verdict("verify.json"))?;
-        let fit_traces = text("fit_traces.json")?.map(|t| FitTraces::from_json(&t)).transpose().map_err(of_map("fit_traces.json"))?;
-        let closed_loop =
-            text("verify_traces.json")?.map(|t| ClosedLoop::from_json(&t)).transpose().map_err(of_verdict("verify_traces.json"))?;
-        let manoeuvres = text("manoeuvre_traces.json")?;
-        let manoeuvres = manoeuvres.map(|t| ManoeuvreTraces::from_json(&t)).transpose().map_err(of_verdict("manoeuvre_traces.json"))?;
-        let plan = text("plan.json")?.map(|t| PlanFile::from_json(&t)).transpose().map_err(of_map("plan.json"))?;
+        let (maps, mismatches) = MapFolder::read(folder).map_err(|error| unread(folder, error))?;
+        let mut beside = Beside { maps: &maps, files: Vec::new() };
+        let verdict = beside.read("verify.json", MapVerdict::from_json, verdict_error)?;
+        let fit_traces = beside.read("fit_traces.json", FitTraces::from_json, map_error)?;
+        let closed_loop = beside.read("verify_traces.json", ClosedLoop::from_json, verdict_error)?;
+        let manoeuvres = beside.read("manoeuvre_traces.json", ManoeuvreTraces::from_json, verdict_error)?;
+        let plan = beside.read("plan.json", PlanFile::from_json, map_error)?;
+        let others = beside.files;
 
-        let sha1 = files[0].1.clone();
-        if let Some(table2) = table2.as_ref().filter(|t| t.table1.sha256 != sha1) {
-            notes.push(format!(
-                "table2.json was made from another table1.json ({:.12}…): run `pivot-cal invert` again",
-                table2.table1.sha256
-            ));
-        }
-        let csvs = table1.maps.iter().map(|m| &m.csv).chain(table2.iter().flat_map(|t| t.maps.iter().map(|m| &m.csv)));
-        for csv in csvs {
-            match std::fs::read(folder.join(&csv.file)) {
-                Ok(bytes) => {
-                    let found = sha256_hex(&bytes);
-                    if found != csv.sha256 {
-                        notes.push(format!(
-                            "{} is not the file that its JSON describes: it was edited, or belongs to another map",
-                            csv.file
-                        ));
-                    }
-                    files.push((csv.file.clone(), found));
-                }
-                Err(_) => notes.push(format!("{} is missing", csv.file)),
-            }
-        }
+        let described = |file: &StoredFile| (file.name.clone(), file.sha256.clone());
+        let tables = std::iter::once(&maps.table1_json).chain(maps.table2.as_ref().map(|(_, json)| json));
+        let files = tables.map(described).chain(others).chain(maps.csvs.iter().map(described)).collect();
+
+        let mut notes: Vec<String> = mismatches.iter().filter_map(|m| mismatch_note(m, &maps)).collect();
         let fits_together = notes.is_empty();
-        let hashes = |table2: &Table2File| table2.maps.iter().map(|m| m.csv.sha256.clone()).collect::<Vec<String>>();
-        let same = |judged: &[String]| table2.as_ref().is_some_and(|t| judged.iter().all(|s| hashes(t).contains(s)));
-        let verdict_is_current = fits_together && verdict.as_ref().is_some_and(|v| same(&v.table2_csv_sha256));
-        match (&table2, &verdict) {
-            (None, _) => notes.push("there is no table2.json: run `pivot-cal invert`".to_owned()),
-            (_, None) => notes.push("there is no verify.json: run `pivot-cal verify`".to_owned()),
-            (_, Some(v)) if !same(&v.table2_csv_sha256) => {
-                notes.push("verify.json judged another Table 2: run `pivot-cal verify` again".to_owned());
+        let MapFolder { mut table1, table1_json, table2, .. } = maps;
+        let mut table2 = table2.map(|(file, _)| file);
+        let sha1 = table1_json.sha256;
+        let csvs: Option<Vec<String>> = table2.as_ref().map(|t| t.maps.iter().map(|m| m.csv.sha256.clone()).collect());
+        let of_table2 = |judged: &[String]| csvs.as_ref().is_some_and(|csvs| judged.iter().all(|sha256| csvs.contains(sha256)));
+        let verdict_is_current = fits_together && verdict.as_ref().is_some_and(|v| of_table2(&v.table2_csv_sha256));
+        notes.extend(verdict_note(table2.is_some(), verdict.as_ref(), of_table2));
+
+        let mut left_out = |belongs: bool, note: &str| {
+            if !belongs {
+                notes.push(note.to_owned());
             }
-            (_, Some(v)) => {
-                let missing = pivots_left_out(v);
-                if missing > 0 {
-                    notes.push(format!("verify.json leaves out {missing} of the pivots: run `pivot-cal verify` without --scenario"));
-                }
-            }
-        }
+            belongs
+        };
         let fit_traces = fit_traces.filter(|t| {
-            let same = t.table1.sha256 == sha1;
-            if !same {
-                notes.push("fit_traces.json belongs to another table1.json and is left out: run `pivot-cal fit` again".to_owned());
-            }
-            same
+            let note = "fit_traces.json belongs to another table1.json and is left out: run `pivot-cal fit` again";
+            left_out(t.table1.sha256 == sha1, note)
         });
         let closed_loop = closed_loop.filter(|t| {
-            let same = same(&t.table2_csv_sha256);
-            if !same {
-                notes.push("verify_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify` again".to_owned());
-            }
-            same
+            let note = "verify_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify` again";
+            left_out(of_table2(&t.table2_csv_sha256), note)
         });
         let manoeuvres = manoeuvres.filter(|t| {
-            let same = same(&t.table2_csv_sha256);
-            if !same {
-                notes.push(
-                    "manoeuvre_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify --scenario manoeuvres` again"
-                        .to_owned(),
-                );
-            }
-            same
+            let note =
+                "manoeuvre_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify --scenario manoeuvres` again";
+            left_out(of_table2(&t.table2_csv_sha256), note)
         });
         let plan = plan.filter(|p| {
-            let same = p.table1_sha256 == sha1;
-            if !same {
-                notes.push("plan.json was made from another table1.json and is left out: run `pivot-cal plan` again".to_owned());
-            }
-            same
+            let note = "plan.json was made from another table1.json and is left out: run `pivot-cal plan` again";
+            left_out(p.table1_sha256 == sha1, note)
         });
-        let (mut table1, mut table2) = (table1, table2);
-        let test_angle_deg = table1.vehicle.test_angle_deg;
-        let shown = |angle_deg: f64| (angle_deg - test_angle_deg).abs() < SAME_ANGLE_DEG;
-        let mut other_angles_deg = Vec::new();
-        if table1.maps.iter().any(|m| shown(m.wheel_angle_deg)) {
-            other_angles_deg = table1.maps.iter().map(|m| m.wheel_angle_deg).filter(|a| !shown(*a)).collect();
-            other_angles_deg.sort_unstable_by(f64::total_cmp);
-            other_angles_deg.dedup();
-            table1.maps.retain(|m| shown(m.wheel_angle_deg));
-            if let Some(table2) = &mut table2 {
-                table2.maps.retain(|m| shown(m.wheel_angle_deg));
-            }
-        }
+        let other_angles_deg = keep_test_angle(&mut table1, table2.as_mut());
         Ok(Self { table1, table2, verdict, fit_traces, closed_loop, manoeuvres, plan, files, notes, verdict_is_current, other_angles_deg })
     }
 
@@ -179,6 +109,88 @@ impl Inputs {
             _ => Judgement::NotJudged,
         }
     }
+}
+
+/// The files beside the tables, with the name and the hash of each that was read.
+struct Beside<'a> {
+    maps: &'a MapFolder,
+    files: Vec<(String, String)>,
+}
+
+impl Beside<'_> {
+    /// Reads a file, `None` where there is none.
+    fn read<T, E>(
+        &mut self,
+        name: &str,
+        from_json: impl Fn(&str) -> std::result::Result<T, E>,
+        error: impl Fn(PathBuf, E) -> Error,
+    ) -> Result<Option<T>> {
+        let path = || self.maps.path.join(name);
+        let Some(file) = self.maps.other(name).map_err(|e| unread(&self.maps.path, e))? else { return Ok(None) };
+        let text = file.text().map_err(|source| Error::Read { path: path(), source })?;
+        let read = from_json(text).map_err(|e| error(path(), e))?;
+        self.files.push((file.name, file.sha256));
+        Ok(Some(read))
+    }
+}
+
+fn map_error(path: PathBuf, source: crate::map::Error) -> Error {
+    Error::Map { path, source }
+}
+
+fn verdict_error(path: PathBuf, source: crate::verify::Error) -> Error {
+    Error::Verdict { path, source }
+}
+
+fn unread(folder: &Path, error: FolderError) -> Error {
+    match error {
+        FolderError::Read { path, source } if path == folder.join("table1.json") => Error::NoTable1 { path, source },
+        FolderError::Read { path, source } => Error::Read { path, source },
+        FolderError::File { path, source } => Error::Map { path, source },
+    }
+}
+
+/// What a reader should know of a mismatch. That there is no Table 2 yet is said with the verdict.
+fn mismatch_note(mismatch: &Mismatch, maps: &MapFolder) -> Option<String> {
+    match mismatch {
+        Mismatch::Hash { file, expected, .. } if *file == maps.table1_json.name => {
+            Some(format!("table2.json was made from another table1.json ({expected:.12}…): run `pivot-cal invert` again"))
+        }
+        Mismatch::Hash { file, .. } => {
+            Some(format!("{file} is not the file that its JSON describes: it was edited, or belongs to another map"))
+        }
+        Mismatch::Unreadable { file, .. } if file == "table2.json" => None,
+        Mismatch::Unreadable { file, .. } => Some(format!("{file} is missing")),
+    }
+}
+
+/// What the verdict lacks.
+fn verdict_note(has_table2: bool, verdict: Option<&MapVerdict>, of_table2: impl Fn(&[String]) -> bool) -> Option<String> {
+    if !has_table2 {
+        return Some("there is no table2.json: run `pivot-cal invert`".to_owned());
+    }
+    let Some(verdict) = verdict else { return Some("there is no verify.json: run `pivot-cal verify`".to_owned()) };
+    if !of_table2(&verdict.table2_csv_sha256) {
+        return Some("verify.json judged another Table 2: run `pivot-cal verify` again".to_owned());
+    }
+    let missing = pivots_left_out(verdict);
+    (missing > 0).then(|| format!("verify.json leaves out {missing} of the pivots: run `pivot-cal verify` without --scenario"))
+}
+
+/// Keeps the maps at the test angle, where there are any, and returns the other wheel angles [°].
+fn keep_test_angle(table1: &mut Table1File, table2: Option<&mut Table2File>) -> Vec<f64> {
+    let test_angle = table1.vehicle.test_angle();
+    if !table1.maps.iter().any(|m| m.angle().is_same(test_angle)) {
+        return Vec::new();
+    }
+    let mut others: Vec<f64> = table1.maps.iter().map(|m| m.wheel_angle_deg).filter(|a| !test_angle.is_same_deg(*a)).collect();
+    others.sort_unstable_by(f64::total_cmp);
+    others.dedup();
+    table1.maps.retain(|m| m.angle().is_same(test_angle));
+    if let Some(table2) = table2 {
+        table2.maps.retain(|m| m.angle().is_same(test_angle));
+    }
+    others
 }
 
 /// How many of the pivots a verdict says nothing of: one of chosen scenarios alone judges no map.

@@ -1,9 +1,14 @@
 //! What to drive next: the planned runs, the torques of which least is known, and the cells that are least sure.
 
-use crate::map::{AccelMap, CellStatus};
-use crate::report::Inputs;
-use crate::report::section::Section;
-use crate::report::svg::{escaped, num};
+use crate::map::{AccelMap, CellStatus, PlanEntry, Proposal};
+use crate::report::ReportFiles;
+use crate::report::html::{
+    TableColumn::{Number, Text},
+    table,
+};
+use crate::report::section::{Figures, Section};
+use crate::report::svg::num;
+use maud::{Markup, html};
 
 /// Rows shown of each list.
 const SHOWN: usize = 8;
@@ -23,33 +28,86 @@ struct Level {
 }
 
 /// What to drive next as a section.
-pub(crate) fn next(inputs: &Inputs) -> Section {
-    let mut section = Section::new("next", "What to drive next");
-    planned(&mut section, inputs);
-    section.heading("Where doubt is");
-    section.paragraph(
-        "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the speeds that are missing. \
-         A level far from the torques of a pivot matters less than one within them.",
-    );
-    let mut levels: Vec<Level> = inputs.table1.maps.iter().flat_map(levels).collect();
+pub(crate) fn next(inputs: &ReportFiles) -> Section {
+    let body = html! {
+        @if let Some(file) = &inputs.plan {
+            (planned(&file.plan))
+        } @else {
+            p.absent { "No runs are planned yet: run pivot-cal plan, and then report again." }
+        }
+        h3 { "Where doubt is" }
+        p {
+            "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the speeds that are missing. A \
+             level far from the torques of a pivot matters less than one within them."
+        }
+        (doubtful_levels(&inputs.table1.maps))
+        h3 { "The least sure cells within what was measured" }
+        (doubtful_cells(&inputs.table1.maps))
+    };
+    Section { id: "next", title: "What to drive next", body, figures: Figures::default() }
+}
+
+/// The runs that `pivot-cal plan` proposes.
+fn planned(plan: &Proposal) -> Markup {
+    let columns = [
+        Number("run"),
+        Text("gear"),
+        Number("torque N·m"),
+        Text("start"),
+        Number("times"),
+        Number("each s"),
+        Number("gain mN·m"),
+        Number("gain %"),
+        Text("why"),
+    ];
+    let row = |(k, entry): (usize, &PlanEntry)| {
+        let run = &entry.run;
+        vec![
+            (k + 1).to_string(),
+            run.gear.to_string(),
+            num(run.torque_nm, 1),
+            run.start(),
+            entry.repeats.to_string(),
+            num(entry.seconds, 1),
+            num(1e3 * entry.gain_nm, 2),
+            num(entry.gain_percent, 2),
+            entry.reason.replace(" -", " −"),
+        ]
+    };
+    let rows: Vec<Vec<String>> = plan.entries.iter().take(PLANNED).enumerate().map(row).collect();
+    html! {
+        p {
+            (plan.runs) " runs in " ((plan.seconds / 60.0).floor()) " min " (num(plan.seconds % 60.0, 0)) " s, the most useful first, are \
+             expected to take the standard error of the torque from " (num(plan.std_err_nm, 3)) " to " (num(plan.std_err_after_nm, 3)) " N·m \
+             (root mean square over the cells, by the plan's own model). Gain: what the first run of a row takes off it."
+        }
+        (table("", &columns, &rows))
+        @if plan.entries.len() > PLANNED {
+            p { "And " (plan.entries.len() - PLANNED) " more: pivot-cal plan -o next.toml writes them all as a campaign." }
+        }
+    }
+}
+
+/// The torques whose cells are least known together.
+fn doubtful_levels(maps: &[AccelMap]) -> Markup {
+    let columns =
+        [Text("gear"), Number("torque N·m"), Number("cells measured"), Number("mean standard error m/s²"), Number("doubt"), Text("how")];
+    let mut levels: Vec<Level> = maps.iter().flat_map(levels).collect();
     levels.sort_by(|a, b| b.doubt.total_cmp(&a.doubt).then(a.torque_nm.total_cmp(&b.torque_nm)));
-    let rows: Vec<Vec<String>> = levels
-        .iter()
-        .take(SHOWN)
-        .map(|l| {
-            vec![
-                l.gear.clone(),
-                num(l.torque_nm, 1),
-                format!("{} of {}", l.measured, l.cells),
-                num(l.mean_std_err, 3),
-                num(l.doubt, 1),
-                l.how.clone(),
-            ]
-        })
-        .collect();
-    section.table("", &["gear|", "torque N·m", "cells measured", "mean standard error m/s²", "doubt", "how|"], &rows);
+    levels.truncate(SHOWN);
+    let row = |l: Level| {
+        let measured = format!("{} of {}", l.measured, l.cells);
+        vec![l.gear, num(l.torque_nm, 1), measured, num(l.mean_std_err, 3), num(l.doubt, 1), l.how]
+    };
+    table("", &columns, &levels.into_iter().map(row).collect::<Vec<_>>())
+}
+
+/// The cells with the largest standard errors, of those that are not extrapolated.
+fn doubtful_cells(maps: &[AccelMap]) -> Markup {
+    let columns =
+        [Text("gear"), Number("speed m/s"), Number("torque N·m"), Number("standard error m/s²"), Number("samples"), Text("status")];
     let mut cells: Vec<(f64, &AccelMap, usize, usize)> = Vec::new();
-    for map in &inputs.table1.maps {
+    for map in maps {
         for (i, row) in map.status.iter().enumerate() {
             for (j, status) in row.iter().enumerate() {
                 if *status != CellStatus::Extrapolated {
@@ -59,66 +117,18 @@ pub(crate) fn next(inputs: &Inputs) -> Section {
         }
     }
     cells.sort_by(|a, b| b.0.total_cmp(&a.0));
-    section.heading("The least sure cells within what was measured");
-    let rows: Vec<Vec<String>> = cells
-        .iter()
-        .take(SHOWN)
-        .map(|(error, map, i, j)| {
-            vec![
-                map.gear.to_string(),
-                num(map.speed_mps[*j], 2),
-                num(map.torque_nm[*i], 1),
-                num(*error, 3),
-                map.count[*i][*j].to_string(),
-                map.status[*i][*j].to_string(),
-            ]
-        })
-        .collect();
-    section.table("narrow", &["gear|", "speed m/s", "torque N·m", "standard error m/s²", "samples", "status|"], &rows);
-    section
-}
-
-/// The runs that `pivot-cal plan` proposes.
-fn planned(section: &mut Section, inputs: &Inputs) {
-    let Some(file) = &inputs.plan else {
-        section.absent("No runs are planned yet: run pivot-cal plan, and then report again.");
-        return;
+    cells.truncate(SHOWN);
+    let row = |(error, map, i, j): (f64, &AccelMap, usize, usize)| {
+        vec![
+            map.gear.to_string(),
+            num(map.speed_mps[j], 2),
+            num(map.torque_nm[i], 1),
+            num(error, 3),
+            map.count[i][j].to_string(),
+            map.status[i][j].to_string(),
+        ]
     };
-    let plan = &file.plan;
-    section.paragraph(&format!(
-        "{} runs in {} min {} s, the most useful first, are expected to take the standard error of the torque from {} to {} N·m (root mean square over \
-         the cells, by the plan's own model). Gain: what the first run of a row takes off it.",
-        plan.runs,
-        (plan.seconds / 60.0).floor(),
-        num(plan.seconds % 60.0, 0),
-        num(plan.std_err_nm, 3),
-        num(plan.std_err_after_nm, 3)
-    ));
-    let rows: Vec<Vec<String>> = plan
-        .entries
-        .iter()
-        .take(PLANNED)
-        .enumerate()
-        .map(|(k, run)| {
-            vec![
-                (k + 1).to_string(),
-                run.gear.to_string(),
-                num(run.torque_nm, 1),
-                escaped(&run.start()),
-                run.repeats.to_string(),
-                num(run.seconds, 1),
-                num(1e3 * run.gain_nm, 2),
-                num(run.gain_percent, 2),
-                escaped(&run.reason.replace(" -", " −")),
-            ]
-        })
-        .collect();
-    let header = ["run", "gear|", "torque N·m", "start|", "times", "each s", "gain mN·m", "gain %", "why|"];
-    section.table("", &header, &rows);
-    if plan.entries.len() > PLANNED {
-        section
-            .paragraph(&format!("And {} more: pivot-cal plan -o next.toml writes them all as a campaign.", plan.entries.len() - PLANNED));
-    }
+    table("narrow", &columns, &cells.into_iter().map(row).collect::<Vec<_>>())
 }
 
 fn levels(map: &AccelMap) -> Vec<Level> {
@@ -148,4 +158,45 @@ fn levels(map: &AccelMap) -> Vec<Level> {
         }
     };
     (0..map.torque_nm.len()).map(level).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::report::known::known;
+
+    /// Everything is measured, but nothing of one level above the breakaway torque and of one below it.
+    fn map_with_gaps() -> (AccelMap, usize, usize) {
+        let mut map = known().0.maps.remove(0);
+        let (low, high) = (0, map.torque_nm.len() - 1);
+        for i in [low, high] {
+            map.status[i].fill(CellStatus::Interpolated);
+            map.confidence[i].fill(0.25);
+        }
+        (map, low, high)
+    }
+
+    #[test]
+    fn a_level_without_measurements_is_reached_from_rest_or_by_a_spin_up() {
+        let (map, low, high) = map_with_gaps();
+        let (all, cells) = (levels(&map), map.speed_mps.len());
+        assert!(all[high].how.starts_with("hold it from rest"), "{}", all[high].how);
+        assert!(all[low].how.starts_with("spin up to"), "{}", all[low].how);
+        assert_eq!((all[high].measured, all[high].cells), (0, cells));
+        assert!((all[high].doubt - 0.75 * cells as f64).abs() < 1e-9);
+        assert!(all[1].how.starts_with("repeat it") && all[1].measured == cells);
+    }
+
+    #[test]
+    fn the_least_sure_cell_comes_first_and_an_extrapolated_one_never() {
+        let (mut map, low, high) = map_with_gaps();
+        map.std_err_mps2[high][1] = 8.125;
+        map.std_err_mps2[low][2] = 9.125;
+        map.status[low][2] = CellStatus::Extrapolated;
+        let found = doubtful_cells(&[map]).into_string();
+        assert!(!found.contains("9.125"), "{found}");
+        let first = found.split("<tbody><tr>").nth(1).unwrap().split("</tr>").next().unwrap();
+        assert!(first.contains("<td>8.125</td>") && first.ends_with(">interpolated</td>"), "{first}");
+    }
 }

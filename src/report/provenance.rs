@@ -1,40 +1,65 @@
 //! Provenance: logs, files, settings and versions behind the page.
 
-use crate::report::Inputs;
-use crate::report::section::Section;
-use crate::report::svg::{escaped, num};
+use crate::report::ReportFiles;
+use crate::report::html::{
+    TableColumn::{Number, Text},
+    table,
+};
+use crate::report::section::{Figures, Section};
+use crate::report::svg::num;
+use maud::{Markup, html};
+use serde_json::{Map, Value, json};
 
 /// Provenance as a section.
-pub(crate) fn provenance(inputs: &Inputs) -> crate::report::Result<Section> {
-    let mut section = Section::new("provenance", "Provenance");
+pub(crate) fn provenance(inputs: &ReportFiles) -> super::Result<Section> {
+    let settings = serde_json::to_string_pretty(&settings(inputs))?;
+    let body = html! {
+        h3 { "Logs" }
+        (logs(inputs))
+        h3 { "Files of the map" }
+        (files(inputs))
+        h3 { "Vehicle and signals" }
+        (table("", &[Text("what"), Text("value")], &vehicle_and_signals(inputs)))
+        details {
+            summary { "Settings and diagnostics, as used" }
+            pre { (settings) }
+        }
+    };
+    Ok(Section { id: "provenance", title: "Provenance", body, figures: Figures::default() })
+}
+
+fn logs(inputs: &ReportFiles) -> Markup {
+    let logs = inputs.table1.logs.iter();
+    let rows: Vec<_> = logs.map(|l| vec![html! { (l.file) }, html! { (l.bytes) }, html! { code { (l.sha256) } }]).collect();
+    table("", &[Text("log"), Number("bytes"), Text("SHA-256")], &rows)
+}
+
+fn files(inputs: &ReportFiles) -> Markup {
+    let rows: Vec<_> = inputs.files.iter().map(|(name, sha256)| vec![html! { (name) }, html! { code { (sha256) } }]).collect();
+    table("", &[Text("file"), Text("SHA-256")], &rows)
+}
+
+fn vehicle_and_signals(inputs: &ReportFiles) -> Vec<Vec<String>> {
     let file = &inputs.table1;
-    let code = |text: &str| format!("<code>{}</code>", escaped(text));
-    section.heading("Logs");
-    let rows: Vec<Vec<String>> = file.logs.iter().map(|l| vec![escaped(&l.file), l.bytes.to_string(), code(&l.sha256)]).collect();
-    section.table("", &["log|", "bytes", "SHA-256|"], &rows);
-    section.heading("Files of the map");
-    let rows: Vec<Vec<String>> = inputs.files.iter().map(|(name, sha256)| vec![escaped(name), code(sha256)]).collect();
-    section.table("", &["file|", "SHA-256|"], &rows);
     let vehicle = &file.vehicle;
-    let limit = vehicle.torque_limit_nm.map_or("unknown".to_owned(), |l| format!("{} N·m", num(l, 1)));
-    let versions: Vec<String> =
+    let others: Vec<String> = inputs.other_angles_deg.iter().map(|a| format!("{}°", num(*a, 1))).collect();
+    let others = if others.is_empty() { String::new() } else { format!("; the files hold maps of {}, too", others.join(", ")) };
+    let versions: Vec<&str> =
         [Some(&file.tool_version), inputs.table2.as_ref().map(|t| &t.tool_version), inputs.verdict.as_ref().map(|v| &v.tool_version)]
             .into_iter()
             .flatten()
-            .map(|v| escaped(v))
+            .map(String::as_str)
             .collect();
-    let others: Vec<String> = inputs.other_angles_deg.iter().map(|a| format!("{}°", num(*a, 1))).collect();
-    let others = if others.is_empty() { String::new() } else { format!("; the files hold maps of {}, too", others.join(", ")) };
     let mut rows = vec![
         vec!["wheelbase".to_owned(), format!("{} m", num(vehicle.wheelbase_m, 3))],
         vec!["wheel radius".to_owned(), format!("{} m", num(vehicle.wheel_radius_m, 4))],
         vec!["wheel angle".to_owned(), format!("{}°, left positive{others}", num(vehicle.test_angle_deg, 1))],
-        vec!["torque limit".to_owned(), limit],
+        vec!["torque limit".to_owned(), vehicle.torque_limit_nm.map_or("unknown".to_owned(), |l| format!("{} N·m", num(l, 1)))],
     ];
     for witness in &file.witnesses {
         let error = witness.scale_std_err.map_or(String::new(), |e| format!(" ± {}", num(e, 4)));
         rows.push(vec![
-            format!("speed by {}", escaped(&witness.name)),
+            format!("speed by {}", witness.name),
             format!(
                 "scale {}{error}, {} ms late, noise {} m/s",
                 num(witness.scale, 4),
@@ -56,23 +81,23 @@ pub(crate) fn provenance(inputs: &Inputs) -> crate::report::Result<Section> {
         "written by".to_owned(),
         format!("pivot-cal {} (fit, invert, verify), page by {}", versions.join(", "), env!("CARGO_PKG_VERSION")),
     ]);
-    section.heading("Vehicle and signals");
-    section.table("", &["what|", "value|"], &rows);
-    let mut settings = serde_json::Map::new();
-    settings.insert("fit".to_owned(), file.settings.clone());
+    rows
+}
+
+/// Settings of every step, and what the fit found on its way.
+fn settings(inputs: &ReportFiles) -> Map<String, Value> {
+    let mut settings = Map::new();
+    settings.insert("fit".to_owned(), inputs.table1.settings.clone());
     if let Some(table2) = &inputs.table2 {
         settings.insert("invert".to_owned(), table2.settings.clone());
     }
     if let Some(verdict) = &inputs.verdict {
-        settings.insert(
-            "verify".to_owned(),
-            serde_json::json!({ "draws": verdict.draws, "seed": verdict.seed, "spread": verdict.spread, "plant": verdict.plant, "limits": verdict.limits, "controller": verdict.controller }),
-        );
+        let verify = json!({
+            "draws": verdict.draws, "seed": verdict.seed, "spread": verdict.spread, "plant": verdict.plant, "limits": verdict.limits,
+            "controller": verdict.controller
+        });
+        settings.insert("verify".to_owned(), verify);
     }
-    settings.insert("diagnostics".to_owned(), file.report.diagnostics.clone());
-    let text = serde_json::to_string_pretty(&settings)?;
-    section.body.push_str("<details><summary>Settings and diagnostics, as used</summary><pre>");
-    section.body.push_str(&escaped(&text));
-    section.body.push_str("</pre></details>\n");
-    Ok(section)
+    settings.insert("diagnostics".to_owned(), inputs.table1.report.diagnostics.clone());
+    settings
 }

@@ -1,55 +1,81 @@
 //! The head of the page: the verdict, the three figures behind it, and what a reader should know.
 
-use crate::report::svg::{escaped, num};
-use crate::report::{Inputs, Judgement};
-use crate::verify::{Class, MapVerdict, Metric, Statistic, Status};
-use std::fmt::Write as _;
+use crate::map::{AccelMap, DelayEstimate, SampleVerdict};
+use crate::report::svg::num;
+use crate::report::{Judgement, ReportFiles};
+use crate::verify::{Class, MapVerdict, Metric, Statistic, Status, Worst};
+use maud::{Markup, html};
 
-/// A figure behind the verdict: what it is, the figure, what it means, and whether it is good (`None`: cannot be told).
+/// A figure behind the verdict: what it is, the figure, what it means, and whether it is within its limit (`None`: it has none here).
 struct Figure {
     title: &'static str,
-    value: String,
+    value: Markup,
     detail: String,
     good: Option<bool>,
 }
 
+impl Figure {
+    fn absent(title: &'static str, detail: &str) -> Self {
+        Self { title, value: html! { "none" }, detail: detail.to_owned(), good: None }
+    }
+}
+
 /// The banner, the figures, the warnings, the facts.
-pub(crate) fn summary(inputs: &Inputs) -> String {
-    let (class, mark, verdict, meaning) = match inputs.judgement() {
+pub(crate) fn summary(inputs: &ReportFiles) -> Markup {
+    html! {
+        section id="verdict" {
+            (banner(inputs.judgement()))
+            div.figures {
+                @for figure in [unseen_runs(inputs), round_trip(inputs), closed_loop(inputs)] { (card(&figure)) }
+            }
+            (warnings(inputs))
+            (facts(inputs))
+        }
+    }
+}
+
+fn banner(judgement: Judgement) -> Markup {
+    let (class, mark, verdict, meaning) = match judgement {
         Judgement::Pass => ("pass", "✓", "Pass", "Table 2 keeps every limit in closed loop. It may be deployed on this vehicle."),
         Judgement::Fail => ("fail", "✕", "Fail", "Table 2 breaks a limit. It must not be deployed; what failed is listed below."),
         Judgement::NotJudged => ("open", "?", "Not judged", "No verdict covers these tables. They must not be deployed before one does."),
     };
-    let mut html = format!(
-        "<section id=\"verdict\"><div class=\"verdict {class}\"><span class=\"mark\" aria-hidden=\"true\">{mark}</span>\
-         <div><strong>{verdict}</strong><span>{meaning}</span></div></div>\n<div class=\"figures\">\n"
-    );
-    for figure in [unseen_runs(inputs), round_trip(inputs), closed_loop(inputs)] {
-        let (class, word) = match figure.good {
-            Some(true) => ("good", "within its limit"),
-            Some(false) => ("bad", "over its limit"),
-            None => ("", ""),
-        };
-        let _ = writeln!(
-            html,
-            "<div class=\"figure {class}\"><h3>{}</h3><p class=\"value\">{}</p><p>{}</p><p class=\"word\">{word}</p></div>",
-            figure.title, figure.value, figure.detail
-        );
+    html! {
+        div class={ "verdict " (class) } {
+            span.mark aria-hidden="true" { (mark) }
+            div { strong { (verdict) } span { (meaning) } }
+        }
     }
-    html.push_str("</div>\n");
-    html.push_str(&warnings(inputs));
-    html.push_str(&facts(inputs));
-    html.push_str("</section>\n");
-    html
 }
 
-fn unseen_runs(inputs: &Inputs) -> Figure {
+fn card(figure: &Figure) -> Markup {
+    let (class, word) = match figure.good {
+        Some(true) => ("good", "within its limit"),
+        Some(false) => ("bad", "over its limit"),
+        None => ("", ""),
+    };
+    html! {
+        div class={ "figure " (class) } {
+            h3 { (figure.title) }
+            p.value { (figure.value) }
+            p { (figure.detail) }
+            p.word { (word) }
+        }
+    }
+}
+
+/// A number with a small unit behind it.
+fn value(number: &str, unit: &str) -> Markup {
+    html! { (number) " " small { (unit) } }
+}
+
+fn unseen_runs(inputs: &ReportFiles) -> Figure {
     let held_out = &inputs.table1.report.diagnostics["held_out"];
     let (rmse, r_squared) = (held_out["rmse"].as_f64(), held_out["r_squared"].as_f64());
     let runs = inputs.table1.report.runs.iter().filter(|r| r.used_s > 0.0).count();
     Figure {
         title: "Table 1 on runs it has not seen",
-        value: rmse.map_or("none".to_owned(), |v| format!("{} <small>m/s</small>", num(v, 3))),
+        value: rmse.map_or_else(|| html! { "none" }, |v| value(&num(v, 3), "m/s")),
         detail: r_squared.map_or("too few runs to hold any out".to_owned(), |r| {
             format!("error of the simulated speed, each of {runs} runs left out of its own fit; R² {}", num(r, 4))
         }),
@@ -57,23 +83,22 @@ fn unseen_runs(inputs: &Inputs) -> Figure {
     }
 }
 
-fn round_trip(inputs: &Inputs) -> Figure {
+fn round_trip(inputs: &ReportFiles) -> Figure {
     let title = "Table 2 against Table 1";
     let current = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current);
     let worst = current.and_then(|v| {
-        let used = |w: &crate::verify::Worst| w.error_mps2.abs() / w.limit_mps2;
+        let used = |w: &Worst| w.error_mps2.abs() / w.limit_mps2;
         v.round_trip.iter().filter_map(|t| t.worst).max_by(|a, b| used(a).total_cmp(&used(b)))
     });
     let (Some(verdict), Some(worst)) = (current, worst) else {
         let largest = inputs.table2.iter().flat_map(|t| &t.maps).map(|m| m.round_trip.between_max_mps2).fold(f64::NAN, f64::max);
-        let detail = "largest error of the round trip speed, acceleration → torque → acceleration".to_owned();
-        let value = if largest.is_finite() { format!("{} <small>m/s²</small>", num(largest, 3)) } else { "none".to_owned() };
-        return Figure { title, value, detail, good: None };
+        let absent = Figure::absent(title, "largest error of the round trip speed, acceleration → torque → acceleration");
+        return if largest.is_finite() { Figure { value: value(&num(largest, 3), "m/s²"), ..absent } } else { absent };
     };
     let places: usize = verdict.round_trip.iter().map(|t| t.places).sum();
     Figure {
         title,
-        value: format!("{} <small>m/s²</small>", small(worst.error_mps2.abs())),
+        value: value(&small(worst.error_mps2.abs()), "m/s²"),
         detail: format!("worst error of the round trip over {places} places; limit {} m/s² there", num(worst.limit_mps2, 3)),
         good: Some(verdict.round_trip.iter().all(|t| t.pass)),
     }
@@ -81,7 +106,7 @@ fn round_trip(inputs: &Inputs) -> Figure {
 
 /// To three decimals, and no zero where there is something.
 fn small(value: f64) -> String {
-    if value > 0.0 && value < 5e-4 { "&lt; 0.001".to_owned() } else { num(value, 3) }
+    if value > 0.0 && value < 5e-4 { "< 0.001".to_owned() } else { num(value, 3) }
 }
 
 /// The worst 99th percentile of the final heading error over the turns, with its limit [°].
@@ -97,15 +122,15 @@ fn worst_heading(verdict: &MapVerdict) -> Option<(f64, Option<f64>)> {
     Some((worst, limit))
 }
 
-fn closed_loop(inputs: &Inputs) -> Figure {
+fn closed_loop(inputs: &ReportFiles) -> Figure {
     let title = "The vehicle in closed loop";
     let Some(verdict) = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current) else {
-        return Figure { title, value: "none".to_owned(), detail: "run pivot-cal verify".to_owned(), good: None };
+        return Figure::absent(title, "run pivot-cal verify");
     };
     let tested: Vec<_> = verdict.scenarios.iter().filter(|s| s.class.is_pivot() && s.status != Status::NotTested).collect();
     let passed = tested.iter().filter(|s| s.status == Status::Pass).count();
     if tested.is_empty() {
-        return Figure { title, value: "none".to_owned(), detail: "no pivot was driven: run pivot-cal verify".to_owned(), good: None };
+        return Figure::absent(title, "no pivot was driven: run pivot-cal verify");
     }
     let heading = worst_heading(verdict).map_or(String::new(), |(worst, limit)| {
         let limit = limit.map_or(String::new(), |l| format!(", limit {}°", num(l, 1)));
@@ -113,62 +138,61 @@ fn closed_loop(inputs: &Inputs) -> Figure {
     });
     Figure {
         title,
-        value: format!("{passed} <small>of {} scenarios</small>", tested.len()),
+        value: value(&passed.to_string(), &format!("of {} scenarios", tested.len())),
         detail: format!("each on the nominal plant and {} perturbed ones{heading}", verdict.draws),
-        good: Some(passed == tested.len() && !tested.is_empty()),
+        good: Some(passed == tested.len()),
     }
 }
 
-fn warnings(inputs: &Inputs) -> String {
+fn warnings(inputs: &ReportFiles) -> Markup {
     let mut all: Vec<&String> = inputs.notes.iter().collect();
     if let Some(verdict) = &inputs.verdict {
         all.extend(verdict.notes.iter().chain(&verdict.forced));
     }
     all.extend(&inputs.table1.report.notes);
     all.dedup();
-    if all.is_empty() {
-        return String::new();
+    html! {
+        @if !all.is_empty() {
+            div.notes {
+                h3 { "To know before deploying" }
+                ul {
+                    @for note in all { li { (note) } }
+                }
+            }
+        }
     }
-    let mut html = "<div class=\"notes\"><h3>To know before deploying</h3><ul>\n".to_owned();
-    for note in all {
-        let _ = writeln!(html, "<li>{}</li>", escaped(note));
-    }
-    html.push_str("</ul></div>\n");
-    html
 }
 
-fn facts(inputs: &Inputs) -> String {
+fn facts(inputs: &ReportFiles) -> Markup {
     let file = &inputs.table1;
     let report = &file.report;
-    let used = report.ledger.iter().find(|r| r.verdict == "used").map_or(0.0, |r| r.seconds);
+    let used = report.ledger.iter().find(|r| r.verdict == SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = report.ledger.iter().map(|r| r.seconds).sum();
-    let delay = |d: &crate::map::DelayEstimate| {
-        let error = d.std_err_s.map_or(String::new(), |e| format!(" ± {}", num(1e3 * e, 1)));
-        format!("{}{error} ms, {}", num(1e3 * d.value_s, 1), escaped(&d.status))
-    };
-    let breakaway: Vec<String> = file
-        .maps
-        .iter()
-        .map(|m| {
-            let error = m.breakaway.std_err_nm.map_or(String::new(), |e| format!(" ± {}", num(e, 2)));
-            format!("{} {}{error} N·m", m.gear, num(m.breakaway.torque_nm, 2))
-        })
-        .collect();
+    let runs = report.runs.iter().filter(|r| r.used_s > 0.0).count();
     let facts = [
-        ("Data used", format!("{} s of {} s, {} runs", num(used, 1), num(total, 1), report.runs.iter().filter(|r| r.used_s > 0.0).count())),
+        ("Data used", format!("{} s of {} s, {runs} runs", num(used, 1), num(total, 1))),
         ("Coverage", format!("{} % of the cells measured", num(100.0 * report.coverage, 0))),
         ("Residual", format!("{} m/s² root mean square", num(report.residual_rms_mps2, 4))),
         ("Dead time", delay(&file.actuator.dead_time)),
         ("Lag", delay(&file.actuator.lag)),
-        ("Breakaway", breakaway.join(", ")),
+        ("Breakaway", file.maps.iter().map(breakaway).collect::<Vec<String>>().join(", ")),
         ("Surface", surface(&report.diagnostics["model_choice"])),
     ];
-    let mut html = "<dl class=\"facts\">".to_owned();
-    for (name, value) in facts {
-        let _ = write!(html, "<div><dt>{name}</dt><dd>{value}</dd></div>");
+    html! {
+        dl.facts {
+            @for (name, value) in facts { div { dt { (name) } dd { (value) } } }
+        }
     }
-    html.push_str("</dl>\n");
-    html
+}
+
+fn delay(delay: &DelayEstimate) -> String {
+    let error = delay.std_err_s.map_or(String::new(), |e| format!(" ± {}", num(1e3 * e, 1)));
+    format!("{}{error} ms, {}", num(1e3 * delay.value_s, 1), delay.status)
+}
+
+fn breakaway(map: &AccelMap) -> String {
+    let error = map.breakaway.std_err_nm.map_or(String::new(), |e| format!(" ± {}", num(e, 2)));
+    format!("{} {}{error} N·m", map.gear, num(map.breakaway.torque_nm, 2))
 }
 
 /// How much of the surface runs left out asked for, beside the physics form.
@@ -184,4 +208,29 @@ fn surface(choice: &serde_json::Value) -> String {
     };
     let word = if z < 0.0 { "worse" } else { "better" };
     format!("{taken}; the whole surface tells runs left out {word} by {} standard errors", num(z.abs(), 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_small_error_is_not_shown_as_zero_and_its_sign_is_escaped() {
+        assert_eq!(value(&small(0.0004), "m/s²").0, "&lt; 0.001 <small>m/s²</small>");
+        assert_eq!(small(0.0), "0.000");
+        assert_eq!(small(0.0126), "0.013");
+    }
+
+    #[test]
+    fn how_much_of_the_surface_was_taken_depends_on_what_runs_left_out_asked_for() {
+        let words = |share: f64, z: f64| surface(&json!({ "surface_share": share, "in_std_errs": z }));
+        assert!(
+            words(0.0, -2.0).starts_with("physics form alone; ") && words(0.0, -2.0).contains(" worse by 2.0 "),
+            "{}",
+            words(0.0, -2.0)
+        );
+        assert!(words(0.25, 3.0).starts_with("physics form and 25 % of a free surface; ") && words(0.25, 3.0).contains(" better by 3.0 "));
+        assert!(surface(&json!(null)).contains("too few runs"));
+    }
 }

@@ -1,5 +1,6 @@
 //! Pictures as SVG text: the few shapes that the figures need, in a page or as files of their own.
 
+use maud::{Markup, PreEscaped, html};
 use std::fmt::Write as _;
 
 /// Styles of every figure; colours are variables that the page sets for light and dark.
@@ -93,12 +94,12 @@ impl Svg {
     }
 
     /// For the page, which holds style and patterns once.
-    pub(crate) fn inline(&self) -> String {
+    pub(crate) fn inline(&self) -> Markup {
         let Self { id, label, width, height, body } = self;
-        format!(
-            "<svg class=\"f\" id=\"{id}\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width} {height}\" style=\"max-width:{width}px;--w:{width}px\">{body}</svg>\n",
-            escaped(label)
-        )
+        html! {
+            svg.f id=(id) role="img" aria-label=(label) viewBox={ "0 0 " (width) " " (height) }
+                style={ "max-width:" (width) "px;--w:" (width) "px" } { (PreEscaped(body)) }
+        }
     }
 
     /// As a file of its own.
@@ -135,21 +136,10 @@ pub(crate) fn num(value: f64, digits: usize) -> String {
     if zero { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
-/// Text safe in XML and HTML, attributes included.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            // what XML does not allow at all
-            c if c.is_control() && !matches!(c, '\n' | '\t') => safe.push('\u{fffd}'),
-            c => safe.push(c),
-        }
-    }
-    safe
+/// Text safe in XML and HTML, attributes included. A character that XML does not allow at all is replaced.
+fn escaped(text: &str) -> String {
+    let allowed = text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\t'), "\u{fffd}");
+    html! { (allowed) }.into_string()
 }
 
 #[cfg(test)]
@@ -166,5 +156,7 @@ mod tests {
     #[test]
     fn names_from_a_file_cannot_leave_their_place() {
         assert_eq!(escaped("<b a=\"x\">&\u{1}"), "&lt;b a=&quot;x&quot;&gt;&amp;\u{fffd}");
+        let inline = Svg::new("a\"><i>", "b\"><u>", 2.0, 1.0).inline().into_string();
+        assert!(inline.contains("id=\"a&quot;&gt;&lt;i&gt;\"") && inline.contains("aria-label=\"b&quot;&gt;&lt;u&gt;\""), "{inline}");
     }
 }

@@ -9,12 +9,12 @@ const FEWEST_AT_REST: usize = 20;
 /// Tells rest from motion by the mean of each witness over a short window.
 #[derive(Debug, Clone)]
 pub struct RestDetector {
-    witnesses: Vec<Witness>,
+    witnesses: Vec<RestingSource>,
     half_width_s: f64,
 }
 
 #[derive(Debug, Clone)]
-struct Witness {
+struct RestingSource {
     series: Series,
     smooth: Vec<f64>,
     threshold_mps: f64,
@@ -33,7 +33,7 @@ impl RestDetector {
     /// a few of its millimetres per second in every rest would pass for bias.
     pub fn new<'a>(witnesses: impl IntoIterator<Item = &'a Series>) -> Self {
         let half_width_s = Self::HALF_WIDTH_S;
-        let witnesses: Vec<Witness> = witnesses
+        let witnesses: Vec<RestingSource> = witnesses
             .into_iter()
             .filter(|s| s.len() > 2)
             .map(|series| {
@@ -43,7 +43,7 @@ impl RestDetector {
                 let in_window = (2.0 * half_width_s / series.median_period_s()).max(1.0);
                 let threshold_mps = (3.5 * noise / in_window.sqrt()).max(0.5 * step).max(0.004);
                 let bias_mps = resting_bias(&smooth, 2.0 * threshold_mps);
-                Witness { series: series.clone(), smooth, threshold_mps, bias_mps }
+                RestingSource { series: series.clone(), smooth, threshold_mps, bias_mps }
             })
             .collect();
         let mut detector = Self { witnesses, half_width_s };
@@ -55,7 +55,7 @@ impl RestDetector {
     }
 
     /// Mean of a witness well inside the rests; `None` when these hold too little.
-    fn mean_at_rest(&self, witness: &Witness) -> Option<f64> {
+    fn mean_at_rest(&self, witness: &RestingSource) -> Option<f64> {
         let series = &witness.series;
         let (mut sum, mut count) = (0.0, 0usize);
         let mut rest_s: Option<(f64, f64)> = None;

@@ -15,11 +15,13 @@ pub struct Track {
     pub source: LogRef,
     /// The vehicle.
     pub vehicle: Vehicle,
+    /// The wheel angle of the runs that are looked for [°], left positive.
+    pub wheel_angle_deg: f64,
     /// Time 0 of every series here [ns].
     pub start_ns: i64,
     /// Front-wheel speed by its encoder [m/s].
     pub encoder_mps: Series,
-    /// Front-wheel speed by the yaw rate, L·θ̇ / sin δ_test [m/s]; valid at the test angle only.
+    /// Front-wheel speed by the yaw rate, L·θ̇ / sin δ [m/s], δ the wheel angle of the runs; valid there only.
     pub yaw_speed_mps: Option<Series>,
     /// Torque command [N·m], held between its samples.
     pub command_nm: Series,
@@ -36,11 +38,19 @@ pub struct Track {
 }
 
 impl Track {
-    /// From the signals of one log.
+    /// From the signals of one log, for runs at the vehicle's test angle.
     ///
     /// # Errors
-    /// A needed signal with fewer than 50 values, signs that nothing tells, signals that do not overlap in time.
+    /// A needed signal with fewer than 50 values, signs that nothing determines, signals that do not overlap in time.
     pub fn new(recording: &Recording) -> Result<Self> {
+        Self::at_angle(recording, recording.vehicle.test_angle_deg)
+    }
+
+    /// The same for runs at a wheel angle [°].
+    ///
+    /// # Errors
+    /// As [`Track::new`].
+    pub fn at_angle(recording: &Recording, wheel_angle_deg: f64) -> Result<Self> {
         let signals = &recording.signals;
         let optional = [&signals.torque_feedback, &signals.yaw_rate, &signals.gear, &signals.estop];
         let start_ns = [&signals.speed, &signals.torque, &signals.angle]
@@ -73,7 +83,7 @@ impl Track {
         let mut feedback_nm = signals.torque_feedback.as_ref().map(|s| take("torque_feedback", s, true)).filter(|s| s.len() >= FEWEST);
         let angle_rad = take("angle", &signals.angle, false);
         // ω = v·sin δ / L, hence v = L·ω / sin δ
-        let lever_m = recording.vehicle.wheelbase_m / (recording.vehicle.test_angle_deg * RAD_PER_DEG).sin();
+        let lever_m = recording.vehicle.wheelbase_m / (wheel_angle_deg * RAD_PER_DEG).sin();
         let yaw_speed_mps = signals
             .yaw_rate
             .as_ref()
@@ -108,6 +118,7 @@ impl Track {
         let track = Self {
             source: recording.source.clone(),
             vehicle: recording.vehicle,
+            wheel_angle_deg,
             start_ns,
             encoder_mps,
             yaw_speed_mps,

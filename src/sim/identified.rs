@@ -10,12 +10,12 @@ use crate::map::{AccelTable, Gear, Table1File, Vehicle};
 use crate::sim::error::{Error, Result, within};
 use crate::sim::load::Load;
 use crate::sim::pose::SpeedStep;
-use crate::sim::random::{Disturbance, Random, Stream};
+use crate::sim::random::{Random, RandomDisturbance, Stream};
 use crate::sim::surface::{Cell, Surface};
 
 /// The surface of one direction of travel, in its gear's frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Direction {
+pub struct GearSurface {
     /// a(v, τ).
     pub table: AccelTable,
     /// Torque that sets a resting wheel in motion [N·m].
@@ -26,9 +26,9 @@ pub struct Direction {
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifiedSettings {
     /// The forward surface.
-    pub forward: Direction,
+    pub forward: GearSurface,
     /// The reverse surface, when reverse was tested.
-    pub reverse: Option<Direction>,
+    pub reverse: Option<GearSurface>,
     /// Standard deviation of the disturbance [m/s²], an Ornstein-Uhlenbeck process while moving.
     pub disturbance_mps2: f64,
     /// Its time constant [s].
@@ -47,13 +47,12 @@ impl IdentifiedSettings {
     /// # Errors
     /// No forward map at the vehicle's test angle, or a table that is not sound.
     pub fn from_table1(file: &Table1File) -> Result<Self> {
-        let wheel_angle_deg = file.vehicle.test_angle_deg;
-        let direction = |gear| -> Result<Option<Direction>> {
-            let Some(map) = file.map(gear, wheel_angle_deg, 1.0) else { return Ok(None) };
-            Ok(Some(Direction { table: map.surface.table()?, breakaway_nm: map.breakaway.torque_nm }))
+        let direction = |gear| -> Result<Option<GearSurface>> {
+            let Some(map) = file.map_at_test_angle(gear) else { return Ok(None) };
+            Ok(Some(GearSurface { table: map.surface.table()?, breakaway_nm: map.breakaway.torque_nm }))
         };
         Ok(Self {
-            forward: direction(Gear::Forward)?.ok_or(Error::NoForwardMap { wheel_angle_deg })?,
+            forward: direction(Gear::Forward)?.ok_or(Error::NoForwardMap { wheel_angle_deg: file.vehicle.test_angle_deg })?,
             reverse: direction(Gear::Reverse)?,
             disturbance_mps2: file.noise.disturbance_mps2,
             disturbance_time_s: file.noise.disturbance_time_s,
@@ -65,7 +64,7 @@ impl IdentifiedSettings {
 
     /// Largest torque of the surfaces [N·m].
     pub fn largest_torque_nm(&self) -> f64 {
-        let largest = |d: &Direction| d.table.torque_nm().last().max(-d.table.torque_nm().first());
+        let largest = |d: &GearSurface| d.table.torque_nm().last().max(-d.table.torque_nm().first());
         self.reverse.as_ref().map_or(0.0, largest).max(largest(&self.forward))
     }
 
@@ -81,7 +80,7 @@ impl IdentifiedSettings {
     }
 }
 
-impl Direction {
+impl GearSurface {
     /// The same plant with its inertia and its friction multiplied: `a' = A(v, τ − (φ − 1)·τ_f(v))/f`, `τ_f(v)` being the torque that holds the
     /// speed. Made on the surface's own grid.
     #[must_use]
@@ -120,7 +119,7 @@ fn mean_growth(x: f64) -> f64 {
 }
 
 #[derive(Debug, Clone)]
-struct Way {
+struct GearMotion {
     surface: Surface,
     breakaway_nm: f64,
 }
@@ -128,8 +127,8 @@ struct Way {
 /// The identified plant's state.
 #[derive(Debug, Clone)]
 pub struct IdentifiedMotion {
-    forward: Way,
-    reverse: Option<Way>,
+    forward: GearMotion,
+    reverse: Option<GearMotion>,
     cell: Cell,
     step_s: f64,
     speed_mps: f64,
@@ -137,7 +136,7 @@ pub struct IdentifiedMotion {
     run_offset_std_dev: f64,
     run_offset_mps2: f64,
     run: Random,
-    disturbance: Disturbance,
+    disturbance: RandomDisturbance,
     slope_mass_kg: f64,
     wheel_mass_kg: f64,
     brake_accel_per_nm: f64,
@@ -151,7 +150,7 @@ impl IdentifiedMotion {
     pub fn new(settings: &IdentifiedSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         settings.check()?;
         let vehicle = vehicle.checked()?;
-        let way = |d: &Direction| Way { surface: Surface::new(&d.table), breakaway_nm: d.breakaway_nm };
+        let way = |d: &GearSurface| GearMotion { surface: Surface::new(&d.table), breakaway_nm: d.breakaway_nm };
         let forward = way(&settings.forward);
         // slope of the surface at standstill between breakaway and the largest torque: 1/(M r)
         let largest_nm = settings.forward.table.torque_nm().last();
@@ -171,7 +170,7 @@ impl IdentifiedMotion {
             run_offset_std_dev: settings.run_offset_mps2,
             run_offset_mps2: 0.0,
             run: Random::new(seed, Stream::Run),
-            disturbance: Disturbance::new(seed, settings.disturbance_mps2, settings.disturbance_time_s, step_s),
+            disturbance: RandomDisturbance::new(seed, settings.disturbance_mps2, settings.disturbance_time_s, step_s),
             slope_mass_kg: settings.slope_share / (accel_per_nm * vehicle.wheel_radius_m),
             wheel_mass_kg: settings.wheel_mass_kg,
             brake_accel_per_nm: accel_per_nm,
@@ -214,7 +213,7 @@ impl IdentifiedMotion {
     }
 
     #[inline]
-    fn way(&self, sign: f64) -> &Way {
+    fn way(&self, sign: f64) -> &GearMotion {
         if sign < 0.0 { self.reverse.as_ref().unwrap_or(&self.forward) } else { &self.forward }
     }
 
@@ -275,11 +274,11 @@ mod tests {
     use crate::sim::drive::TorqueStep;
 
     /// a = (τ − 8 − 5 v)/13, linear, so that bilinear interpolation is exact.
-    pub(crate) fn linear() -> Direction {
+    pub(crate) fn linear() -> GearSurface {
         let speed = Axis::uniform("speed", 0.0, 0.1, 2.0).unwrap();
         let torque = Axis::uniform("torque", -40.0, 4.0, 40.0).unwrap();
         let values = torque.breaks().iter().flat_map(|u| speed.breaks().iter().map(move |v| (u - 8.0 - 5.0 * v) / 13.0)).collect();
-        Direction { table: AccelTable::new(speed, torque, values).unwrap(), breakaway_nm: 8.0 }
+        GearSurface { table: AccelTable::new(speed, torque, values).unwrap(), breakaway_nm: 8.0 }
     }
 
     fn settings() -> IdentifiedSettings {

@@ -1,7 +1,7 @@
 //! Motion: effective torque → front-wheel speed, either by the physics of a vehicle or by a fitted Table 1.
 
 use crate::map::Vehicle;
-use crate::sim::AngleTerms;
+use crate::sim::WheelAngleTerms;
 use crate::sim::error::Result;
 use crate::sim::identified::{IdentifiedMotion, IdentifiedSettings};
 use crate::sim::load::Load;
@@ -81,7 +81,7 @@ impl Motion {
     }
 
     /// Tells the plant the wheel angle of the steps to come (the identified plant belongs to one angle and does not ask).
-    pub fn set_angle(&mut self, angle: &AngleTerms) {
+    pub fn set_angle(&mut self, angle: &WheelAngleTerms) {
         if let Self::Physical(motion) = self {
             motion.set_angle(angle);
         }

@@ -6,9 +6,9 @@
 use crate::map::Vehicle;
 use crate::sim::error::Result;
 use crate::sim::load::{Load, runge_kutta};
-use crate::sim::plant::{AtAngle, Curve, PhysicalSettings, Plant, Way};
-use crate::sim::pose::{AngleTerms, SpeedStep};
-use crate::sim::random::{Disturbance, Random, Stream};
+use crate::sim::plant::{AtAngle, Curve, FrictionDirection, PhysicalSettings, Plant};
+use crate::sim::pose::{SpeedStep, WheelAngleTerms};
+use crate::sim::random::{Random, RandomDisturbance, Stream};
 
 /// The physical plant's state.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub struct PhysicalMotion {
     accel_mps2: f64,
     run_factor: f64,
     run: Random,
-    disturbance: Disturbance,
+    disturbance: RandomDisturbance,
 }
 
 impl PhysicalMotion {
@@ -43,7 +43,7 @@ impl PhysicalMotion {
             accel_mps2: 0.0,
             run_factor: 1.0,
             run: Random::new(seed, Stream::Run),
-            disturbance: Disturbance::new(seed, settings.disturbance_nm, settings.disturbance_time_s, step_s),
+            disturbance: RandomDisturbance::new(seed, settings.disturbance_nm, settings.disturbance_time_s, step_s),
         };
         motion.begin_run();
         Ok(motion)
@@ -79,7 +79,7 @@ impl PhysicalMotion {
     }
 
     /// Takes over the wheel angle at start, middle and end of the steps to come.
-    pub fn set_angle(&mut self, angle: &AngleTerms) {
+    pub fn set_angle(&mut self, angle: &WheelAngleTerms) {
         self.steady = angle.sin[0] == angle.sin[1] && angle.sin[1] == angle.sin[2];
         for (at, (sin, cos)) in self.at.iter_mut().zip(angle.sin.into_iter().zip(angle.cos)) {
             *at = self.plant.at_angle(sin, cos);
@@ -105,7 +105,7 @@ impl PhysicalMotion {
     ///
     /// Source: Chan & Tsai (2010), *On explicit two-derivative Runge-Kutta methods*, the fourth-order method of two stages.
     #[inline]
-    fn two_derivatives(&self, way: Way, torque_nm: [f64; 3], external_nm: f64, brake_nm: f64) -> (SpeedStep, f64) {
+    fn two_derivatives(&self, way: FrictionDirection, torque_nm: [f64; 3], external_nm: f64, brake_nm: f64) -> (SpeedStep, f64) {
         let (plant, h, sign) = (&self.plant, self.step_s, way.sign);
         let (k, per_stribeck2) = (self.at[0].accel_per_nm, plant.per_stribeck2);
         let curve = &self.curves[usize::from(sign < 0.0)];
@@ -187,7 +187,7 @@ mod tests {
 
     fn motion(settings: &PhysicalSettings, step_s: f64) -> PhysicalMotion {
         let mut motion = PhysicalMotion::new(settings, &vehicle(), step_s, 1).unwrap();
-        motion.set_angle(&AngleTerms::fixed(std::f64::consts::FRAC_PI_2));
+        motion.set_angle(&WheelAngleTerms::fixed(std::f64::consts::FRAC_PI_2));
         motion
     }
 

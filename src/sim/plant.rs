@@ -132,7 +132,7 @@ pub(crate) struct AtAngle {
 
 /// Direction of motion and its friction.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Way {
+pub(crate) struct FrictionDirection {
     /// +1 forward, −1 in reverse.
     pub(crate) sign: f64,
     /// Factor on all friction.
@@ -167,14 +167,14 @@ impl Plant {
     }
 
     #[inline]
-    pub(crate) fn way(&self, sign: f64, run_factor: f64) -> Way {
+    pub(crate) fn way(&self, sign: f64, run_factor: f64) -> FrictionDirection {
         let friction = if sign < 0.0 { self.settings.reverse_friction_factor } else { 1.0 };
-        Way { sign, friction: friction * run_factor }
+        FrictionDirection { sign, friction: friction * run_factor }
     }
 
     /// Torque that arrives at the wheel [N·m] at speed `s` ≥ 0 along `way`.
     #[inline]
-    pub(crate) fn arriving_nm(&self, way: Way, s: f64, torque_nm: f64) -> f64 {
+    pub(crate) fn arriving_nm(&self, way: FrictionDirection, s: f64, torque_nm: f64) -> f64 {
         if torque_nm * way.sign >= 0.0 {
             let within_power = torque_nm.abs() * s <= self.power_nm_mps;
             self.settings.drive_efficiency * if within_power { torque_nm } else { (self.power_nm_mps / s).copysign(torque_nm) }
@@ -185,14 +185,14 @@ impl Plant {
 
     /// `T_f` [N·m] at speed `s` ≥ 0.
     #[inline]
-    pub(crate) fn friction_nm(&self, at: AtAngle, way: Way, s: f64) -> f64 {
+    pub(crate) fn friction_nm(&self, at: AtAngle, way: FrictionDirection, s: f64) -> f64 {
         let p = &self.settings;
         let fading = (p.static_nm - p.coulomb_nm) / (1.0 + s * s * self.per_stribeck2);
         way.friction * (at.coulomb_nm + fading + (p.viscous_nm_s_m + p.quadratic_nm_s2_m2 * s) * s)
     }
 
     /// The friction curve of one way at one angle.
-    pub(crate) fn curve(&self, at: AtAngle, way: Way) -> Curve {
+    pub(crate) fn curve(&self, at: AtAngle, way: FrictionDirection) -> Curve {
         let p = &self.settings;
         let scale = at.accel_per_nm * way.friction;
         Curve {
@@ -205,7 +205,15 @@ impl Plant {
 
     /// v̇ [m/s²] while moving along `way`, vehicle frame.
     #[inline]
-    pub(crate) fn accel(&self, at: AtAngle, way: Way, speed_mps: f64, torque_nm: f64, external_nm: f64, brake_nm: f64) -> f64 {
+    pub(crate) fn accel(
+        &self,
+        at: AtAngle,
+        way: FrictionDirection,
+        speed_mps: f64,
+        torque_nm: f64,
+        external_nm: f64,
+        brake_nm: f64,
+    ) -> f64 {
         // a stage of the integrator may look a little past a stop
         let s = (speed_mps * way.sign).max(0.0);
         let friction = self.friction_nm(at, way, s) + brake_nm;

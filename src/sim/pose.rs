@@ -32,7 +32,7 @@ impl SpeedStep {
 
 /// Sine and cosine of the wheel angle over one step: at its start, half way, at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AngleTerms {
+pub struct WheelAngleTerms {
     /// sin δ.
     pub sin: [f64; 3],
     /// cos δ.
@@ -41,7 +41,7 @@ pub struct AngleTerms {
     across: bool,
 }
 
-impl AngleTerms {
+impl WheelAngleTerms {
     /// Of an angle [rad] that does not change.
     pub fn fixed(angle_rad: f64) -> Self {
         let (sin, cos) = angle_rad.sin_cos();
@@ -125,7 +125,7 @@ impl Body {
 
     /// Advances one step of `step_s`.
     #[inline]
-    pub fn step(&mut self, step_s: f64, speed: SpeedStep, angle: &AngleTerms) {
+    pub fn step(&mut self, step_s: f64, speed: SpeedStep, angle: &WheelAngleTerms) {
         if angle.across {
             let yaw_per_m = angle.sin[0] * self.per_wheelbase;
             self.heading_rad += speed.distance_m(step_s) * yaw_per_m;
@@ -155,7 +155,7 @@ impl Body {
         self.until_fresh -= 1;
     }
 
-    fn travel(&mut self, step_s: f64, speed: SpeedStep, angle: &AngleTerms) {
+    fn travel(&mut self, step_s: f64, speed: SpeedStep, angle: &WheelAngleTerms) {
         self.count_down();
         let v = [speed.start_mps, speed.mid_mps, speed.end_mps];
         let w =
@@ -194,14 +194,14 @@ mod tests {
     #[test]
     fn a_pivot_turns_by_arc_over_wheelbase_and_stays_in_place() {
         let mut body = Body::new(0.9);
-        let terms = AngleTerms::fixed(FRAC_PI_2);
+        let terms = WheelAngleTerms::fixed(FRAC_PI_2);
         for _ in 0..10_000 {
             body.step(1e-3, SpeedStep { start_mps: 0.3, mid_mps: 0.3, end_mps: 0.3 }, &terms);
         }
         assert!((body.heading_rad() - 3.0 / 0.9).abs() < 1e-11);
         assert_eq!((body.x_m(), body.y_m()), (0.0, 0.0));
         // a wheel just off 90° goes the general way: sideways by cos δ
-        let almost = AngleTerms::fixed(FRAC_PI_2 - 1e-6);
+        let almost = WheelAngleTerms::fixed(FRAC_PI_2 - 1e-6);
         for _ in 0..1000 {
             body.step(1e-3, SpeedStep { start_mps: 0.3, mid_mps: 0.3, end_mps: 0.3 }, &almost);
         }
@@ -211,15 +211,15 @@ mod tests {
 
     #[test]
     fn terms_that_go_on_are_those_of_the_angles() {
-        let first = AngleTerms::moving([0.1, 0.2, 0.3]);
-        assert_eq!(first.continued(0.4, 0.5), AngleTerms::moving([0.3, 0.4, 0.5]));
-        assert_eq!(AngleTerms::fixed(0.3).continued(0.4, 0.5), AngleTerms::moving([0.3, 0.4, 0.5]));
+        let first = WheelAngleTerms::moving([0.1, 0.2, 0.3]);
+        assert_eq!(first.continued(0.4, 0.5), WheelAngleTerms::moving([0.3, 0.4, 0.5]));
+        assert_eq!(WheelAngleTerms::fixed(0.3).continued(0.4, 0.5), WheelAngleTerms::moving([0.3, 0.4, 0.5]));
     }
 
     #[test]
     fn a_step_at_rest_is_a_step_of_no_speed() {
         let (mut stepped, mut rested) = (Body::new(0.9), Body::new(0.9));
-        let terms = AngleTerms::fixed(0.6);
+        let terms = WheelAngleTerms::fixed(0.6);
         for k in 0..1000 {
             let v = if k % 300 < 100 { 0.4 } else { 0.0 };
             let speed = SpeedStep { start_mps: v, mid_mps: v, end_mps: v };
@@ -233,7 +233,7 @@ mod tests {
     fn a_constant_angle_draws_the_circle_of_the_bicycle_model() {
         let (wheelbase_m, delta) = (0.9, 0.6_f64);
         let mut body = Body::new(wheelbase_m);
-        let terms = AngleTerms::fixed(delta);
+        let terms = WheelAngleTerms::fixed(delta);
         for _ in 0..5000 {
             body.step(1e-3, SpeedStep { start_mps: 1.0, mid_mps: 1.0, end_mps: 1.0 }, &terms);
         }
@@ -253,7 +253,7 @@ mod tests {
         for k in 0..steps {
             let t = [0.0, 0.5, 1.0].map(|part| (f64::from(k) + part) * step_s);
             let speed = SpeedStep { start_mps: v(t[0]), mid_mps: v(t[1]), end_mps: v(t[2]) };
-            body.step(step_s, speed, &AngleTerms::moving(t.map(delta)));
+            body.step(step_s, speed, &WheelAngleTerms::moving(t.map(delta)));
         }
         [body.x_m(), body.y_m(), body.heading_rad()]
     }

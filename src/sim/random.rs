@@ -59,10 +59,10 @@ impl Random {
     }
 }
 
-/// An Ornstein-Uhlenbeck process, held over intervals of [`Disturbance::INTERVAL_S`]: x⁺ = ρ·x + σ·√(1 − ρ²)·n with ρ = exp(−T/τ), the
+/// An Ornstein-Uhlenbeck process, held over intervals of [`RandomDisturbance::INTERVAL_S`]: x⁺ = ρ·x + σ·√(1 − ρ²)·n with ρ = exp(−T/τ), the
 /// exact discretisation, so that its standard deviation is σ at every instant.
 #[derive(Debug, Clone)]
-pub struct Disturbance {
+pub struct RandomDisturbance {
     random: Random,
     std_dev: f64,
     decay: f64,
@@ -72,7 +72,7 @@ pub struct Disturbance {
     left: u32,
 }
 
-impl Disturbance {
+impl RandomDisturbance {
     /// How long a value is held [s]: short beside any time constant in use, long beside the step.
     pub const INTERVAL_S: f64 = 0.01;
 
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn the_disturbance_has_the_told_deviation_and_correlation() {
-        let mut process = Disturbance::new(1, 0.2, 0.5, 0.01);
+        let mut process = RandomDisturbance::new(1, 0.2, 0.5, 0.01);
         let x: Vec<f64> = (0..200_000).map(|_| process.step()).collect();
         let mean_of = |f: &dyn Fn(usize) -> f64| (0..x.len() - 50).map(f).sum::<f64>() / (x.len() - 50) as f64;
         let variance = mean_of(&|k| x[k] * x[k]);

@@ -6,8 +6,8 @@ use crate::sim::drive::Drive;
 use crate::sim::error::{Error, Result};
 use crate::sim::load::Load;
 use crate::sim::motion::Motion;
-use crate::sim::settings::{Perturbation, Settings};
-use crate::sim::{AngleTerms, Gear};
+use crate::sim::settings::{Perturbation, WorldSettings};
+use crate::sim::{Gear, WheelAngleTerms};
 use crate::units::RAD_PER_DEG;
 
 /// A recorded run, gear frame; the slices are equally long and their times increase.
@@ -44,7 +44,7 @@ pub struct Replay {
 ///
 /// # Errors
 /// Slices of different lengths or fewer than two compared samples; a setting out of its range.
-pub fn replay(settings: &Settings, run: &RecordedRun<'_>) -> Result<Replay> {
+pub fn replay(settings: &WorldSettings, run: &RecordedRun<'_>) -> Result<Replay> {
     let n = run.t_s.len();
     let first = run.t_s.partition_point(|&t| t < run.score_from_s);
     if run.torque_nm.len() != n || run.speed_mps.len() != n || first + 2 > n {
@@ -54,7 +54,7 @@ pub fn replay(settings: &Settings, run: &RecordedRun<'_>) -> Result<Replay> {
     let (step_s, sign) = (quiet.step_s, run.gear.sign());
     let mut drive = Drive::new(&quiet.drive, step_s)?;
     let mut motion = Motion::new(&quiet.motion, &quiet.vehicle, step_s, 0)?;
-    motion.set_angle(&AngleTerms::fixed(quiet.vehicle.test_angle_deg * RAD_PER_DEG));
+    motion.set_angle(&WheelAngleTerms::fixed(quiet.vehicle.test_angle_deg * RAD_PER_DEG));
     drive.settle(sign * run.torque_nm[0]);
     let mut speed_mps = Vec::with_capacity(n - first);
     let (mut t_s, mut steps, mut command) = (run.t_s[0], 0_u64, 0);
@@ -110,14 +110,14 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::{AccelTable, Axis, Vehicle};
-    use crate::sim::{Command, Direction, IdentifiedSettings, MotionSettings, PhysicalSettings, SensorSettings, Truth, World};
+    use crate::sim::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, SensorSettings, Truth, World, WorldCommand};
 
     fn vehicle() -> Vehicle {
         Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }
     }
 
     /// The physical plant's true map as if a fit had found it, its torques multiplied by `scale`.
-    fn identified(scale: f64) -> Settings {
+    fn identified(scale: f64) -> WorldSettings {
         let physical = PhysicalSettings::default();
         let truth = Truth::new(&physical, &vehicle()).unwrap();
         let direction = |gear| {
@@ -126,7 +126,7 @@ mod tests {
             let angle = std::f64::consts::FRAC_PI_2;
             let accel = |u: f64, v: f64| truth.gear_accel_mps2(gear, v, scale * u, angle);
             let values = torque.breaks().iter().flat_map(|&u| speed.breaks().iter().map(move |&v| accel(u, v))).collect();
-            Direction { table: AccelTable::new(speed, torque, values).unwrap(), breakaway_nm: truth.breakaway_nm(gear, angle) / scale }
+            GearSurface { table: AccelTable::new(speed, torque, values).unwrap(), breakaway_nm: truth.breakaway_nm(gear, angle) / scale }
         };
         let motion = IdentifiedSettings {
             forward: direction(Gear::Forward),
@@ -138,12 +138,12 @@ mod tests {
             wheel_mass_kg: 6.0,
         };
         let motion = MotionSettings::Identified(Box::new(motion));
-        Settings { motion, ..Settings::physical(vehicle(), physical) }
+        WorldSettings { motion, ..WorldSettings::physical(vehicle(), physical) }
     }
 
     /// A run of the physical plant: half a second of rest, 24 N·m, then coasting to rest, sampled at 50 Hz.
     fn recorded(gear: Gear) -> [Vec<f64>; 3] {
-        let mut settings = Settings::physical(vehicle(), PhysicalSettings::default());
+        let mut settings = WorldSettings::physical(vehicle(), PhysicalSettings::default());
         settings.sensors = SensorSettings::ideal();
         let mut world = World::new(&settings, 1).unwrap();
         let wheel_angle_rad = std::f64::consts::FRAC_PI_2;
@@ -155,7 +155,7 @@ mod tests {
                 row.push(value);
             }
             for _ in 0..20 {
-                world.step(&Command { torque_nm: gear.sign() * torque, wheel_angle_rad, gear: Some(gear) });
+                world.step(&WorldCommand { torque_nm: gear.sign() * torque, wheel_angle_rad, gear: Some(gear) });
             }
         }
         rows

@@ -71,7 +71,7 @@ pub const KEPT: usize = 16;
 
 /// One reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading<T> {
+pub struct SensorReading<T> {
     /// When it was taken [s], true time.
     pub t_s: f64,
     /// What its stamp says [s].
@@ -92,11 +92,11 @@ pub struct Channel<T> {
     count: u64,
     next_s: f64,
     dropout_until_s: f64,
-    underway: [Option<Reading<T>>; KEPT],
+    underway: [Option<SensorReading<T>>; KEPT],
     oldest: usize,
     newest: usize,
     arrived: T,
-    taken: Option<Reading<T>>,
+    taken: Option<SensorReading<T>>,
 }
 
 impl<T: Copy> Channel<T> {
@@ -140,7 +140,7 @@ impl<T: Copy> Channel<T> {
     }
 
     /// The reading taken by the last [`Channel::poll`], if any and not lost.
-    pub fn taken(&self) -> Option<&Reading<T>> {
+    pub fn taken(&self) -> Option<&SensorReading<T>> {
         self.taken.as_ref()
     }
 
@@ -190,7 +190,7 @@ impl<T: Copy> Channel<T> {
                 continue;
             }
             let reading =
-                Reading { t_s, stamp_s: t_s + self.timing.clock_offset_s + jitter_s, arrival_s: t_s + self.timing.latency_s, value };
+                SensorReading { t_s, stamp_s: t_s + self.timing.clock_offset_s + jitter_s, arrival_s: t_s + self.timing.latency_s, value };
             self.taken = Some(reading);
             self.underway[self.newest] = Some(reading);
             self.newest = (self.newest + 1) % KEPT;

@@ -11,7 +11,7 @@ use crate::sim::steering::SteeringSettings;
 
 /// Everything that makes a world, apart from the seed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct WorldSettings {
     /// Time step [s], 0.0001 to 0.02. Default 0.001.
     pub step_s: f64,
     /// Geometry. Its torque limit is what the controller may ask; the drive has its own.
@@ -29,7 +29,7 @@ pub struct Settings {
 /// Step of the simulation unless told otherwise [s].
 pub const DEFAULT_STEP_S: f64 = 1e-3;
 
-impl Settings {
+impl WorldSettings {
     /// A physical vehicle with usual drive, steering and sensors.
     pub fn physical(vehicle: Vehicle, motion: PhysicalSettings) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Settings {
         let drive = DriveSettings {
             dead_time_s: file.actuator.dead_time.value_s.max(0.0),
             lag_s: file.actuator.lag.value_s.max(0.0),
-            torque_limit_nm: file.vehicle.torque_limit_nm.unwrap_or_else(|| motion.largest_torque_nm()),
+            torque_limit_nm: file.vehicle.torque_limit_or_largest_nm([motion.largest_torque_nm()]),
             ..DriveSettings::default()
         };
         drive.check()?;
@@ -152,13 +152,15 @@ impl Perturbation {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::map::{AccelMap, Actuator, Breakaway, CsvRef, DelayEstimate, Gear, PlantNoise, Surface, Table1File};
-    use crate::sim::{Command, SensorSettings, World};
+    use crate::map::{
+        AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DelayEstimate, DelayStatus, FineSurface, Gear, PlantNoise, Table1File,
+    };
+    use crate::sim::{SensorSettings, World, WorldCommand};
     use std::f64::consts::FRAC_PI_2;
 
     /// A fit that found a = (τ − 8)/13 forward and nothing in reverse.
     fn fit() -> Table1File {
-        let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: "given".into() };
+        let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: DelayStatus::Given };
         let (speed_mps, torque_nm) = (vec![0.0, 1.0], vec![-40.0, 40.0]);
         let accel_mps2: Vec<Vec<f64>> = torque_nm.iter().map(|u| vec![(u - 8.0) / 13.0; 2]).collect();
         let csv = CsvRef { file: "table1.csv".into(), sha256: String::new() };
@@ -174,8 +176,8 @@ mod tests {
             confidence: Vec::new(),
             status: Vec::new(),
             measured_torque_nm: Vec::new(),
-            breakaway: Breakaway { torque_nm: 8.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
-            surface: Surface { speed_mps, torque_nm, accel_mps2 },
+            breakaway: BreakawayTorque { torque_nm: 8.0, std_err_nm: None, at_rest_up_to_nm: None, moved_from_nm: None },
+            surface: FineSurface { speed_mps, torque_nm, accel_mps2 },
         };
         Table1File {
             format: crate::map::TABLE1_FORMAT.into(),
@@ -185,7 +187,7 @@ mod tests {
             vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
             logs: Vec::new(),
             settings: serde_json::Value::Null,
-            actuator: Actuator { dead_time: delay(0.05), lag: delay(0.05), input: "torque command".into(), per_log: Vec::new() },
+            actuator: Actuator { dead_time: delay(0.05), lag: delay(0.05), input: ActuatorInput::COMMAND, per_log: Vec::new() },
             witnesses: Vec::new(),
             noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.2, run_offset_mps2: 0.0, speed_noise_mps: 0.004 },
             maps: vec![map],
@@ -194,18 +196,18 @@ mod tests {
         }
     }
 
-    fn speed_after_one_second(settings: &Settings, gear: Gear) -> f64 {
-        let mut world = World::new(&Settings { sensors: SensorSettings::ideal(), ..settings.clone() }, 1).unwrap();
+    fn speed_after_one_second(settings: &WorldSettings, gear: Gear) -> f64 {
+        let mut world = World::new(&WorldSettings { sensors: SensorSettings::ideal(), ..settings.clone() }, 1).unwrap();
         world.place_wheel(FRAC_PI_2);
         for _ in 0..1000 {
-            world.step(&Command { torque_nm: gear.sign() * 21.0, wheel_angle_rad: FRAC_PI_2, gear: Some(gear) });
+            world.step(&WorldCommand { torque_nm: gear.sign() * 21.0, wheel_angle_rad: FRAC_PI_2, gear: Some(gear) });
         }
         world.state().speed_mps
     }
 
     #[test]
     fn the_identified_plant_drives_as_the_fit_says_behind_its_dead_time_and_lag() {
-        let settings = Settings::identified(&fit()).unwrap();
+        let settings = WorldSettings::identified(&fit()).unwrap();
         assert_eq!((settings.drive.torque_limit_nm, settings.sensors.encoder.noise_mps), (40.0, 0.004));
         // u = 21·(1 − exp(−t/T)) passes 8 N·m at t_b; from there on v = ∫ (u − 8)/13 dt, t counted after the dead time
         let (lag, end) = (0.05, 0.95_f64);
@@ -219,13 +221,13 @@ mod tests {
 
     #[test]
     fn without_a_reverse_table_reverse_mirrors_forward() {
-        let settings = Settings::identified(&fit()).unwrap();
+        let settings = WorldSettings::identified(&fit()).unwrap();
         assert_eq!(speed_after_one_second(&settings, Gear::Reverse), -speed_after_one_second(&settings, Gear::Forward));
     }
 
     #[test]
     fn perturbations_change_what_their_names_say() {
-        let settings = Settings::identified(&fit()).unwrap();
+        let settings = WorldSettings::identified(&fit()).unwrap();
         let by = Perturbation { inertia_factor: 2.0, friction_factor: 0.5, torque_limit_factor: 0.8, ..Perturbation::default() };
         let varied = settings.perturbed(&by).unwrap();
         assert_eq!(varied.drive.torque_limit_nm, 32.0);
@@ -239,6 +241,6 @@ mod tests {
     fn a_fit_without_a_forward_map_is_refused() {
         let mut file = fit();
         file.maps[0].gear = Gear::Reverse;
-        assert!(Settings::identified(&file).unwrap_err().to_string().contains("forward gear at 90°"));
+        assert!(WorldSettings::identified(&file).unwrap_err().to_string().contains("forward gear at 90°"));
     }
 }

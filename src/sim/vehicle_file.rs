@@ -6,7 +6,7 @@ use crate::sim::error::{Error, Result};
 use crate::sim::motion::MotionSettings;
 use crate::sim::plant::PhysicalSettings;
 use crate::sim::sensor_settings::SensorSettings;
-use crate::sim::settings::{DEFAULT_STEP_S, Settings};
+use crate::sim::settings::{DEFAULT_STEP_S, WorldSettings};
 use crate::sim::steering::SteeringSettings;
 use crate::sim::truth::Truth;
 use crate::sim::world::World;
@@ -60,8 +60,8 @@ impl VehicleFile {
     }
 
     /// Settings of a world with this vehicle.
-    pub fn settings(&self) -> Settings {
-        Settings {
+    pub fn settings(&self) -> WorldSettings {
+        WorldSettings {
             step_s: self.step_s,
             vehicle: self.vehicle,
             drive: self.drive,

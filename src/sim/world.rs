@@ -4,9 +4,9 @@ use crate::sim::drive::Drive;
 use crate::sim::error::Result;
 use crate::sim::load::Load;
 use crate::sim::motion::Motion;
-use crate::sim::pose::{AngleTerms, Body, SpeedStep};
+use crate::sim::pose::{Body, SpeedStep, WheelAngleTerms};
 use crate::sim::sensors::{Scene, Sensors};
-use crate::sim::settings::Settings;
+use crate::sim::settings::WorldSettings;
 use crate::sim::steering::Steering;
 use crate::sim::traction::Traction;
 use crate::sim::{Fault, Gear};
@@ -16,7 +16,7 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 
 /// What a controller asks of the vehicle, vehicle frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Command {
+pub struct WorldCommand {
     /// Torque [N·m]; positive drives the wheel forward. Without effect in neutral.
     pub torque_nm: f64,
     /// Wheel angle to steer to [rad], left positive.
@@ -79,7 +79,7 @@ pub struct World {
     traction: Traction,
     motion: Motion,
     steering: Steering,
-    angle: AngleTerms,
+    angle: WheelAngleTerms,
     /// Whether `angle` and the motion's terms still hold the last steering movement rather than one fixed angle.
     angle_moved: bool,
     body: Body,
@@ -109,11 +109,11 @@ impl World {
     ///
     /// # Errors
     /// A setting out of its range.
-    pub fn new(settings: &Settings, seed: u64) -> Result<Self> {
+    pub fn new(settings: &WorldSettings, seed: u64) -> Result<Self> {
         settings.check()?;
         let (step_s, vehicle) = (settings.step_s, &settings.vehicle);
         let mut motion = Motion::new(&settings.motion, vehicle, step_s, seed)?;
-        let angle = AngleTerms::fixed(0.0);
+        let angle = WheelAngleTerms::fixed(0.0);
         motion.set_angle(&angle);
         let mut world = Self {
             step_s,
@@ -146,7 +146,7 @@ impl World {
 
     /// Advances one step under `command`. A torque or angle that is not a number counts as no torque and as holding the angle.
     #[inline]
-    pub fn step(&mut self, command: &Command) {
+    pub fn step(&mut self, command: &WorldCommand) {
         self.gear = command.gear;
         let commanded_nm = if self.estop || command.gear.is_none() { 0.0 } else { command.torque_nm };
         self.torque_before_nm = self.drive.effective_nm();
@@ -165,7 +165,7 @@ impl World {
             if speed.is_rest() {
                 self.body.rest();
             } else {
-                self.angle = AngleTerms::moving(angles_rad);
+                self.angle = WheelAngleTerms::moving(angles_rad);
                 self.body.step(self.step_s, speed, &self.angle);
             }
         } else {
@@ -229,7 +229,7 @@ impl World {
     }
 
     /// The torque command as the drive takes it [N·m]: rounded, limited, zero in neutral and during an emergency stop.
-    pub fn accepted_torque_nm(&self, command: &Command) -> f64 {
+    pub fn accepted_torque_nm(&self, command: &WorldCommand) -> f64 {
         if self.estop || command.gear.is_none() { 0.0 } else { self.drive.limited(command.torque_nm) }
     }
 
@@ -295,7 +295,7 @@ impl World {
                 }
                 // where the last step ended this one starts, unless the vehicle knows one angle only and the terms were left as they were
                 self.angle = if self.motion.knows_one_angle() {
-                    AngleTerms::moving(angles_rad)
+                    WheelAngleTerms::moving(angles_rad)
                 } else {
                     self.angle.continued(step.mid_rad, step.end_rad)
                 };
@@ -308,7 +308,7 @@ impl World {
     }
 
     fn set_fixed_angle(&mut self) {
-        self.angle = AngleTerms::fixed(self.steering.angle_rad());
+        self.angle = WheelAngleTerms::fixed(self.steering.angle_rad());
         self.motion.set_angle(&self.angle);
         self.angle_moved = false;
     }
@@ -355,13 +355,13 @@ mod tests {
     use crate::sim::PhysicalSettings;
     use std::f64::consts::FRAC_PI_2;
 
-    fn settings() -> Settings {
+    fn settings() -> WorldSettings {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
-        Settings::physical(vehicle, PhysicalSettings { friction_spread: 0.02, disturbance_nm: 0.2, ..PhysicalSettings::default() })
+        WorldSettings::physical(vehicle, PhysicalSettings { friction_spread: 0.02, disturbance_nm: 0.2, ..PhysicalSettings::default() })
     }
 
-    fn drive(torque_nm: f64) -> Command {
-        Command { torque_nm, wheel_angle_rad: FRAC_PI_2, gear: Some(Gear::Forward) }
+    fn drive(torque_nm: f64) -> WorldCommand {
+        WorldCommand { torque_nm, wheel_angle_rad: FRAC_PI_2, gear: Some(Gear::Forward) }
     }
 
     fn run(seed: u64) -> (TrueState, Measurement) {
@@ -399,7 +399,7 @@ mod tests {
             let mut world = World::new(&settings(), 1).unwrap();
             world.inject(Fault::Slope { grade_rad, uphill_heading_rad: 0.0 });
             for _ in 0..500 {
-                world.step(&Command::default());
+                world.step(&WorldCommand::default());
             }
             assert_eq!(world.state().speed_mps < 0.0, rolls, "grade {grade_rad} rad");
         }
@@ -455,7 +455,7 @@ mod tests {
     fn commands_that_are_not_numbers_do_no_harm() {
         let mut world = World::new(&settings(), 1).unwrap();
         for _ in 0..1000 {
-            world.step(&Command { torque_nm: f64::NAN, wheel_angle_rad: f64::NAN, gear: Some(Gear::Forward) });
+            world.step(&WorldCommand { torque_nm: f64::NAN, wheel_angle_rad: f64::NAN, gear: Some(Gear::Forward) });
         }
         assert_eq!((world.state().speed_mps, world.state().wheel_angle_rad), (0.0, 0.0));
     }

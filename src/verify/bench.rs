@@ -1,6 +1,6 @@
 //! What a scenario is driven with, and what is seen of it.
 
-use crate::control::{Outputs, Settings};
+use crate::control::{Outputs, PivotSettings};
 use crate::sim::{Measurement, TrueState};
 use crate::verify::measured_region::Region;
 
@@ -8,7 +8,7 @@ use crate::verify::measured_region::Region;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PivotBench<'a> {
     /// Settings of the controller; the scenario's policy replaces theirs.
-    pub(crate) control: &'a Settings,
+    pub(crate) control: &'a PivotSettings,
     /// Control period [s].
     pub(crate) period_s: f64,
     /// Torque limit [N·m].

@@ -29,7 +29,7 @@ pub(crate) fn comparison_runs(settings: &VerifySettings) -> usize {
 pub(crate) fn compare(
     stage: &PivotStage<'_>,
     settings: &VerifySettings,
-    varied: &[(sim::Settings, u64)],
+    varied: &[(sim::WorldSettings, u64)],
     traces: bool,
 ) -> Result<Option<(LawComparison, Option<ClosedLoop>)>> {
     if settings.comparison_draws == 0 {

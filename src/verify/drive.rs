@@ -4,7 +4,7 @@
 //! one drive yields all of them.
 
 use crate::control::{Inputs, Pose};
-use crate::sim::{Command, Measurement, World};
+use crate::sim::{Measurement, World, WorldCommand};
 use crate::verify::Result;
 
 /// What commands the world. `Moment` is one control period: what was true, what was read, what was commanded.
@@ -19,7 +19,7 @@ pub(crate) trait Driver {
     fn prepare(&mut self, world: &mut World) -> Result<bool>;
 
     /// Reads the world and decides what to command for one period.
-    fn command(&mut self, world: &World) -> (Self::Moment, Command);
+    fn command(&mut self, world: &World) -> (Self::Moment, WorldCommand);
 }
 
 /// What is seen of a period after it.
@@ -132,7 +132,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::{Gear, Vehicle};
-    use crate::sim::{PhysicalSettings, Settings};
+    use crate::sim::{PhysicalSettings, WorldSettings};
 
     /// Commands a torque for a number of periods.
     struct Counted {
@@ -148,8 +148,8 @@ mod tests {
             Ok(self.left != usize::MAX)
         }
 
-        fn command(&mut self, world: &World) -> (f64, Command) {
-            (world.state().t_s, Command { torque_nm: self.torque_nm, wheel_angle_rad: 0.0, gear: Some(Gear::Forward) })
+        fn command(&mut self, world: &World) -> (f64, WorldCommand) {
+            (world.state().t_s, WorldCommand { torque_nm: self.torque_nm, wheel_angle_rad: 0.0, gear: Some(Gear::Forward) })
         }
     }
 
@@ -165,7 +165,7 @@ mod tests {
 
     fn world() -> World {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
-        World::new(&Settings::physical(vehicle, PhysicalSettings::default()), 1).unwrap()
+        World::new(&WorldSettings::physical(vehicle, PhysicalSettings::default()), 1).unwrap()
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Why a map cannot be judged at all. A map that is judged and found bad is a verdict, not an error.
 
-use crate::map::Gear;
+use crate::map::{FolderError, Gear};
 use std::path::PathBuf;
 
 /// Result of this room.
@@ -39,4 +39,13 @@ pub enum Error {
     Record(#[from] crate::record::Error),
     #[error("the verdict cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
+}
+
+impl From<FolderError> for Error {
+    fn from(error: FolderError) -> Self {
+        match error {
+            FolderError::Read { path, source } => Self::Read { path, source },
+            FolderError::File { path, source } => Self::File { path, source },
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! The plant's exact map and its inverse: what a perfect Table 2 would answer.
 
-use crate::control::{Lookup, TorqueMap};
+use crate::control::{Lookup, TorqueFromAccel};
 use crate::map::{AccelTable, Axis, Gear, Vehicle};
-use crate::sim::{MotionSettings, Settings, Truth};
+use crate::sim::{MotionSettings, Truth, WorldSettings};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 
@@ -20,7 +20,7 @@ impl ExactMap {
     ///
     /// # Errors
     /// Settings that cannot be simulated.
-    pub fn new(world: &Settings) -> Result<Self> {
+    pub fn new(world: &WorldSettings) -> Result<Self> {
         let limit_nm = world.drive.torque_limit_nm.min(world.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY));
         Ok(match &world.motion {
             MotionSettings::Identified(identified) => Self {
@@ -57,7 +57,7 @@ impl ExactMap {
     }
 }
 
-impl TorqueMap for ExactMap {
+impl TorqueFromAccel for ExactMap {
     fn torque(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> Option<Lookup> {
         let (torque_nm, exact) = torque_for(self.table(gear)?, speed_mps, accel_mps2)?;
         let limited = torque_nm.clamp(-self.limit_nm, self.limit_nm);
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn the_inverse_of_the_exact_map_gives_the_acceleration_back() {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let plant = ExactMap::new(&Settings::physical(vehicle, PhysicalSettings::default())).unwrap();
+        let plant = ExactMap::new(&WorldSettings::physical(vehicle, PhysicalSettings::default())).unwrap();
         for gear in Gear::ALL {
             for (v, a) in [(0.0, 0.0), (0.013, 0.4), (0.3, -1.0), (0.6, 1.2)] {
                 let found = plant.torque(gear, v, a).unwrap();

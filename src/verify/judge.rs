@@ -14,7 +14,7 @@ use crate::verify::pivot_traces::ClosedLoop;
 use crate::verify::round_trip::round_trip;
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
-use crate::verify::settings::{Extras, RunLog, VerifySettings};
+use crate::verify::settings::{RunLog, VerifySettings, Wanted};
 use crate::verify::stage::PivotStage;
 use crate::verify::verdict::{FORMAT, MapVerdict, PlantSummary, ScenarioVerdict, Status};
 use crate::verify::{Maps, Result};
@@ -36,27 +36,27 @@ pub struct Verified {
 /// # Errors
 /// A plant that cannot be simulated, or a controller that cannot be set up. A bad map is no error: it is the verdict.
 pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
-    Ok(verify_with(maps, settings, Extras::default())?.verdict)
+    Ok(verify_with(maps, settings, Wanted::default())?.verdict)
 }
 
 /// As [`verify`]; traces and logs are taken from the same runs.
 ///
 /// # Errors
 /// As [`verify`], and what the MCAP writer refuses.
-pub fn verify_with(maps: &Maps, settings: &VerifySettings, extras: Extras<'_>) -> Result<Verified> {
+pub fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
     let tested = settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()).count();
     let total = tested * (settings.draws + 1) + comparison_runs(settings);
     let done = || {
-        if let Some(progress) = extras.progress {
+        if let Some(progress) = wanted.progress {
             progress(total);
         }
     };
     let stage = PivotStage::new(maps, settings, &done)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
-    let judged = judge_scenarios(&stage, settings, &varied[..settings.draws.min(varied.len())], extras.logs)?;
+    let judged = judge_scenarios(&stage, settings, &varied[..settings.draws.min(varied.len())], wanted.logs)?;
     let (scenarios, logs): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
-    let compared = compare(&stage, settings, &varied, extras.traces)?;
+    let compared = compare(&stage, settings, &varied, wanted.traces)?;
     let (comparison, traces) = compared.unzip();
     let mut notes = notes(&maps.forced, &trips, &scenarios);
     if !maps.angles.is_empty() {
@@ -108,7 +108,7 @@ pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, recor
 fn judge_scenarios(
     stage: &PivotStage<'_>,
     settings: &VerifySettings,
-    varied: &[(sim::Settings, u64)],
+    varied: &[(sim::WorldSettings, u64)],
     logs: bool,
 ) -> Result<Vec<(ScenarioVerdict, Option<RunLog>)>> {
     let judge = |scenario: &Scenario| {
@@ -134,7 +134,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::sim::{PhysicalSettings, WorldSettings as World};
     use crate::verify::known_maps;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -155,7 +155,7 @@ mod tests {
             runs.fetch_add(1, Ordering::Relaxed);
             total.store(all, Ordering::Relaxed);
         };
-        let all = verify_with(&maps, &settings, Extras { traces: true, logs: true, progress: Some(&progress) }).unwrap();
+        let all = verify_with(&maps, &settings, Wanted { traces: true, logs: true, progress: Some(&progress) }).unwrap();
         assert_eq!(all.verdict, verify(&maps, &settings).unwrap());
         assert_eq!(runs.into_inner(), total.into_inner(), "as many runs as were announced");
         let names: Vec<&str> = all.logs.iter().map(|log| log.name.as_str()).collect();
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn without_draws_of_the_comparison_there_is_none_and_no_traces() {
         let settings = VerifySettings { scenarios: Vec::new(), draws: 0, comparison_draws: 0, ..VerifySettings::new().unwrap() };
-        let all = verify_with(&maps(), &settings, Extras { traces: true, ..Extras::default() }).unwrap();
+        let all = verify_with(&maps(), &settings, Wanted { traces: true, ..Wanted::default() }).unwrap();
         assert!(all.traces.is_none() && all.verdict.comparison.is_none());
     }
 }

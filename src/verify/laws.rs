@@ -3,7 +3,7 @@
 use crate::control::{
     ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
 };
-use crate::map::CellStatus;
+use crate::map::{CellStatus, TorqueTable};
 use crate::sim;
 use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotBench;
@@ -15,7 +15,10 @@ use rayon::prelude::*;
 
 /// The law of the map under test.
 pub(crate) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
-    WaypointLaw::new(*settings, Tables { forward: &maps.forward, reverse: maps.reverse.as_ref(), policy: OutsidePolicy::Clamp })
+    WaypointLaw::new(
+        *settings,
+        Tables { forward: maps.forward.view(), reverse: maps.reverse.as_ref().map(TorqueTable::view), policy: OutsidePolicy::Clamp },
+    )
 }
 
 /// The gain that somebody without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
@@ -64,7 +67,7 @@ pub(crate) fn tuning_runs() -> usize {
 pub(crate) fn tuned_heading_law(
     bench: &PivotBench<'_>,
     scenario: &Scenario,
-    plant: &sim::Settings,
+    plant: &sim::WorldSettings,
     settings: &WaypointLawSettings,
     torque: ConstantGain,
     done: &(dyn Fn() + Sync),
@@ -136,7 +139,7 @@ mod tests {
 
     fn maps() -> Maps {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let (table1, table2) = known_maps(&sim::Settings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
+        let (table1, table2) = known_maps(&sim::WorldSettings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
         Maps::new(table1, table2).unwrap()
     }
 

@@ -1,6 +1,6 @@
 //! The maps under test: `table2.csv` itself, the artefact that is deployed, with the JSON files that belong to it.
 
-use crate::map::{Gear, LateralTableFile, Matrix, SAME_ANGLE_DEG, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex};
+use crate::map::{Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable};
 use crate::verify::{Error, Result};
 use std::path::Path;
 
@@ -43,62 +43,45 @@ impl Maps {
     /// A file that is missing or cannot be read; a CSV, or a `table1.json`, that is not the one `table2.json` was written with, unless
     /// `force` lets that pass.
     pub fn read(folder: &Path, force: bool) -> Result<Self> {
-        let text = |name: &str| {
-            let path = folder.join(name);
-            std::fs::read_to_string(&path).map_err(|source| Error::Read { path, source })
+        let (files, mismatches) = MapFolder::read(folder)?;
+        let lateral = files.lateral()?;
+        let mut forced = Vec::new();
+        let (lateral, of_lateral) = lateral.map_or((None, None), |(table, mismatch)| (Some(table), mismatch));
+        // the CSV files of Table 1 are not used here
+        for mismatch in mismatches.into_iter().filter(|m| m.by() != "table1.json" || m.file() == "table2.json").chain(of_lateral) {
+            forced.push(let_pass(folder, mismatch, force)?);
+        }
+        let MapFolder { table1, table2, csvs, .. } = files;
+        let Some((table2, _)) = table2 else {
+            return Err(Error::Read { path: folder.join("table2.json"), source: std::io::ErrorKind::NotFound.into() });
         };
         let at = |name: &str, source| Error::File { path: folder.join(name), source };
-        let (json1, json2) = (text("table1.json")?, text("table2.json")?);
-        let table1 = Table1File::from_json(&json1).map_err(|e| at("table1.json", e))?;
-        let table2 = Table2File::from_json(&json2).map_err(|e| at("table2.json", e))?;
-        let mut forced = Vec::new();
-        let mut check = |name: &str, bytes: &[u8], expected: &str| {
-            let found = sha256_hex(bytes);
-            if found == expected {
-                return Ok(found);
-            }
-            if !force {
-                let (path, by) = (folder.join(name), folder.join("table2.json"));
-                return Err(Error::Hash { path, by, found, expected: expected.to_owned() });
-            }
-            forced.push(format!("{name} is not the file that table2.json describes"));
-            Ok(found)
+        let read = |map: &TorqueMap| -> Result<(String, TorqueTable)> {
+            let path = folder.join(&map.csv.file);
+            // a file that cannot be read was a mismatch that nothing lets pass
+            let csv = csvs.iter().find(|csv| csv.name == map.csv.file).ok_or(std::io::ErrorKind::NotFound.into());
+            let text = csv.and_then(|csv| Ok((csv, csv.text()?)));
+            let (csv, text) = text.map_err(|source| Error::Read { path, source })?;
+            let table = Matrix::from_csv(text).and_then(TorqueTable::from_matrix).map_err(|e| at(&csv.name, e))?;
+            Ok((csv.sha256.clone(), table))
         };
-        check("table1.json", json1.as_bytes(), &table2.table1.sha256)?;
         let mut csv_sha256 = Vec::new();
-        let mut read = |gear: Gear| -> Result<Option<TorqueTable>> {
-            let Some(map) = table2.map(gear, table2.vehicle.test_angle_deg, SAME_ANGLE_DEG) else { return Ok(None) };
-            let name = &map.csv.file;
-            let csv = text(name)?;
-            csv_sha256.push(check(name, csv.as_bytes(), &map.csv.sha256)?);
-            let table = Matrix::from_csv(&csv).and_then(TorqueTable::from_matrix).map_err(|e| at(name, e))?;
+        let mut at_test_angle = PerGear::try_from_fn(|gear| -> Result<Option<TorqueTable>> {
+            let Some(map) = table2.map_at_test_angle(gear) else { return Ok(None) };
+            let (sha256, table) = read(map)?;
+            csv_sha256.push(sha256);
             Ok(Some(table))
-        };
-        let forward = read(Gear::Forward)?;
-        let reverse = read(Gear::Reverse)?;
-        let forward = forward.ok_or_else(|| Self::no_forward(&table2))?;
+        })?;
+        let forward = at_test_angle.forward.take().ok_or_else(|| Self::no_forward(&table2))?;
         let mut angles = Vec::new();
-        for map in table2.maps.iter().filter(|_| has_several_angles(&table2)) {
-            let name = &map.csv.file;
-            let csv = text(name)?;
-            let found = check(name, csv.as_bytes(), &map.csv.sha256)?;
-            if !csv_sha256.contains(&found) {
-                csv_sha256.push(found);
+        for map in table2.maps.iter().filter(|_| table2.has_several_angles()) {
+            let (sha256, table) = read(map)?;
+            if !csv_sha256.contains(&sha256) {
+                csv_sha256.push(sha256);
             }
-            let table = Matrix::from_csv(&csv).and_then(TorqueTable::from_matrix).map_err(|e| at(name, e))?;
             angles.push(AngleMap { gear: map.gear, wheel_angle_deg: map.wheel_angle_deg, table });
         }
-        forced.dedup();
-        let path = folder.join("lateral_table.json");
-        let lateral = if path.exists() {
-            let json = text("lateral_table.json")?;
-            let file = LateralTableFile::from_json(&json).map_err(|e| at("lateral_table.json", e))?;
-            check_lateral(folder, &file, force, &mut forced)?;
-            Some(file)
-        } else {
-            None
-        };
-        Ok(Self { table1, table2, forward, reverse, angles, csv_sha256, forced, lateral })
+        Ok(Self { table1, table2, forward, reverse: at_test_angle.reverse, angles, csv_sha256, forced, lateral })
     }
 
     /// Takes over files that are already in memory, the CSV being what `table2` holds.
@@ -106,12 +89,11 @@ impl Maps {
     /// # Errors
     /// No forward map, or a table that is not sound.
     pub fn new(table1: Table1File, table2: Table2File) -> Result<Self> {
-        let angle_deg = table2.vehicle.test_angle_deg;
-        let map = |gear| table2.map(gear, angle_deg, SAME_ANGLE_DEG);
+        let map = |gear| table2.map_at_test_angle(gear);
         let forward = map(Gear::Forward).ok_or_else(|| Self::no_forward(&table2))?.table()?;
         let reverse = map(Gear::Reverse).map(TorqueMap::table).transpose()?;
         let csv_sha256 = Gear::ALL.into_iter().filter_map(map).map(|m| m.csv.sha256.clone()).collect();
-        let several = table2.maps.iter().filter(|_| has_several_angles(&table2));
+        let several = table2.maps.iter().filter(|_| table2.has_several_angles());
         let one = |m: &TorqueMap| Ok(AngleMap { gear: m.gear, wheel_angle_deg: m.wheel_angle_deg, table: m.table()? });
         let angles = several.map(one).collect::<Result<_>>()?;
         Ok(Self { table1, table2, forward, reverse, angles, csv_sha256, forced: Vec::new(), lateral: None })
@@ -137,29 +119,16 @@ impl Maps {
 
     /// Largest torque that the controller may ask for [N·m]: the vehicle's limit, or the largest value of the tables.
     pub fn torque_limit_nm(&self) -> f64 {
-        self.table2.vehicle.torque_limit_nm.unwrap_or_else(|| {
-            let values = self.forward.values().iter().chain(self.reverse.iter().flat_map(TorqueTable::values));
-            values.fold(0.0, |largest, v| v.abs().max(largest))
-        })
+        let tables = std::iter::once(&self.forward).chain(&self.reverse);
+        self.table2.vehicle.torque_limit_or_largest_nm(tables.flat_map(TorqueTable::values).copied())
     }
 }
 
-/// Whether a file holds maps of more than the one wheel angle.
-fn has_several_angles(table2: &Table2File) -> bool {
-    table2.maps.iter().any(|m| (m.wheel_angle_deg - table2.maps[0].wheel_angle_deg).abs() > SAME_ANGLE_DEG)
-}
-
-/// `lateral_table.csv` has to be the one that `lateral_table.json` describes.
-fn check_lateral(folder: &Path, file: &LateralTableFile, force: bool, forced: &mut Vec<String>) -> Result<()> {
-    let path = folder.join(&file.csv.file);
-    let bytes = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
-    let found = sha256_hex(&bytes);
-    if found == file.csv.sha256 {
-        return Ok(());
+/// What is let pass with `force`, as a note; without it an error, as is a file that cannot be read.
+fn let_pass(folder: &Path, mismatch: Mismatch, force: bool) -> Result<String> {
+    match mismatch {
+        Mismatch::Hash { file, by, .. } if force => Ok(format!("{file} is not the file that {by} describes")),
+        Mismatch::Hash { file, by, found, expected } => Err(Error::Hash { path: folder.join(file), by: folder.join(by), found, expected }),
+        Mismatch::Unreadable { file, source, .. } => Err(Error::Read { path: folder.join(file), source }),
     }
-    if !force {
-        return Err(Error::Hash { path, by: folder.join("lateral_table.json"), found, expected: file.csv.sha256.clone() });
-    }
-    forced.push(format!("{} is not the file that lateral_table.json describes", file.csv.file));
-    Ok(())
 }

@@ -55,7 +55,7 @@ mod tests {
 
     fn region(change: impl Fn(&mut TorqueMap)) -> Region {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
-        let (_, mut table2) = known_maps(&sim::Settings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
+        let (_, mut table2) = known_maps(&sim::WorldSettings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
         change(&mut table2.maps[0]);
         Region::new(&table2)
     }

@@ -1,6 +1,6 @@
 //! The perturbed plants of the Monte Carlo: the same draws for every scenario and every law, so that differences are theirs.
 
-use crate::sim::{Perturbation, Settings};
+use crate::sim::{Perturbation, WorldSettings};
 use crate::verify::Result;
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
@@ -34,7 +34,7 @@ const STREAM: u128 = 0x7065_7274;
 ///
 /// # Errors
 /// A plant that cannot be varied so.
-pub(crate) fn draws(plant: &Settings, spread: &Spread, count: usize, seed: u64) -> Result<Vec<(Settings, u64)>> {
+pub(crate) fn draws(plant: &WorldSettings, spread: &Spread, count: usize, seed: u64) -> Result<Vec<(WorldSettings, u64)>> {
     let mut random = Pcg64::new(u128::from(seed), STREAM);
     let mut factor = |spread: f64| {
         let uniform: f64 = StandardUniform.sample(&mut random);
@@ -62,9 +62,9 @@ mod tests {
     use crate::map::Vehicle;
     use crate::sim::{MotionSettings, PhysicalSettings};
 
-    fn plant() -> Settings {
+    fn plant() -> WorldSettings {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
-        Settings::physical(vehicle, PhysicalSettings::default())
+        WorldSettings::physical(vehicle, PhysicalSettings::default())
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Drives the turns of a scenario with the pivot controller, and lets the scenario's disturbance begin at its time.
 
-use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, Settings};
-use crate::sim::{Command, Fault, World};
+use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, PivotSettings};
+use crate::sim::{Fault, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::bench::{PivotBench, PivotMoment};
 use crate::verify::drive::{Driver, inputs, pose};
-use crate::verify::scenario::{Expected, Incident, Onset, Scenario};
+use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
 
 /// Longest simulated time of one turn [s]: the controller's own time-outs come first.
 const LONGEST_S: f64 = 120.0;
@@ -43,7 +43,7 @@ pub(crate) struct PivotDriver<'a, L: DriveLaw> {
     part: RunPart,
     turn: Option<AskedTurn>,
     /// The disturbance that has not begun in this turn yet.
-    pending: Option<(Incident, Onset)>,
+    pending: Option<(Disturbance, Onset)>,
     last_phase: Phase,
     in_phase_s: f64,
     as_expected: bool,
@@ -54,7 +54,13 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
     ///
     /// # Errors
     /// Settings that the controller refuses.
-    pub(crate) fn new(bench: &'a PivotBench<'a>, scenario: &'a Scenario, settings: &Settings, law: L, world: &mut World) -> Result<Self> {
+    pub(crate) fn new(
+        bench: &'a PivotBench<'a>,
+        scenario: &'a Scenario,
+        settings: &PivotSettings,
+        law: L,
+        world: &mut World,
+    ) -> Result<Self> {
         let controller = PivotController::new(settings, law)?;
         world.place_wheel(scenario.start_wheel_deg * RAD_PER_DEG);
         if let Some((disturbance, None)) = scenario.disturbance {
@@ -164,7 +170,7 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
         }
     }
 
-    fn command(&mut self, world: &World) -> (PivotMoment, Command) {
+    fn command(&mut self, world: &World) -> (PivotMoment, WorldCommand) {
         let (state, seen) = (world.state(), world.measure());
         let command = self.controller.step(&inputs(&seen));
         if let RunPart::Turning(left_s) = &mut self.part {
@@ -173,25 +179,25 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
             self.last_phase = phase;
             *left_s -= self.bench.period_s;
         }
-        let order = Command { torque_nm: command.torque_nm, wheel_angle_rad: command.wheel_angle_rad, gear: command.gear };
+        let order = WorldCommand { torque_nm: command.torque_nm, wheel_angle_rad: command.wheel_angle_rad, gear: command.gear };
         (PivotMoment { state, seen, command }, order)
     }
 }
 
 /// Lets a disturbance begin.
-fn begin(world: &mut World, disturbance: Incident, bench: &PivotBench<'_>) {
+fn begin(world: &mut World, disturbance: Disturbance, bench: &PivotBench<'_>) {
     // never so little that the vehicle cannot set off
     let [holding_nm, planned_nm] = bench.planned_nm;
     let of_the_plan = |share: f64| (holding_nm + share * (planned_nm - holding_nm)).max(1.1 * bench.breakaway_nm);
     match disturbance {
-        Incident::Obstacle => world.set_estop(true),
-        Incident::SteeringStuck => world.inject(Fault::SteeringStuck),
-        Incident::SteeringSlow { rate_factor } => world.inject(Fault::SteeringSlow { rate_factor }),
-        Incident::SteeringImplausible => world.inject(Fault::SteeringOffset { offset_rad: 3.0 }),
-        Incident::SpeedLost => world.inject(Fault::SpeedSensorLost),
-        Incident::Slope { grade } => world.inject(Fault::Slope { grade_rad: grade.atan(), uphill_heading_rad: 0.0 }),
-        Incident::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: of_the_plan(share) }),
-        Incident::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
+        Disturbance::Obstacle => world.set_estop(true),
+        Disturbance::SteeringStuck => world.inject(Fault::SteeringStuck),
+        Disturbance::SteeringSlow { rate_factor } => world.inject(Fault::SteeringSlow { rate_factor }),
+        Disturbance::SteeringImplausible => world.inject(Fault::SteeringOffset { offset_rad: 3.0 }),
+        Disturbance::SpeedLost => world.inject(Fault::SpeedSensorLost),
+        Disturbance::Slope { grade } => world.inject(Fault::Slope { grade_rad: grade.atan(), uphill_heading_rad: 0.0 }),
+        Disturbance::WetFloor { share } => world.inject(Fault::WetFloor { grip_nm: of_the_plan(share) }),
+        Disturbance::LowBattery { share } => world.inject(Fault::TorqueLimit { limit_nm: of_the_plan(share) }),
     }
 }
 
@@ -200,7 +206,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::sim::{PhysicalSettings, WorldSettings as World};
     use crate::verify::bench::PivotMoment;
     use crate::verify::{Maps, Metric, Values, VerifySettings, known_maps, replay};
 

@@ -3,7 +3,7 @@
 
 use crate::control::{AngleStatus, DriveLaw, LateralTask, Phase, PivotRequest};
 use crate::map::Gear;
-use crate::record::{LogWriter, Message, Odometry, Stamp};
+use crate::record::{LogWriter, MessageStamp, Odometry, RosMessage};
 use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotMoment;
 use crate::verify::drive::{Observer, Period};
@@ -64,11 +64,11 @@ fn write(
     let (state, seen, command) = (&moment.state, &moment.seen, &moment.command);
     write_vehicle(log, wheel_radius_m, state, seen, command.torque_nm, command.gear)?;
     let ns = log_time_ns(state.t_s);
-    let stamp = Stamp { ns };
-    let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
+    let stamp = MessageStamp { ns };
+    let mut put = |topic: &str, message: &RosMessage<'_>| log.write(topic, ns, ns, message);
     put(
         "/odom",
-        &Message::Odometry(Odometry {
+        &RosMessage::Odometry(Odometry {
             stamp,
             frame_id: "odom",
             child_frame_id: "base_link",
@@ -79,26 +79,26 @@ fn write(
             yaw_rate_rad_s: seen.yaw_rate_rad_s,
         }),
     )?;
-    put("/pivot/speed_actual", &Message::Float64(state.speed_mps))?;
-    put("/pivot/accel_actual", &Message::Float64(state.accel_mps2))?;
-    put("/pivot/wheel_angle_desired", &Message::Float64(command.wheel_angle_rad))?;
+    put("/pivot/speed_actual", &RosMessage::Float64(state.speed_mps))?;
+    put("/pivot/accel_actual", &RosMessage::Float64(state.accel_mps2))?;
+    put("/pivot/wheel_angle_desired", &RosMessage::Float64(command.wheel_angle_rad))?;
     if let Some(drive) = &command.drive {
         let sign = command.gear.map_or(1.0, Gear::sign);
-        put("/pivot/speed_desired", &Message::Float64(sign * drive.target_speed_mps))?;
-        put("/pivot/accel_desired", &Message::Float64(sign * drive.accel_mps2))?;
-        put("/pivot/arc", &Message::Float64(drive.arc_m))?;
+        put("/pivot/speed_desired", &RosMessage::Float64(sign * drive.target_speed_mps))?;
+        put("/pivot/accel_desired", &RosMessage::Float64(sign * drive.accel_mps2))?;
+        put("/pivot/arc", &RosMessage::Float64(drive.arc_m))?;
     }
-    put("/pivot/restore", &Message::Bool(command.restore))?;
-    put("/pivot/angle_status", &Message::String(&angle_name(command.angle)))?;
+    put("/pivot/restore", &RosMessage::Bool(command.restore))?;
+    put("/pivot/angle_status", &RosMessage::String(&angle_name(command.angle)))?;
     if last_task != Some(command.task) {
-        put("/pivot/task", &Message::String(&task_name(command.task)))?;
+        put("/pivot/task", &RosMessage::String(&task_name(command.task)))?;
     }
     if last_phase != Some(command.phase) {
-        put("/pivot/phase", &Message::String(&format!("{:?}", command.phase)))?;
+        put("/pivot/phase", &RosMessage::String(&format!("{:?}", command.phase)))?;
         if let Some(request) = request.filter(|_| command.phase == Phase::WaitingForAngle) {
-            put("/pivot/pivot_flag", &Message::Bool(request.pivot))?;
-            put("/pivot/direction_flag", &Message::Int8(request.direction.flag().cast_signed()))?;
-            put("/pivot/waypoints", &Message::String(&waypoints(request)))?;
+            put("/pivot/pivot_flag", &RosMessage::Bool(request.pivot))?;
+            put("/pivot/direction_flag", &RosMessage::Int8(request.direction.flag().cast_signed()))?;
+            put("/pivot/waypoints", &RosMessage::String(&waypoints(request)))?;
         }
     }
     Ok(())

@@ -1,11 +1,12 @@
 //! The maps that a perfect campaign would give of a vehicle whose physics is known: for examples, benchmarks and tests.
 
-use crate::control::TorqueMap as _;
+use crate::control::TorqueFromAccel as _;
 use crate::map::{
-    AccelMap, AccelTable, Actuator, Axis, Breakaway, CellStatus, CsvRef, DeadBand, DelayEstimate, FORMAT_VERSION, Gear, PlantNoise,
-    RoundTrip, Stage1Report, Surface, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units, sha256_hex,
+    AccelMap, AccelTable, Actuator, ActuatorInput, Axis, BreakawayTorque, CellStatus, CsvRef, DeadBand, DelayEstimate, DelayStatus,
+    FORMAT_VERSION, FineSurface, Gear, PlantNoise, RoundTripErrors, Stage1Report, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File,
+    TorqueMap, TorqueTable, Units, ZeroRow, sha256_hex,
 };
-use crate::sim::Settings;
+use crate::sim::WorldSettings;
 use crate::verify::Result;
 use crate::verify::exact_map::{ExactMap, torque_for};
 
@@ -17,9 +18,9 @@ const FASTEST_MPS: f64 = 1.0;
 ///
 /// # Errors
 /// A world that cannot be simulated.
-pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
+pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
     let plant = ExactMap::new(world)?;
-    let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: "given".to_owned() };
+    let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: DelayStatus::Given };
     let mut table1 = Table1File {
         format: TABLE1_FORMAT.to_owned(),
         format_version: FORMAT_VERSION,
@@ -31,7 +32,7 @@ pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
         actuator: Actuator {
             dead_time: delay(world.drive.dead_time_s),
             lag: delay(world.drive.lag_s),
-            input: "torque command".to_owned(),
+            input: ActuatorInput::COMMAND,
             per_log: Vec::new(),
         },
         witnesses: Vec::new(),
@@ -67,7 +68,7 @@ pub fn known_maps(world: &Settings) -> Result<(Table1File, Table2File)> {
     Ok((table1, table2))
 }
 
-fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings) -> Result<AccelMap> {
+fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &WorldSettings) -> Result<AccelMap> {
     let speed = Axis::uniform("speed_mps", 0.0, 0.05, FASTEST_MPS)?;
     let torque = Axis::uniform("torque_nm", -plant.limit_nm(), 4.0, plant.limit_nm())?;
     let fine = Axis::uniform("speed_mps", 0.0, 0.01, FASTEST_MPS)?;
@@ -91,13 +92,13 @@ fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings)
         confidence: vec![vec![1.0 / 1.01; n]; m],
         status: vec![vec![CellStatus::Measured; n]; m],
         measured_torque_nm: vec![Some([torque.first(), torque.last()]); n],
-        breakaway: Breakaway {
+        breakaway: BreakawayTorque {
             torque_nm: breakaway_nm,
             std_err_nm: Some(0.1),
             at_rest_up_to_nm: Some(breakaway_nm - 0.1),
             moved_from_nm: Some(breakaway_nm + 0.1),
         },
-        surface: Surface {
+        surface: FineSurface {
             speed_mps: fine.breaks().to_vec(),
             torque_nm: exact.torque_nm().breaks().to_vec(),
             accel_mps2: rows(&fine, exact.torque_nm()),
@@ -105,7 +106,7 @@ fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings)
     })
 }
 
-fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings) -> Result<TorqueMap> {
+fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &WorldSettings) -> Result<TorqueMap> {
     let speed = Axis::uniform("speed_mps", 0.0, 0.05, FASTEST_MPS)?;
     let ends =
         |v: f64| [exact.torque_nm().first(), exact.torque_nm().last()].map(|u| exact.accel_from_torque_clamped(v, u).unwrap_or_default());
@@ -122,7 +123,7 @@ fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings
     let table = TorqueTable::new(speed.clone(), accel.clone(), torque_nm.concat())?;
     let std_err_nm = status.iter().map(|row| row.iter().map(|&s| (s == CellStatus::Measured).then_some(0.15)).collect()).collect();
     let breakaway_nm = torque_for(exact, 0.0, 0.0).map_or(0.0, |(torque_nm, _)| torque_nm);
-    let nowhere = crate::map::Place::default();
+    let nowhere = crate::map::GridPoint::default();
     Ok(TorqueMap {
         gear,
         wheel_angle_deg: world.vehicle.test_angle_deg,
@@ -134,8 +135,8 @@ fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &Settings
         status,
         reachable_accel_mps2: reach,
         dead_band: DeadBand { low_nm: -breakaway_nm, high_nm: breakaway_nm, std_err_nm: Some(0.1) },
-        zero_row: "moving".to_owned(),
-        round_trip: RoundTrip {
+        zero_row: ZeroRow::Moving,
+        round_trip: RoundTripErrors {
             node_rms_mps2: 0.0,
             node_max_mps2: 0.0,
             node_max_at: nowhere,

@@ -4,7 +4,7 @@
 //! R² = 1 − SSE/SST and root mean square. The speed is the encoder's, taken back by its delay and scale as the fit found them.
 
 use crate::campaign::{Stretch, Survey};
-use crate::map::{Gear, Table1File};
+use crate::map::{Gear, SpeedSource, Table1File};
 use crate::sim;
 use crate::sim::RecordedRun;
 use crate::verify::Result;
@@ -43,19 +43,19 @@ const LEAD_S: f64 = 1.0;
 /// # Errors
 /// A Table 1 that cannot be simulated.
 pub fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>> {
-    let mut settings = sim::Settings::identified(table1)?;
+    let mut settings = sim::WorldSettings::identified(table1)?;
     let source = &survey.track.source;
     let known = table1.actuator.per_log.iter().find(|log| log.sha256 == source.sha256);
     if let Some(log) = known {
         settings.drive.dead_time_s = log.dead_time.value_s;
     }
-    let encoder = table1.witnesses.iter().find(|w| w.name == "encoder");
+    let encoder = table1.witnesses.iter().find(|w| w.name == SpeedSource::Encoder);
     let (delay_s, scale) = encoder.map_or((0.0, 1.0), |w| (w.delay_s, w.scale));
     let late_s = delay_s + known.map_or(0.0, |log| log.clock_offset.value_s);
     let fitted = known.is_some();
     let mut runs = Vec::new();
     for stretch in &survey.stretches {
-        if stretch.to_s - stretch.from_s < SHORTEST_S || table1.map(stretch.gear, table1.vehicle.test_angle_deg, 1.0).is_none() {
+        if stretch.to_s - stretch.from_s < SHORTEST_S || table1.map_at_test_angle(stretch.gear).is_none() {
             continue;
         }
         let Some(recorded) = Recorded::cut(survey, *stretch, late_s, scale) else { continue };

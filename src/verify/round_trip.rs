@@ -5,7 +5,7 @@
 //! mean over a row of Table 2 above 0 m/s within 0.05 m/s² + 3: interpolation makes a cell miss, but not a whole row the same way. Beyond its torques the
 //! surface goes on linearly, so that a torque which the drive cannot give is seen too. The speed axis has to start at 0.
 
-use crate::map::{AccelMap, AccelTable, CellStatus, Gear, SAME_ANGLE_DEG, TorqueTable, lookup};
+use crate::map::{AccelMap, AccelTable, CellStatus, Gear, TorqueTable, WheelAngle, ZeroRow, lookup};
 use crate::verify::Maps;
 use crate::verify::exact_map::torque_for;
 use serde::{Deserialize, Serialize};
@@ -80,16 +80,16 @@ impl RoundTripVerdict {
 /// # Errors
 /// A surface of Table 1 that is not sound.
 pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<Vec<RoundTripVerdict>> {
-    let angle_deg = maps.table2.vehicle.test_angle_deg;
+    let test_angle = maps.table2.vehicle.test_angle();
     let mut all = Vec::new();
     for gear in Gear::ALL {
-        let (Some(table2), Some(map1)) = (maps.table(gear), maps.table1.map(gear, angle_deg, 1.0)) else { continue };
-        let holds = maps.table2.map(gear, angle_deg, 1.0).is_some_and(|m| m.zero_row != "moving");
+        let (Some(table2), Some(map1)) = (maps.table(gear), maps.table1.map_at_test_angle(gear)) else { continue };
+        let holds = maps.table2.map_at_test_angle(gear).is_some_and(|m| m.zero_row != ZeroRow::Moving);
         all.push(of_gear(gear, table2, map1, &map1.surface.table()?, holds, limit));
     }
-    for map in maps.angles.iter().filter(|m| (m.wheel_angle_deg - angle_deg).abs() > SAME_ANGLE_DEG) {
-        let Some(map1) = maps.table1.map(map.gear, map.wheel_angle_deg, SAME_ANGLE_DEG) else { continue };
-        let holds = maps.table2.map(map.gear, map.wheel_angle_deg, SAME_ANGLE_DEG).is_some_and(|m| m.zero_row != "moving");
+    for map in maps.angles.iter().filter(|m| !test_angle.is_same_deg(m.wheel_angle_deg)) {
+        let Some(map1) = maps.table1.map(map.gear, WheelAngle::from_deg(map.wheel_angle_deg)) else { continue };
+        let holds = maps.table2.map(map.gear, map1.angle()).is_some_and(|m| m.zero_row != ZeroRow::Moving);
         let trip = of_gear(map.gear, &map.table, map1, &map1.surface.table()?, holds, limit);
         all.push(RoundTripVerdict { wheel_angle_deg: Some(map.wheel_angle_deg), ..trip });
     }
@@ -212,7 +212,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::sim::{PhysicalSettings, Settings as World};
+    use crate::sim::{PhysicalSettings, WorldSettings as World};
     use crate::verify::known_maps;
 
     fn maps() -> Maps {

@@ -15,7 +15,7 @@ use crate::verify::scenario::Scenario;
 pub(crate) fn run<'a, L: DriveLaw>(
     bench: &'a PivotBench<'a>,
     scenario: &'a Scenario,
-    plant: &sim::Settings,
+    plant: &sim::WorldSettings,
     law: L,
     seed: u64,
     observer: impl Observer<PivotDriver<'a, L>>,

@@ -1,6 +1,6 @@
 //! What is measured of a pivot while it is driven; the definitions are in `docs/controller.md`.
 
-use crate::control::{DriveLaw, Phase, Settings};
+use crate::control::{DriveLaw, Phase, PivotSettings};
 use crate::map::Gear;
 use crate::sim;
 use crate::sim::TrueState;
@@ -14,7 +14,7 @@ use crate::verify::scenario::{Expected, Scenario};
 /// Observes a run and adds up its metrics. Over several turns the largest counts, and the mean of shares.
 pub(crate) struct PivotMetrics<'a> {
     bench: &'a PivotBench<'a>,
-    settings: &'a Settings,
+    settings: &'a PivotSettings,
     wheelbase_m: f64,
     turn: Option<AskedTurn>,
     /// Distance of the reference point from the centre of its circle [m], to the left.
@@ -50,7 +50,7 @@ pub(crate) struct PivotMetrics<'a> {
 }
 
 impl<'a> PivotMetrics<'a> {
-    pub(crate) fn new(bench: &'a PivotBench<'a>, settings: &'a Settings, plant: &sim::Settings) -> Self {
+    pub(crate) fn new(bench: &'a PivotBench<'a>, settings: &'a PivotSettings, plant: &sim::WorldSettings) -> Self {
         let (sin, cos) = settings.planning.test_angle_rad.sin_cos();
         Self {
             bench,

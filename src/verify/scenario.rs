@@ -33,7 +33,7 @@ impl Class {
 /// What the world does to the vehicle; figures that depend on the vehicle are relative to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Incident {
+pub enum Disturbance {
     /// An obstacle: emergency stop.
     Obstacle,
     /// The steering does not move any more.
@@ -99,7 +99,7 @@ pub struct Scenario {
     /// Wheel angle at the start [°].
     pub start_wheel_deg: f64,
     /// What disturbs it, and when; `None` from the start.
-    pub disturbance: Option<(Incident, Option<Onset>)>,
+    pub disturbance: Option<(Disturbance, Option<Onset>)>,
     /// How it should end.
     pub expected: Expected,
 }
@@ -151,10 +151,10 @@ impl Scenario {
         all.push(hard(
             "wet-floor",
             "left 90° on a floor that grips for three quarters of the planned acceleration",
-            Incident::WetFloor { share: 0.75 },
+            Disturbance::WetFloor { share: 0.75 },
         ));
-        all.push(hard("slope", "left 90° on a slope of 2 %", Incident::Slope { grade: 0.02 }));
-        all.push(hard("low-battery", "left 90° with torque for half of the planned acceleration", Incident::LowBattery { share: 0.5 }));
+        all.push(hard("slope", "left 90° on a slope of 2 %", Disturbance::Slope { grade: 0.02 }));
+        all.push(hard("low-battery", "left 90° with torque for half of the planned acceleration", Disturbance::LowBattery { share: 0.5 }));
         let failing = |name: &str, what: &str, disturbance, phase, after_s, failure| Self {
             class: Class::Failure,
             disturbance: Some((disturbance, Some(Onset { phase, after_s }))),
@@ -168,22 +168,22 @@ impl Scenario {
             ("stop-standstill", "obstacle while the wheel comes to rest", Phase::WaitingForStandstill, 0.0),
             ("stop-restoring", "obstacle while the wheel returns", Phase::RestoringAngle, 0.5),
         ] {
-            all.push(failing(name, what, Incident::Obstacle, phase, after_s, Failure::ObstacleStop));
+            all.push(failing(name, what, Disturbance::Obstacle, phase, after_s, Failure::ObstacleStop));
         }
         let (out, back) = (Phase::WaitingForAngle, Phase::RestoringAngle);
         let eps = Failure::Steering;
         for (name, what, disturbance, phase, failure) in [
-            ("eps-stuck", "steering stuck on its way out", Incident::SteeringStuck, out, eps(SteeringFault::Stuck)),
-            ("eps-stuck-back", "steering stuck on its way back", Incident::SteeringStuck, back, eps(SteeringFault::Stuck)),
-            ("eps-slow-back", "steering creeps back", Incident::SteeringSlow { rate_factor: 0.05 }, back, eps(SteeringFault::TooSlow)),
+            ("eps-stuck", "steering stuck on its way out", Disturbance::SteeringStuck, out, eps(SteeringFault::Stuck)),
+            ("eps-stuck-back", "steering stuck on its way back", Disturbance::SteeringStuck, back, eps(SteeringFault::Stuck)),
+            ("eps-slow-back", "steering creeps back", Disturbance::SteeringSlow { rate_factor: 0.05 }, back, eps(SteeringFault::TooSlow)),
             (
                 "eps-implausible",
                 "steering angle out of range on its way back",
-                Incident::SteeringImplausible,
+                Disturbance::SteeringImplausible,
                 back,
                 eps(SteeringFault::Implausible),
             ),
-            ("speed-lost", "speed sensor lost while driving", Incident::SpeedLost, Phase::Driving, Failure::SpeedLost),
+            ("speed-lost", "speed sensor lost while driving", Disturbance::SpeedLost, Phase::Driving, Failure::SpeedLost),
         ] {
             all.push(failing(name, what, disturbance, phase, 0.5, failure));
         }

@@ -25,7 +25,7 @@ pub struct VerifySettings {
     /// The drive law; `None`, the default, is the usual one for the map's vehicle.
     pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
-    pub plant: Option<sim::Settings>,
+    pub plant: Option<sim::WorldSettings>,
 }
 
 impl VerifySettings {
@@ -49,7 +49,7 @@ impl VerifySettings {
 
 /// What is wanted beside the verdict. Default nothing.
 #[derive(Clone, Copy, Default)]
-pub struct Extras<'a> {
+pub struct Wanted<'a> {
     /// The runs over time, for the report.
     pub traces: bool,
     /// A log of each nominal run.

@@ -1,6 +1,6 @@
 //! The plant, the law and the controller of a verdict, and runs of one law over a scenario: nominal and on every draw.
 
-use crate::control::{DriveLaw, Settings, TorqueMap as _, WaypointLawSettings};
+use crate::control::{DriveLaw, PivotSettings, TorqueFromAccel as _, WaypointLawSettings};
 use crate::map::Gear;
 use crate::sim;
 use crate::verify::bench::PivotBench;
@@ -19,10 +19,10 @@ use rayon::prelude::*;
 /// Everything that a scenario is run with.
 pub(crate) struct PivotStage<'a> {
     pub(crate) maps: &'a Maps,
-    pub(crate) control: Settings,
+    pub(crate) control: PivotSettings,
     pub(crate) law: WaypointLawSettings,
     region: Region,
-    pub(crate) plant: sim::Settings,
+    pub(crate) plant: sim::WorldSettings,
     pub(crate) exact: ExactMap,
     pub(crate) seed: u64,
     /// Called each time a run has ended.
@@ -47,11 +47,11 @@ impl<'a> PivotStage<'a> {
     /// # Errors
     /// A plant that cannot be simulated.
     pub(crate) fn new(maps: &'a Maps, settings: &VerifySettings, done: &'a (dyn Fn() + Sync)) -> Result<Self> {
-        let plant = settings.plant.as_ref().map_or_else(|| sim::Settings::identified(&maps.table1), |p| Ok(p.clone()))?;
+        let plant = settings.plant.as_ref().map_or_else(|| sim::WorldSettings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let exact = ExactMap::new(&plant)?;
         Ok(Self {
             maps,
-            control: Settings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps)),
+            control: PivotSettings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps)),
             law: settings.law.unwrap_or_else(|| law_settings(maps)),
             region: Region::new(&maps.table2),
             plant,
@@ -82,7 +82,7 @@ impl<'a> PivotStage<'a> {
     pub(crate) fn run_all<L, N, O>(
         &self,
         scenario: &Scenario,
-        varied: &[(sim::Settings, u64)],
+        varied: &[(sim::WorldSettings, u64)],
         law: impl Fn() -> L + Sync,
         mut nominal: N,
         draw: impl Fn() -> O + Sync,
@@ -96,7 +96,7 @@ impl<'a> PivotStage<'a> {
         let values = run(&bench, scenario, &self.plant, law(), self.seed, &mut nominal);
         (self.done)();
         let nominal = (values?, nominal);
-        let one = |(plant, seed): &(sim::Settings, u64)| {
+        let one = |(plant, seed): &(sim::WorldSettings, u64)| {
             let mut observer = draw();
             let values = run(&bench, scenario, plant, law(), *seed, &mut observer);
             (self.done)();

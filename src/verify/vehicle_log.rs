@@ -1,7 +1,7 @@
 //! What every log of `verify --log` holds of the vehicle: its joints, what it was commanded, its emergency stop.
 
 use crate::map::Gear;
-use crate::record::{JointState, LogWriter, Message, Result, Stamp};
+use crate::record::{JointState, LogWriter, MessageStamp, Result, RosMessage};
 use crate::sim::{Measurement, TrueState};
 use crate::units::NS_PER_S;
 
@@ -23,11 +23,11 @@ pub(crate) fn write_vehicle(
     gear: Option<Gear>,
 ) -> Result<()> {
     let ns = log_time_ns(state.t_s);
-    let mut put = |topic: &str, message: &Message<'_>| log.write(topic, ns, ns, message);
+    let mut put = |topic: &str, message: &RosMessage<'_>| log.write(topic, ns, ns, message);
     put(
         "/joint_states",
-        &Message::JointState(JointState {
-            stamp: Stamp { ns },
+        &RosMessage::JointState(JointState {
+            stamp: MessageStamp { ns },
             frame_id: "base_link",
             names: &["front_steer_joint", "front_drive_joint"],
             positions: &[seen.wheel_angle_rad, f64::NAN],
@@ -35,9 +35,9 @@ pub(crate) fn write_vehicle(
             efforts: &[f64::NAN, state.torque_nm],
         }),
     )?;
-    put("/drive/torque_command", &Message::Float64(torque_nm))?;
-    put("/drive/gear", &Message::Int8(gear_number(gear)))?;
-    put("/safety/estop", &Message::Bool(seen.estop))
+    put("/drive/torque_command", &RosMessage::Float64(torque_nm))?;
+    put("/drive/gear", &RosMessage::Int8(gear_number(gear)))?;
+    put("/safety/estop", &RosMessage::Bool(seen.estop))
 }
 
 /// 0 neutral, 1 forward, 2 reverse.

@@ -75,7 +75,6 @@ fn no_file_is_long_and_half_of_them_are_short() {
 }
 
 #[test]
-#[ignore = "until every type has a name of its own"]
 fn every_type_name_is_defined_in_one_file_only() {
     let shared = shared_type_names();
     let told: Vec<_> = shared.iter().map(|(name, files)| format!("  {name}: {}", told_files(files))).collect();
@@ -111,6 +110,9 @@ fn median(lines: &BTreeMap<String, usize>) -> usize {
     sorted[sorted.len() / 2]
 }
 
+/// Names that every room has: its errors, and the arguments of a command.
+const OF_EVERY_ROOM: [&str; 3] = ["Error", "Result", "Arguments"];
+
 /// Names of types that several files define, with those files.
 fn shared_type_names() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
     let mut files: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -119,7 +121,7 @@ fn shared_type_names() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
             files.entry(name).or_default().insert(&module.file);
         }
     }
-    files.into_iter().filter(|(_, files)| files.len() > 1).collect()
+    files.into_iter().filter(|(name, files)| files.len() > 1 && !OF_EVERY_ROOM.contains(name)).collect()
 }
 
 fn told_files(files: &BTreeSet<&str>) -> String {

@@ -28,8 +28,27 @@ pub(crate) struct Tree {
     test_folders: BTreeSet<String>,
 }
 
-/// Reads every `.rs` file in `folder/src`.
+/// Rooms that are a crate of their own within `src`, with the crate's name.
+const CRATES: [(&str, &str); 1] = [("control", "pivot_control")];
+
+/// Reads every `.rs` file in `folder/src`. A room that is a crate of its own is read as a module of the library.
 pub(crate) fn texts(folder: &Path) -> Texts {
+    let mut texts = all_texts(folder);
+    for (room, name) in CRATES {
+        let (root, inside) = (format!("src/{room}/lib.rs"), format!("src/{room}/"));
+        texts.retain(|path, _| !path.starts_with(&format!("{inside}tests/")));
+        let files: Vec<String> = texts.keys().filter(|path| path.starts_with(&inside)).cloned().collect();
+        for file in files {
+            let text = texts.remove(&file).unwrap().replace("crate::", &format!("crate::{room}::"));
+            texts.insert(if file == root { format!("src/{room}.rs") } else { file }, text);
+        }
+        let library = texts.get_mut("src/lib.rs").unwrap();
+        *library = library.replace(&format!("pub use {name} as {room};"), &format!("pub mod {room};"));
+    }
+    texts
+}
+
+fn all_texts(folder: &Path) -> Texts {
     let mut texts = Texts::new();
     let mut folders = vec![folder.join("src")];
     while let Some(inside) = folders.pop() {

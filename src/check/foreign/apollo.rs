@@ -1,11 +1,11 @@
 //! Apollo's calibration table: protobuf text of `calibration { speed: … acceleration: … command: … }`, alone or inside a control
 //! configuration. Command is per cent of throttle when positive, of brake when negative.
 
-use crate::check::foreign::{Misread, MisreadKind, Point, Points};
+use crate::check::foreign::{CommandPoint, CommandPoints, Misread, MisreadKind};
 
 /// Reads every `calibration { … }` message, wherever it is nested; other messages are passed over.
-pub fn points_of_apollo(text: &str) -> (Points, Vec<Misread>) {
-    let (mut points, mut misread) = (Points { command: "command".to_owned(), ..Points::default() }, Vec::new());
+pub fn points_of_apollo(text: &str) -> (CommandPoints, Vec<Misread>) {
+    let (mut points, mut misread) = (CommandPoints { command: "command".to_owned(), ..CommandPoints::default() }, Vec::new());
     let mut bad = |kind, line, what: String| misread.push(Misread { kind, line, column: 0, what });
     let tokens = tokens(text);
     let mut at = 0;
@@ -43,7 +43,7 @@ pub fn points_of_apollo(text: &str) -> (Points, Vec<Misread>) {
             }
         }
         match fields {
-            [Some(speed), Some(accel), Some(command)] if closed => points.points.push(Point { line, speed, accel, command }),
+            [Some(speed), Some(accel), Some(command)] if closed => points.points.push(CommandPoint { line, speed, accel, command }),
             _ if closed => bad(MisreadKind::Malformed, line, "an entry needs speed, acceleration and command".to_owned()),
             _ => bad(MisreadKind::Malformed, line, "the entry is not closed by }".to_owned()),
         }

@@ -3,7 +3,7 @@
 //! Source: the documented behaviour of `raw_vehicle_cmd_converter` (`CSVLoader`): at least two columns, rows of one length; along every
 //! column acceleration rises strictly with the accel pedal, or falls strictly with the brake pedal.
 
-use crate::check::foreign::{CsvLine, Grid, Misread};
+use crate::check::foreign::{CellGrid, CsvLine, Misread};
 
 /// Which pedal a map belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,9 +14,9 @@ pub enum Pedal {
     Brake,
 }
 
-/// The grid of an Autoware map. The pedal is told by the file's name (`brake` or `accel` in it), otherwise by the direction of most steps.
-pub fn grid_of_autoware(file_name: &str, cells: &[CsvLine]) -> (Pedal, Grid, Vec<Misread>) {
-    let (grid, misread) = Grid::of_cells(cells);
+/// The grid of an Autoware map. The file's name says which pedal it is (`brake` or `accel` in it), otherwise by the direction of most steps.
+pub fn grid_of_autoware(file_name: &str, cells: &[CsvLine]) -> (Pedal, CellGrid, Vec<Misread>) {
+    let (grid, misread) = CellGrid::of_cells(cells);
     let name = file_name.to_ascii_lowercase();
     let pedal = if name.contains("brake") {
         Pedal::Brake
@@ -28,7 +28,7 @@ pub fn grid_of_autoware(file_name: &str, cells: &[CsvLine]) -> (Pedal, Grid, Vec
     (pedal, grid, misread)
 }
 
-fn of_steps(grid: &Grid) -> Pedal {
+fn of_steps(grid: &CellGrid) -> Pedal {
     let (rows, columns) = grid.shape();
     let mut balance = 0i64;
     for (i, j) in (1..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {

@@ -30,7 +30,7 @@ pub enum MisreadKind {
 
 /// A matrix with breaks. `None` is a cell that could not be read.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Grid {
+pub struct CellGrid {
     /// The first cell of the first line.
     pub corner: String,
     /// Breaks of the rows.
@@ -43,7 +43,7 @@ pub struct Grid {
     pub lines: Vec<u64>,
 }
 
-impl Grid {
+impl CellGrid {
     /// From the cells of a text: first line the column breaks, first cell of every other line its row break.
     pub fn of_cells(cells: &[CsvLine]) -> (Self, Vec<Misread>) {
         let mut misread = Vec::new();
@@ -104,10 +104,10 @@ mod tests {
 
     #[test]
     fn every_unreadable_cell_is_told_and_the_others_are_kept() {
-        let (grid, misread) = Grid::of_cells(&cells_of_csv("v,0,5\n0,1,x\n1,2\n2,nan,4\n"));
-        let told: Vec<_> = misread.iter().map(|m| (m.kind, m.line, m.column)).collect();
+        let (grid, misread) = CellGrid::of_cells(&cells_of_csv("v,0,5\n0,1,x\n1,2\n2,nan,4\n"));
+        let found: Vec<_> = misread.iter().map(|m| (m.kind, m.line, m.column)).collect();
         let expected = [(MisreadKind::NotANumber, 2, 3), (MisreadKind::Ragged, 3, 0), (MisreadKind::NotANumber, 4, 2)];
-        assert_eq!(told, expected);
+        assert_eq!(found, expected);
         assert_eq!(grid.values, [vec![Some(1.0), None], vec![Some(2.0), None], vec![None, Some(4.0)]]);
     }
 }

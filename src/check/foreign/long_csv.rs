@@ -1,6 +1,6 @@
 //! Long-form CSV: a header that names speed, acceleration and command, and a line per point.
 
-use crate::check::foreign::{CsvLine, Misread, MisreadKind, Point, Points};
+use crate::check::foreign::{CommandPoint, CommandPoints, CsvLine, Misread, MisreadKind};
 
 const SPEED: &[&str] = &["speed", "velocity", "vel", "v"];
 const ACCEL: &[&str] = &["acceleration", "accel", "acc", "a"];
@@ -21,13 +21,13 @@ pub fn says_long_form(header: &CsvLine) -> bool {
     [SPEED, ACCEL, COMMAND].into_iter().all(|names| column(header, names).is_some())
 }
 
-/// The points, each line by itself: a line that cannot be read is told and left out.
-pub fn points_of_long_csv(cells: &[CsvLine]) -> (Points, Vec<Misread>) {
+/// The points, each line by itself: a line that cannot be read is reported and left out.
+pub fn points_of_long_csv(cells: &[CsvLine]) -> (CommandPoints, Vec<Misread>) {
     let mut misread = Vec::new();
-    let Some((header, rows)) = cells.split_first() else { return (Points::default(), misread) };
+    let Some((header, rows)) = cells.split_first() else { return (CommandPoints::default(), misread) };
     let columns = [SPEED, ACCEL, COMMAND].map(|names| column(header, names).unwrap_or(usize::MAX));
     let command = header.texts.get(columns[2]).cloned().unwrap_or_default();
-    let mut points = Points { command, ..Points::default() };
+    let mut points = CommandPoints { command, ..CommandPoints::default() };
     for row in rows {
         if row.texts.len() != header.texts.len() {
             let what = format!("{} cells; the first line has {}", row.texts.len(), header.texts.len());
@@ -43,7 +43,7 @@ pub fn points_of_long_csv(cells: &[CsvLine]) -> (Points, Vec<Misread>) {
             number
         });
         if let [Some(speed), Some(accel), Some(command)] = numbers {
-            points.points.push(Point { line: row.line, speed, accel, command });
+            points.points.push(CommandPoint { line: row.line, speed, accel, command });
         }
     }
     if points.points.is_empty() {
@@ -63,7 +63,7 @@ mod tests {
         let cells = cells_of_csv("torque_nm,Speed [m/s],accel_mps2\n4,0.1,0.5\n5,0.1\n");
         assert!(says_long_form(&cells[0]));
         let (points, misread) = points_of_long_csv(&cells);
-        assert_eq!(points.points, [Point { line: 2, speed: 0.1, accel: 0.5, command: 4.0 }]);
+        assert_eq!(points.points, [CommandPoint { line: 2, speed: 0.1, accel: 0.5, command: 4.0 }]);
         assert_eq!(misread.len(), 1);
         assert!(!says_long_form(&cells_of_csv("default,0,5\n")[0]));
     }

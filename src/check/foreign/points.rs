@@ -2,7 +2,7 @@
 
 /// One point of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct CommandPoint {
     /// Line of the text, counted from 1.
     pub line: u64,
     /// Speed [m/s].
@@ -15,19 +15,19 @@ pub struct Point {
 
 /// All points in the order of the file, and the name of the command.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Points {
+pub struct CommandPoints {
     /// The points.
-    pub points: Vec<Point>,
+    pub points: Vec<CommandPoint>,
     /// What the command is called.
     pub command: String,
 }
 
-impl Points {
+impl CommandPoints {
     /// The points by speed, ascending, each row by acceleration, ascending; the file's order decides between equal ones.
-    pub fn rows(&self) -> Vec<(f64, Vec<Point>)> {
+    pub fn rows(&self) -> Vec<(f64, Vec<CommandPoint>)> {
         let mut points = self.points.clone();
         points.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.accel.total_cmp(&b.accel)));
-        let mut rows: Vec<(f64, Vec<Point>)> = Vec::new();
+        let mut rows: Vec<(f64, Vec<CommandPoint>)> = Vec::new();
         for point in points {
             match rows.last_mut() {
                 Some((speed, row)) if *speed == point.speed => row.push(point),

@@ -12,7 +12,7 @@
 //! What such a family does not know is measured: each angle between two others is left out, told by the rest, and compared with its own map.
 
 use crate::fit::Result;
-use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, Gear, LeftOutAngle, Side};
+use crate::map::{AccelMap, AccelMaps, AngleFamily, CellStatus, DepartureFrom, Gear, LeftOutAngle, Side};
 use crate::units::RAD_PER_DEG;
 
 /// Spacing of the speeds compared [m/s].
@@ -81,7 +81,7 @@ fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Op
     if count > 0 {
         let departure_nm = (squares / f64::from(count)).sqrt().max(family.spread_nm.unwrap_or(0.0));
         told.departure_nm = round6(departure_nm);
-        "angles left out".clone_into(&mut told.departure_from);
+        told.departure_from = DepartureFrom::AnglesLeftOut;
     } else {
         let mut widest: f64 = 0.0;
         for pair in maps.windows(2) {
@@ -91,7 +91,7 @@ fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Op
             }
         }
         told.departure_nm = round6(ASSUMED_SHARE * widest);
-        "assumed".clone_into(&mut told.departure_from);
+        told.departure_from = DepartureFrom::Assumed;
     }
     Ok(Some(family))
 }
@@ -104,13 +104,13 @@ struct Told {
 }
 
 /// The maps over a common grid: `told[angle][speed][torque]`.
-struct Grid {
+struct FamilyGrid {
     speed_mps: Vec<f64>,
     torque_nm: Vec<f64>,
     told: Vec<Vec<Vec<Option<Told>>>>,
 }
 
-impl Grid {
+impl FamilyGrid {
     fn new(maps: &[&AccelMap]) -> Result<Self> {
         let ends = |pick: fn(&AccelMap) -> f64, better: fn(f64, f64) -> f64| maps.iter().map(|m| pick(m)).reduce(better).unwrap_or(0.0);
         let fastest = ends(|m| m.speed_mps[m.speed_mps.len() - 1], f64::max);
@@ -143,7 +143,7 @@ struct Split {
 }
 
 /// Alternating least squares; `None` where an angle shows no rise of acceleration with torque.
-fn split(grid: &Grid) -> Option<Split> {
+fn split(grid: &FamilyGrid) -> Option<Split> {
     let (angles, speeds, torques) = (grid.told.len(), grid.speed_mps.len(), grid.torque_nm.len());
     let mut drive: Vec<Vec<f64>> = vec![grid.torque_nm.clone(); speeds];
     let mut found = Split { inertia: vec![1.0; angles], friction_nm: vec![vec![None; speeds]; angles] };
@@ -210,7 +210,7 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Opt
     if maps.len() < terms {
         return Ok(None);
     }
-    let grid = Grid::new(maps)?;
+    let grid = FamilyGrid::new(maps)?;
     let Some(split) = split(&grid) else { return Ok(None) };
     let sines: Vec<f64> = maps.iter().map(|m| (m.wheel_angle_deg * RAD_PER_DEG).sin().abs()).collect();
     let basis = |k: usize| [1.0, sines[k] * sines[k], sines[k]];
@@ -224,7 +224,7 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Opt
         speed_mps: Vec::new(),
         friction_nm: [Vec::new(), Vec::new(), Vec::new()],
         departure_nm: 0.0,
-        departure_from: String::new(),
+        departure_from: DepartureFrom::Assumed,
         left_out: Vec::new(),
     };
     for (i, v) in grid.speed_mps.iter().enumerate() {
@@ -248,7 +248,7 @@ fn shape(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Opt
 
 /// τ from what the maps' drive torques y_k = M·A_k + F differ by at the same speed and torque, beyond their standard errors. Errors at one
 /// speed go together, and the friction's terms take up as many of the angles: of m angles m − terms tell something.
-fn spread(grid: &Grid, family: &AngleFamily, sines: &[f64], terms: usize) -> Option<f64> {
+fn spread(grid: &FamilyGrid, family: &AngleFamily, sines: &[f64], terms: usize) -> Option<f64> {
     let (mut squares, mut free, mut variance, mut count) = (0.0, 0.0, 0.0, 0.0);
     for (i, v) in grid.speed_mps.iter().enumerate() {
         for j in 0..grid.torque_nm.len() {

@@ -21,7 +21,7 @@ const UNSEEN: f64 = 10.0;
 const LEAST_SLOPE: f64 = 0.02;
 
 /// What one map tells of the drive's torque.
-struct Witness {
+struct MapEvidence {
     inertia: f64,
     sin: f64,
     surface: AccelTable,
@@ -30,7 +30,7 @@ struct Witness {
     seen: AccelTable,
 }
 
-impl Witness {
+impl MapEvidence {
     fn new(map: &AccelMap, family: &Family) -> Result<Self> {
         let sin = (map.wheel_angle_deg * RAD_PER_DEG).sin();
         let over_cells = |values: Vec<f64>| -> Result<AccelTable> {
@@ -65,13 +65,13 @@ pub(crate) fn draw_together(maps: &mut [AccelMap], families: &[Family]) -> Resul
         let most = families.iter().filter(belongs).max_by_key(|f| (f.told.wheel_angle_deg.len(), f.told.side == Side::Left));
         let Some((family, spread_nm)) = most.and_then(|f| Some((f, f.spread_nm?))) else { continue };
         let of_family = |m: &&AccelMap| m.gear == family.told.gear && family.told.side.holds(m.wheel_angle_deg);
-        let others: Vec<Witness> = before
+        let others: Vec<MapEvidence> = before
             .iter()
             .filter(of_family)
             .filter(|m| m.wheel_angle_deg.total_cmp(&map.wheel_angle_deg).is_ne())
-            .map(|m| Witness::new(m, family))
+            .map(|m| MapEvidence::new(m, family))
             .collect::<Result<_>>()?;
-        let own = Witness::new(map, family)?;
+        let own = MapEvidence::new(map, family)?;
         let leverage = family.terms as f64 / family.told.wheel_angle_deg.len() as f64;
         let better = |v: f64, u: f64, accel: f64| -> Option<(f64, f64)> {
             let (_, variance, seen) = own.told(family, v, u)?;

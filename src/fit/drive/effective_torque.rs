@@ -1,6 +1,6 @@
 //! The effective torque of one log, whichever way it is known: the command through dead time and lag, or the drive's own feedback.
 
-use crate::fit::drive::lagged_command::{Cursor, LaggedCommand, Share, Torque};
+use crate::fit::drive::lagged_command::{LaggedCommand, LaggedCursor, Share, Torque};
 use crate::fit::drive::measured_torque::{MeasuredCursor, MeasuredTorque};
 
 /// The effective torque of one log, ready to be asked for any time less the dead time.
@@ -16,7 +16,7 @@ pub(crate) enum EffectiveTorque {
 #[derive(Debug, Clone)]
 pub(crate) enum TorqueCursor<'a> {
     /// In a lagged command.
-    Lagged(Cursor<'a>),
+    Lagged(LaggedCursor<'a>),
     /// In a torque feedback.
     Measured(MeasuredCursor<'a>),
 }

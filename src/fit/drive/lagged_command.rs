@@ -23,7 +23,7 @@ pub(crate) struct LaggedCommand {
 
 /// A place in a lagged command that moves along with time: a question near the last one is answered without a search.
 #[derive(Debug, Clone)]
-pub(crate) struct Cursor<'a> {
+pub(crate) struct LaggedCursor<'a> {
     lagged: &'a LaggedCommand,
     /// Number of changes at or before the last question's time.
     passed: usize,
@@ -40,7 +40,7 @@ pub(crate) struct Torque {
     pub(crate) by_lag: f64,
 }
 
-impl Cursor<'_> {
+impl LaggedCursor<'_> {
     /// As [`LaggedCommand::at`].
     pub(crate) fn at(&mut self, t_s: f64) -> Torque {
         self.move_to(t_s);
@@ -120,8 +120,8 @@ impl LaggedCommand {
     }
 
     /// A cursor at the beginning.
-    pub(crate) fn cursor(&self) -> Cursor<'_> {
-        Cursor { lagged: self, passed: 0 }
+    pub(crate) fn cursor(&self) -> LaggedCursor<'_> {
+        LaggedCursor { lagged: self, passed: 0 }
     }
 
     /// Effective torque at a time that `k` changes precede.

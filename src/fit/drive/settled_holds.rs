@@ -55,7 +55,7 @@ pub(crate) fn settled(command: &Series, feedback: &Series, early_s: f64) -> Vec<
 
 /// How the feedback reads the settled command.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Reading {
+pub(crate) struct FeedbackReading {
     /// Feedback over command.
     pub(crate) scale: f64,
     /// Feedback at no command [N·m].
@@ -76,7 +76,7 @@ const APART: f64 = 0.2;
 
 /// The line through the settled holds: the median of the slopes between any two (Theil & Sen), so that a limit that some of them meet does
 /// not bend it. `None` with fewer than three holds, or where they are all at one torque.
-pub(crate) fn reading(holds: &[Settled], largest_nm: f64) -> Option<Reading> {
+pub(crate) fn reading(holds: &[Settled], largest_nm: f64) -> Option<FeedbackReading> {
     if holds.len() < 3 {
         return None;
     }
@@ -102,7 +102,7 @@ pub(crate) fn reading(holds: &[Settled], largest_nm: f64) -> Option<Reading> {
         (astray.len() >= 2 && 2 * astray.len() > level.len()).then(|| (hold.command_nm, median(&astray)))
     });
     let astray = holds.iter().filter(is_astray).count();
-    Some(Reading { scale, offset_nm, astray: astray as f64 / holds.len() as f64, missed })
+    Some(FeedbackReading { scale, offset_nm, astray: astray as f64 / holds.len() as f64, missed })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! run. The filter takes it as noise that enters while the torque moves, (δ·Δa)²·(1 − e^(−x/T_c))² after a time x. How large δ usually is, the
 //! messages' own intervals tell. (The likelihood does not: given leave, it takes what the surface does not hold of a power limit for δ.)
 
-use crate::fit::noise::kalman::Reading;
+use crate::fit::noise::model::Reading;
 use crate::signal::{Series, median};
 use std::f64::consts::SQRT_2;
 

@@ -6,13 +6,13 @@
 //! them unseen.
 
 use crate::campaign::Survey;
-use crate::fit::Settings;
+use crate::fit::FitSettings;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
-use crate::fit::drive::settled_holds::{Reading, Settled, reading, settled};
-use crate::map::LogRef;
+use crate::fit::drive::settled_holds::{FeedbackReading, Settled, reading, settled};
+use crate::map::{ActuatorInput, InputSource, LogRef};
 use crate::signal::{Series, Track};
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ const MOST_MISSING: f64 = 0.05;
 
 /// Where the effective torque of a log comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Input {
+pub(crate) enum TorqueInput {
     /// The command, through a dead time and a first-order lag that are estimated.
     Command,
     /// The feedback, which shows a step `late_s` after the command; the dead time that is estimated is what is left until the speed shows it.
@@ -38,7 +38,7 @@ pub(crate) enum Input {
     },
 }
 
-impl Input {
+impl TorqueInput {
     /// The effective torque of a log, given the changes of its command; the lag counts for the command only.
     pub(crate) fn torque(self, track: &Track, changes: &Series, lag_s: f64) -> EffectiveTorque {
         match (self, &track.feedback_nm) {
@@ -60,7 +60,7 @@ impl Input {
 
 /// The decision for all logs, and what it rests on.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Choice {
+pub(crate) struct TorqueChoice {
     feedback: bool,
     /// Why, where it is not plain that the command is modelled.
     reason: Option<String>,
@@ -69,9 +69,9 @@ pub(crate) struct Choice {
     delays: BTreeMap<LogRef, FeedbackDelays>,
 }
 
-impl Choice {
+impl TorqueChoice {
     /// From the logs of one fit. A log may come several times, with the runs of one wheel angle each.
-    pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &Settings) -> Self {
+    pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &FitSettings) -> Self {
         let surveys: Vec<&Survey> = surveys.into_iter().collect();
         let tracks: BTreeMap<&LogRef, &Track> = surveys.iter().map(|s| (&s.track.source, &s.track)).collect();
         let found = |track: &Track| delays(&track.command_nm, track.feedback_nm.as_ref()?, settings.lag_s);
@@ -100,10 +100,10 @@ impl Choice {
     }
 
     /// Where the effective torque of a log comes from.
-    pub(crate) fn of(&self, log: &LogRef) -> Input {
+    pub(crate) fn of(&self, log: &LogRef) -> TorqueInput {
         match self.delays.get(log).filter(|_| self.feedback) {
-            Some(found) => Input::Feedback { late_s: found.dead_time_s },
-            None => Input::Command,
+            Some(found) => TorqueInput::Feedback { late_s: found.dead_time_s },
+            None => TorqueInput::Command,
         }
     }
 
@@ -123,9 +123,9 @@ impl Choice {
     }
 
     /// The input by name, with the reason where there is one.
-    pub(crate) fn told(&self) -> String {
-        let name = if self.feedback { "torque feedback" } else { "torque command" };
-        self.reason.as_ref().map_or_else(|| name.to_owned(), |reason| format!("{name} ({reason})"))
+    pub(crate) fn told(&self) -> ActuatorInput {
+        let source = if self.feedback { InputSource::TorqueFeedback } else { InputSource::TorqueCommand };
+        ActuatorInput { source, reason: self.reason.clone() }
     }
 
     /// What a reader should know of it.
@@ -175,7 +175,7 @@ fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, Fe
         largest_nm = track.command_nm.value.iter().fold(largest_nm, |m, v| m.max(v.abs()));
         holds.extend(settled(&track.command_nm, feedback, (-found.dead_time_s).max(0.0)));
     }
-    let Reading { scale, offset_nm, astray, missed } = reading(&holds, largest_nm)?;
+    let FeedbackReading { scale, offset_nm, astray, missed } = reading(&holds, largest_nm)?;
     let side = |value: f64| if value > 0.0 { "high" } else { "low" };
     Some(if scale < 0.0 {
         Some("has the other sign than the command".to_owned())

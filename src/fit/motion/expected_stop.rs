@@ -8,7 +8,7 @@
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::passes::{along_one, wide_speed};
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::surface::lattice::LatticeSurface;
 
 /// A stop is near when no more than this many standard deviations of the expected speed are left.

@@ -19,7 +19,7 @@ const LONGEST_STANDING_S: f64 = 20e-3;
 
 /// One step of the integration.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Step {
+pub(crate) struct IntegrationStep {
     /// Where its middle lies between the reading before and the reading after.
     pub(crate) fraction: f64,
     pub(crate) length_s: f64,
@@ -31,7 +31,7 @@ pub(crate) struct Step {
 #[derive(Debug, Clone)]
 pub(crate) struct Course<'a> {
     pub(crate) segment: &'a Segment,
-    steps: Vec<Step>,
+    steps: Vec<IntegrationStep>,
     /// Number of steps up to and including each reading.
     ends: Vec<u32>,
 }
@@ -54,7 +54,7 @@ impl<'a> Course<'a> {
                 let fraction = (k as f64 + 0.5) / count;
                 let Torque { torque_nm, by_dead_time, by_lag } = cursor.at(from_s + fraction * length_s - dead_time_s);
                 let torque = Torque { torque_nm: sign * torque_nm, by_dead_time: sign * by_dead_time, by_lag: sign * by_lag };
-                steps.push(Step { fraction, length_s: length_s / count, torque });
+                steps.push(IntegrationStep { fraction, length_s: length_s / count, torque });
             }
             ends.push(steps.len() as u32);
             from_s = reading.t_s.max(from_s);
@@ -68,14 +68,14 @@ impl<'a> Course<'a> {
     }
 
     /// The steps that lead to a reading.
-    pub(crate) fn steps(&self, row: usize) -> &[Step] {
+    pub(crate) fn steps(&self, row: usize) -> &[IntegrationStep] {
         let from = if row > 0 { self.ends[row - 1] as usize } else { 0 };
         &self.steps[from..self.ends[row] as usize]
     }
 
     /// The steps that lead to a reading, each with its speed: linear from what the reading before has told to what is expected at this one, 0
     /// at an anchored start, never negative [m/s].
-    pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, &'b Step)> + 'b {
+    pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, &'b IntegrationStep)> + 'b {
         let from = if row > 0 {
             speeds.after[row - 1]
         } else if self.segment.anchored {

@@ -1,11 +1,11 @@
 //! One log as the estimator sees it, and what is left out of it.
 
-use crate::campaign::{Survey, Verdict};
+use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
-use crate::fit::drive::torque_input::Input;
-use crate::fit::noise::kalman::Reading;
+use crate::fit::drive::torque_input::TorqueInput;
+use crate::fit::noise::model::Reading;
 use crate::map::Gear;
 use crate::signal::Series;
 use std::collections::BTreeSet;
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Cuts {
     /// Intervals [s], each with its verdict.
-    pub(crate) intervals: Vec<(f64, f64, Verdict)>,
+    pub(crate) intervals: Vec<(f64, f64, SampleVerdict)>,
     /// Single readings: (witness, sample).
     pub(crate) readings: BTreeSet<(u8, u32)>,
 }
@@ -26,7 +26,7 @@ pub(crate) struct LogData<'a> {
     /// The command [N·m], where it changes.
     pub(crate) command: Series,
     /// Where its effective torque comes from.
-    pub(crate) input: Input,
+    pub(crate) input: TorqueInput,
     /// How well the steps of its command are known in time.
     pub(crate) timing: StepTiming,
     /// Outliers among the yaw readings.
@@ -50,7 +50,7 @@ impl LogData<'_> {
         let encoder = &track.encoder_mps;
         let mut readings: Vec<Reading> = encoder
             .range(from_s + calibration.encoder_delay_s, to_s)
-            .filter(|&k| !matches!(self.survey.verdicts[k], Verdict::Outlier))
+            .filter(|&k| !matches!(self.survey.verdicts[k], SampleVerdict::Outlier))
             .map(|k| {
                 let speed_mps = gear.sign() * encoder.value[k] / calibration.encoder_scale;
                 Reading::single(encoder.t_s[k] - calibration.encoder_delay_s, speed_mps, 0, k as u32)

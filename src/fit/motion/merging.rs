@@ -8,7 +8,7 @@ use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
 use crate::fit::drive::lagged_command::Share;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Noise, Reading};
+use crate::fit::noise::model::{Noise, Reading};
 use rayon::prelude::*;
 
 /// Readings within this time are merged [s].

@@ -1,7 +1,8 @@
 //! The noise by maximum likelihood, bounded: with priors alone the time constant of the disturbance runs away on real logs.
 
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Noise, deviance, smooth};
+use crate::fit::noise::kalman::{deviance, smooth};
+use crate::fit::noise::model::Noise;
 use rayon::prelude::*;
 
 /// Bounds of the parameters, in SI.

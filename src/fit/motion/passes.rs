@@ -8,7 +8,8 @@ use crate::fit::motion::integration::{Course, surface_of};
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::regressors::{Free, whitened_sums};
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Noise, filter, smooth};
+use crate::fit::noise::kalman::{filter, smooth};
+use crate::fit::noise::model::Noise;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
@@ -52,7 +53,7 @@ pub(crate) struct Pass<'a> {
 
 /// What a pass finds along each segment, one entry per reading.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Along {
+pub(crate) struct PassResult {
     /// Filtered.
     pub(crate) speeds: Vec<Speeds>,
     /// Readings less what the surface predicts [m/s].
@@ -64,7 +65,7 @@ pub(crate) struct Along {
 }
 
 /// The same along one segment.
-pub(crate) struct AlongOne {
+pub(crate) struct SegmentResult {
     pub(crate) speeds: Speeds,
     /// Standard deviation of the speed that is expected at each reading [m/s].
     pub(crate) expected_std_mps: Vec<f64>,
@@ -74,13 +75,13 @@ pub(crate) struct AlongOne {
 }
 
 /// What a pass finds along one segment, the surface looked up at the given speeds.
-pub(crate) fn along_one(course: &Course, surface: &LatticeSurface, noise: &Noise, speeds: &Speeds) -> AlongOne {
+pub(crate) fn along_one(course: &Course, surface: &LatticeSurface, noise: &Noise, speeds: &Speeds) -> SegmentResult {
     let s = course.segment;
     let model = course.predicted(speeds, surface);
     let residual_mps: Vec<f64> = s.readings.iter().zip(&model).map(|(r, m)| r.speed_mps - m).collect();
     let filtered = filter(&residual_mps, &s.readings, s.start_s, noise, s.start_std(noise));
     let on_model = |deviation: &[f64]| model.iter().zip(deviation).map(|(m, d)| (m + d).max(0.0)).collect();
-    AlongOne {
+    SegmentResult {
         speeds: Speeds { before: on_model(&filtered.expected_mps), after: on_model(&filtered.speed_mps) },
         expected_std_mps: filtered.expected_std_mps,
         residual_mps,
@@ -91,7 +92,7 @@ pub(crate) fn along_one(course: &Course, surface: &LatticeSurface, noise: &Noise
 
 impl Pass<'_> {
     /// Speeds, residuals and whitened residuals. `known` are speeds from a pass over the same segments with a surface near to this one.
-    pub(crate) fn along(&self, known: Option<&[Speeds]>) -> Along {
+    pub(crate) fn along(&self, known: Option<&[Speeds]>) -> PassResult {
         let one = |(k, course): (usize, &Course)| {
             let surface = surface_of(self.surfaces, course.segment);
             match known {
@@ -99,8 +100,8 @@ impl Pass<'_> {
                 None => along_one(course, surface, self.noise, &wide_speed(course.segment).into()),
             }
         };
-        let parts: Vec<AlongOne> = self.courses.par_iter().enumerate().map(one).collect();
-        let mut along = Along::default();
+        let parts: Vec<SegmentResult> = self.courses.par_iter().enumerate().map(one).collect();
+        let mut along = PassResult::default();
         for part in parts {
             along.offsets.push(part.offset_mps2);
             along.speeds.push(part.speeds);
@@ -168,7 +169,8 @@ mod tests {
     use crate::fit::drive::effective_torque::EffectiveTorque;
     use crate::fit::drive::lagged_command::LaggedCommand;
     use crate::fit::motion::expected_stop::readings_before_stop;
-    use crate::fit::noise::kalman::{Reading, whiten};
+    use crate::fit::noise::model::Reading;
+    use crate::fit::noise::whitening::whiten;
     use crate::fit::surface::lattice::Lattice;
     use crate::signal::Series;
     use rand::SeedableRng;
@@ -210,7 +212,7 @@ mod tests {
     }
 
     /// Speeds that settle: each look goes by what the last one has filtered.
-    fn settled(course: &Course, surface: &LatticeSurface) -> AlongOne {
+    fn settled(course: &Course, surface: &LatticeSurface) -> SegmentResult {
         let mut found = along_one(course, surface, &NOISE, &wide_speed(course.segment).into());
         for _ in 0..20 {
             found = along_one(course, surface, &NOISE, &found.speeds);

@@ -5,21 +5,11 @@
 
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::noise::kalman::{Filter, Noise, States};
+use crate::fit::noise::model::Noise;
+use crate::fit::noise::whitening::{Filter, States};
+use crate::fit::nuisance;
 use crate::fit::solve::normal_equations::LocalGram;
 use crate::fit::surface::lattice::{LatticeSurface, Spot};
-
-/// Columns after those of the surface: shared ones, then one dead time per log.
-pub(crate) mod nuisance {
-    /// T_c.
-    pub(crate) const LAG: usize = 0;
-    /// Relative change of the encoder's scale.
-    pub(crate) const ENCODER_SCALE: usize = 1;
-    /// Change of the encoder's delay [s].
-    pub(crate) const ENCODER_DELAY: usize = 2;
-    /// T_d of the first log.
-    pub(crate) const DEAD_TIME: usize = 3;
-}
 
 /// What is free beside the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Segments: stretches of readings on one clock, ready to be integrated.
 
-use crate::fit::noise::kalman::{Noise, Reading};
+use crate::fit::noise::model::{Noise, Reading};
 use crate::map::Gear;
 
 /// A stretch of readings without interruption.

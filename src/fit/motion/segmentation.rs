@@ -4,12 +4,12 @@
 use crate::campaign::Stretch;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
-use crate::fit::drive::torque_input::Input;
+use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::expected_stop::readings_before_stop;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Noise, Reading, UNKNOWN_SPEED_MPS};
+use crate::fit::noise::model::{Noise, Reading, UNKNOWN_SPEED_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
 
@@ -63,7 +63,7 @@ struct OfLog<'a> {
 }
 
 /// Where a wheel starts from rest, and how well that is known.
-struct Breakaway {
+struct StartFromRest {
     t_s: f64,
     start_std_mps: f64,
 }
@@ -110,7 +110,7 @@ impl OfLog<'_> {
 
     /// When a wheel at rest breaks away: as the torque passes what holds it; `None` where the stretch does not start from rest or nothing
     /// says when.
-    fn breakaway(&self, stretch: &Stretch, gaps: &[(f64, f64)], cursor: &mut TorqueCursor) -> Option<Breakaway> {
+    fn breakaway(&self, stretch: &Stretch, gaps: &[(f64, f64)], cursor: &mut TorqueCursor) -> Option<StartFromRest> {
         let surface = self.so_far?.surface(stretch.gear);
         if !stretch.from_rest || !self.log.may_anchor {
             return None;
@@ -123,16 +123,16 @@ impl OfLog<'_> {
         believable.then(|| {
             // a step known to 2 ms only is a speed known to 2 ms × the acceleration it leads to
             let accel = surface.accel_mps2(0.0, torque(t_s + 0.2)).max(0.0);
-            Breakaway { t_s, start_std_mps: ANCHOR_MPS.hypot(STEP_TIMING_S * accel) }
+            StartFromRest { t_s, start_std_mps: ANCHOR_MPS.hypot(STEP_TIMING_S * accel) }
         })
     }
 
     /// A stretch with all its readings up to `to_s`, uncut.
-    fn whole(&self, run: usize, stretch: &Stretch, breakaway: Option<&Breakaway>, to_s: f64) -> Segment {
+    fn whole(&self, run: usize, stretch: &Stretch, breakaway: Option<&StartFromRest>, to_s: f64) -> Segment {
         let (start_s, start_std_mps) = breakaway.map_or((stretch.from_s, UNKNOWN_SPEED_MPS), |b| (b.t_s, b.start_std_mps));
         let mut readings = self.log.readings(stretch.gear, start_s, to_s, self.calibration);
         if let Some(so_far) = self.so_far
-            && self.log.input == Input::Command
+            && self.log.input == TorqueInput::Command
         {
             let surface = so_far.surface(stretch.gear);
             let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.lag_s);

@@ -1,21 +1,63 @@
 //! How far to go in a round, and how far there is still to go.
 
+/// Movement of the surface below which it has converged [m/s², root mean square].
+pub(crate) const STILL_MPS2: f64 = 2e-4;
+/// Step of a delay below which it has converged, as a share of its standard error.
+const STILL_DELAY: f64 = 0.1;
 /// Least share of a step of a delay that is made.
 const LEAST_DAMPED: f64 = 0.2;
 
-/// The step of a delay that is made when the equations ask for `asked`; `last` is what they asked for before, and what was made of it.
-///
-/// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
-/// each step overshoots by as much as it was asked for. The secant of the last two then tells how far to go; never further than asked.
-pub(crate) fn damped(asked: f64, last: Option<(f64, f64)>) -> f64 {
-    let secant = last.map(|(before, made)| made / (before - asked));
-    asked * secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0))
+/// A step of a delay [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DelayStep {
+    /// As the equations asked for it.
+    pub(crate) asked_s: f64,
+    /// As it was made.
+    pub(crate) made_s: f64,
+}
+
+impl DelayStep {
+    /// The step that is made when the equations ask for `asked_s`, given the last one.
+    ///
+    /// The equations hold the speeds at which the surface is looked up, and these follow the delays: the smaller the disturbance, the more, until
+    /// each step overshoots by as much as it was asked for. The secant of the last two then says how far to go; never further than asked.
+    pub(crate) fn damped(asked_s: f64, last: Option<&Self>) -> Self {
+        let secant = last.map(|last| last.made_s / (last.asked_s - asked_s));
+        let share = secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0));
+        Self { asked_s, made_s: asked_s * share }
+    }
 }
 
 /// What steps that shrink by the same factor each still add up to after the last two: the distance left of a linearly convergent iteration.
-pub(crate) fn to_come(before: f64, last: f64) -> f64 {
+fn to_come(before: f64, last: f64) -> f64 {
     let factor = last / before.max(1e-300);
     if factor < 1.0 { last * factor / (1.0 - factor) } else { f64::INFINITY }
+}
+
+/// How far a round went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Moved {
+    /// The surface [m/s², root mean square].
+    pub(crate) surface_mps2: f64,
+    /// The delays: the largest step over its standard error.
+    pub(crate) delays: f64,
+}
+
+/// Whether the rounds have converged: what moved in the last one is small, or what is still to come is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Convergence {
+    last: Option<Moved>,
+}
+
+impl Convergence {
+    /// Whether they have, after a round that moved so much.
+    pub(crate) fn reached(&mut self, moved: Moved) -> bool {
+        let small = |now: f64, before: Option<f64>, still: f64| now < still || before.is_some_and(|before| to_come(before, now) < still);
+        let surface = small(moved.surface_mps2, self.last.map(|l| l.surface_mps2), STILL_MPS2);
+        let delays = small(moved.delays, self.last.map(|l| l.delays), STILL_DELAY);
+        self.last = Some(moved);
+        surface && delays
+    }
 }
 
 #[cfg(test)]
@@ -26,10 +68,9 @@ mod tests {
     fn left(overshoot: f64, rounds: usize) -> f64 {
         let (mut x, mut last) = (1.0, None);
         for _ in 0..rounds {
-            let asked = -(1.0 + overshoot) * x;
-            let made = damped(asked, last);
-            x += made;
-            last = Some((asked, made));
+            let step = DelayStep::damped(-(1.0 + overshoot) * x, last.as_ref());
+            x += step.made_s;
+            last = Some(step);
         }
         x
     }

@@ -14,8 +14,9 @@
 
 use crate::fit::motion::integration::{Course, surface_of};
 use crate::fit::motion::lookup_speeds::Speeds;
-use crate::fit::motion::regressors::nuisance;
-use crate::fit::noise::kalman::{Noise, whiten};
+use crate::fit::noise::model::Noise;
+use crate::fit::noise::whitening::whiten;
+use crate::fit::nuisance;
 use crate::fit::rounds::sampling::scramble;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};
@@ -36,7 +37,7 @@ pub(crate) type Surfaces = [LatticeSurface; 2];
 
 /// What the comparison found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Comparison {
+pub(crate) struct ModelComparison {
     /// How much less the whole surface's whitened squared error is on runs left out than that of the physics form.
     pub(crate) gain: f64,
     /// ΣeΔ in its standard errors: what speaks for the surface.
@@ -55,7 +56,7 @@ pub(crate) struct Validation {
     /// The surfaces fitted without each fold, with the share that was found.
     pub(crate) without: Vec<Surfaces>,
     /// The comparison.
-    pub(crate) comparison: Comparison,
+    pub(crate) comparison: ModelComparison,
 }
 
 /// The fold of each segment and the number of folds: runs are shuffled, the same way each time, and dealt in turn, so that a campaign's own
@@ -76,24 +77,24 @@ fn deal_runs(run_of: &[(usize, usize)]) -> (Vec<usize>, usize) {
     (run_of.iter().map(|run| fold[run]).collect(), count)
 }
 
-/// What the segments are judged with.
-pub(crate) struct Along<'a> {
+/// What runs are left out of, fold by fold, and what they are compared with.
+pub(crate) struct HeldOut<'a> {
+    /// The fold of each segment.
+    pub(crate) fold: &'a [usize],
+    /// The sums of both gears of each fold.
+    pub(crate) folds: &'a [[Gram; 2]],
+    /// The equations of all folds.
+    pub(crate) whole: &'a System,
+    /// Prior standard deviations of the nuisance columns.
+    pub(crate) prior: &'a [f64],
     pub(crate) courses: &'a [Course<'a>],
     pub(crate) speeds: &'a [Speeds],
     pub(crate) noise: &'a Noise,
 }
 
-/// Cross-validates. `folds` are the sums of each fold, `whole` the equations of all, `prior` the standard deviations of the nuisance columns
-/// in both. `None` with fewer than two folds, or when a fold's runs are all that holds some information.
-pub(crate) fn validate(
-    design: &Design,
-    lattice: &Lattice,
-    gears: &[Gear],
-    (fold, folds): (&[usize], &[[Gram; 2]]),
-    whole: &System,
-    prior: &[f64],
-    along: &Along,
-) -> Option<Validation> {
+/// Cross-validates. `None` with fewer than two folds, or when a fold's runs are all that holds some information.
+pub(crate) fn validate(design: &Design, lattice: &Lattice, gears: &[Gear], held_out: &HeldOut) -> Option<Validation> {
+    let HeldOut { fold, folds, whole, prior, .. } = *held_out;
     if folds.len() < 2 {
         return None;
     }
@@ -103,16 +104,15 @@ pub(crate) fn validate(
         let surface = rest.solve(&design.blocks, &[], SETTLING_ROUNDS, prior)?;
         let physics = rest.solve(&design.blocks, &physics_alone(&design.blocks), SETTLING_ROUNDS, prior)?;
         let fitted = |solution: Solution| {
-            let (beta, delays_s) = solution.beta.split_at(design.coefficients());
-            let surfaces = Gear::ALL.map(|g| LatticeSurface { lattice: lattice.clone(), theta: design.lattice_values(g, beta) });
-            Fitted { surfaces, delays_s: delays_s.to_vec() }
+            let delays_s = solution.beta[design.coefficients()..].to_vec();
+            Fitted { surfaces: design.surfaces(lattice, &solution.beta), delays_s }
         };
         Some(Without { physics: fitted(physics), surface: fitted(surface) })
     };
     let without: Vec<Without> = folds.par_iter().map(fit_without).collect::<Option<_>>()?;
-    let mut runs: Vec<(usize, usize)> = along.courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
+    let mut runs: Vec<(usize, usize)> = held_out.courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
     runs.dedup();
-    let comparison = compare(sums(along, fold, &without), runs.len());
+    let comparison = compare(sums(held_out, &without), runs.len());
     let mixed = without.iter().map(|w| w.mixed(comparison.surface_share)).collect();
     Some(Validation { fold: fold.to_vec(), without: mixed, comparison })
 }
@@ -149,12 +149,12 @@ struct Sums {
 }
 
 /// The sums over all runs, each against what was fitted without its fold.
-fn sums(along: &Along, fold: &[usize], without: &[Without]) -> Sums {
-    let of_segments: Vec<Sums> = along
+fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
+    let of_segments: Vec<Sums> = held_out
         .courses
         .par_iter()
-        .zip(along.speeds)
-        .zip(fold)
+        .zip(held_out.speeds)
+        .zip(held_out.fold)
         .map(|((course, speed), fold)| {
             let segment = course.segment;
             let predicted = |Fitted { surfaces, delays_s }: &Fitted| {
@@ -167,7 +167,7 @@ fn sums(along: &Along, fold: &[usize], without: &[Without]) -> Sums {
             for ((reading, p), s) in segment.readings.iter().zip(physics).zip(surface) {
                 rows.extend([reading.speed_mps - p, s - p]);
             }
-            whiten(&mut rows, 2, &segment.readings, segment.start_s, along.noise, segment.start_std(along.noise));
+            whiten(&mut rows, 2, &segment.readings, segment.start_s, held_out.noise, segment.start_std(held_out.noise));
             rows.chunks_exact(2).fold(Sums::default(), |sums, row| Sums {
                 squared: sums.squared + row[0] * row[0],
                 with_difference: sums.with_difference + row[0] * row[1],
@@ -186,7 +186,7 @@ fn sums(along: &Along, fold: &[usize], without: &[Without]) -> Sums {
 }
 
 /// How much of the surface is taken; all of it where there are too few runs to tell.
-fn compare(sums: Sums, runs: usize) -> Comparison {
+fn compare(sums: Sums, runs: usize) -> ModelComparison {
     let Sums { squared, with_difference, difference_squared, count } = sums;
     let gain = 2.0 * with_difference - difference_squared;
     let variance = (squared - gain) / count.max(1.0);
@@ -198,7 +198,7 @@ fn compare(sums: Sums, runs: usize) -> Comparison {
     } else {
         0.0
     };
-    Comparison { gain, in_std_errs, runs, surface_share }
+    ModelComparison { gain, in_std_errs, runs, surface_share }
 }
 
 #[cfg(test)]

@@ -4,10 +4,11 @@
 //! dead time (0 … 400 ms) and lag (0 … 200 ms). Each log has its own dead time; the lag is shared.
 
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::torque_input::Input;
+use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::{Noise, whiten};
+use crate::fit::noise::model::Noise;
+use crate::fit::noise::whitening::whiten;
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use rayon::prelude::*;
@@ -24,23 +25,23 @@ const AFTER_FEEDBACK_S: [f64; 2] = [-0.1, 0.3];
 const ENOUGH_READINGS: usize = 4000;
 
 /// What one log brings: its segments, their smoothed speeds, its torque.
-pub(crate) struct LogView<'a> {
+pub(crate) struct GridLog<'a> {
     pub(crate) segments: Vec<&'a Segment>,
     pub(crate) speed_mps: Vec<&'a [f64]>,
     pub(crate) log: &'a LogData<'a>,
 }
 
 /// The best lag and the best dead time of each log; either may be given.
-pub(crate) fn search(logs: &[LogView], noise: &Noise, fixed_dead_time_s: Option<f64>, fixed_lag_s: Option<f64>) -> (Vec<f64>, f64) {
+pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<f64>, fixed_lag_s: Option<f64>) -> (Vec<f64>, f64) {
     let lags: Vec<f64> = fixed_lag_s.map_or(LAGS_S.to_vec(), |l| vec![l]);
-    let measured = logs.iter().any(|l| l.log.input != Input::Command);
+    let measured = logs.iter().any(|l| l.log.input != TorqueInput::Command);
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
     let coarse: Vec<f64> = match fixed_dead_time_s {
         Some(d) => vec![d],
         None => (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect(),
     };
-    let profile = |log: &LogView, lagged: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
+    let profile = |log: &GridLog, lagged: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
         dead_times
             .iter()
             .map(|d| (residual(log, lagged, *d, noise), *d))
@@ -75,7 +76,7 @@ pub(crate) fn search(logs: &[LogView], noise: &Noise, fixed_dead_time_s: Option<
 }
 
 /// ‖y − Xc‖² of the best small model for one log.
-fn residual(log: &LogView, lagged: &EffectiveTorque, dead_time_s: f64, noise: &Noise) -> f64 {
+fn residual(log: &GridLog, lagged: &EffectiveTorque, dead_time_s: f64, noise: &Noise) -> f64 {
     const WIDTH: usize = COLUMNS + 1;
     let mut gram = [[0.0f64; WIDTH]; WIDTH];
     let mut used = 0;

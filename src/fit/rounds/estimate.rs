@@ -1,19 +1,20 @@
-//! The estimate: speeds, torques and noise, surface and delays, each from the others, until the surface stands still.
+//! The estimate: surface, delays, speeds and noise, as the last round left them.
 
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::rounds::cross_validation::Validation;
+use crate::fit::solve::monotone;
 use crate::fit::solve::penalised_least_squares::System;
 use crate::fit::solve::shrinkage::Stacked;
 use crate::fit::surface::design::Design;
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::Gear;
 
-/// How sure the calibration is.
+/// Standard errors of the calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CalibrationErrors {
     /// Standard error of each log's dead time [s].
@@ -24,49 +25,92 @@ pub(crate) struct CalibrationErrors {
     pub(crate) encoder_scale: f64,
 }
 
-/// Everything that the estimator found out.
-pub(crate) struct Estimate<'a> {
+/// What was fitted.
+pub(crate) struct EstimateData<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
-    pub(crate) design: Design,
-    pub(crate) calibration: Calibration,
-    pub(crate) calibration_errors: CalibrationErrors,
-    pub(crate) noise: Noise,
-    pub(crate) noise_bounds: Vec<&'static str>,
+    /// Gears with runs.
     pub(crate) gears: Vec<Gear>,
+    /// Whether a log has a yaw rate.
+    pub(crate) has_yaw: bool,
+    /// The segments, with single readings.
+    pub(crate) segments: Vec<Segment>,
+    /// Moments after steps that were left out, per log [s].
+    pub(crate) transients: Vec<Vec<(f64, f64)>>,
+}
+
+/// The surface, as coefficients and as values of the lattice.
+pub(crate) struct SurfaceModel {
+    pub(crate) design: Design,
+    /// Forward, reverse.
     pub(crate) surfaces: [LatticeSurface; 2],
     /// The physics form with a share of the surface.
     pub(crate) stacked: Stacked,
     pub(crate) system: System,
-    pub(crate) segments: Vec<Segment>,
-    /// Speeds along the segments, smoothed [m/s]: the best that is known of them.
-    pub(crate) speeds: Vec<Vec<f64>>,
-    /// The segments with merged readings, as they were fitted, and where the surface was looked up along them.
-    pub(crate) fitted: (Vec<Segment>, Vec<Speeds>),
-    /// Offset of each segment [m/s²].
-    pub(crate) offsets: Vec<f64>,
-    /// Whitened residuals of the segments.
-    pub(crate) white: Vec<Vec<f64>>,
-    pub(crate) transients: Vec<Vec<(f64, f64)>>,
-    pub(crate) iterations: usize,
-    pub(crate) converged: bool,
-    pub(crate) has_yaw: bool,
-    /// What runs left out say; absent with fewer than two runs.
-    pub(crate) validation: Option<Validation>,
 }
 
-impl Estimate<'_> {
+impl SurfaceModel {
     /// The surface of a gear.
     pub(crate) fn surface(&self, gear: Gear) -> &LatticeSurface {
         &self.surfaces[usize::from(gear == Gear::Reverse)]
     }
 
-    /// The effective torque of a log.
-    pub(crate) fn lagged(&self, log: usize) -> EffectiveTorque {
-        self.logs[log].torque(self.calibration.lag_s)
+    /// Makes the surface rise with torque at every speed of `gears`, as near to the estimate as its information allows; where that fails, by
+    /// running maxima.
+    pub(crate) fn make_monotone(&mut self, gears: &[Gear]) -> monotone::MonotoneOutcome {
+        let lattice = self.surfaces[0].lattice.clone();
+        let mut beta = self.stacked.solution.beta.clone();
+        let outcome = monotone::enforce(&self.design, &lattice, &self.system, &self.stacked.solution, gears, &mut beta);
+        match outcome {
+            monotone::MonotoneOutcome::AlreadyMonotone => {}
+            monotone::MonotoneOutcome::Moved(_) => {
+                self.stacked.solution.beta = beta;
+                self.surfaces = self.design.surfaces(&lattice, &self.stacked.solution.beta);
+            }
+            monotone::MonotoneOutcome::Forced => self.surfaces.iter_mut().for_each(|s| monotone::force(&lattice, &mut s.theta)),
+        }
+        outcome
     }
+}
 
-    /// The effective torques of all logs.
-    pub(crate) fn lagged_commands(&self) -> Vec<EffectiveTorque> {
-        (0..self.logs.len()).map(|k| self.lagged(k)).collect()
+/// What was found along the segments.
+pub(crate) struct Paths {
+    /// The segments with merged readings, as they were fitted.
+    pub(crate) merged: Vec<Segment>,
+    /// Where the surface was looked up along them.
+    pub(crate) lookups: Vec<Speeds>,
+    /// Speeds along the segments with single readings, smoothed [m/s].
+    pub(crate) speeds_mps: Vec<Vec<f64>>,
+    /// Offset of each segment [m/s²].
+    pub(crate) offsets_mps2: Vec<f64>,
+    /// Whitened residuals of the segments.
+    pub(crate) white: Vec<Vec<f64>>,
+}
+
+/// How the rounds ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct RoundCount {
+    pub(crate) count: usize,
+    pub(crate) converged: bool,
+}
+
+/// Everything that the estimator found.
+pub(crate) struct Estimate<'a> {
+    pub(crate) data: EstimateData<'a>,
+    pub(crate) model: SurfaceModel,
+    pub(crate) calibration: Calibration,
+    pub(crate) calibration_errors: CalibrationErrors,
+    pub(crate) noise: Noise,
+    /// Parameters of the noise that lie at a bound.
+    pub(crate) noise_bounds: Vec<&'static str>,
+    pub(crate) paths: Paths,
+    pub(crate) rounds: RoundCount,
+    /// What runs left out show; absent with fewer than two runs.
+    pub(crate) validation: Option<Validation>,
+}
+
+impl Estimate<'_> {
+    /// The effective torque of each log.
+    pub(crate) fn torques(&self) -> Vec<EffectiveTorque> {
+        self.data.logs.iter().map(|log| log.torque(self.calibration.lag_s)).collect()
     }
 }

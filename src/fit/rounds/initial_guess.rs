@@ -4,16 +4,15 @@ use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
-use crate::fit::drive::torque_input::Choice;
-use crate::fit::motion::log_data::Cuts;
-use crate::fit::motion::log_data::LogData;
+use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::rounds::delay_grid;
 use crate::fit::surface::lattice::Lattice;
-use crate::fit::{Error, Result, Settings};
+use crate::fit::{Error, FitSettings, Result};
 use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
 use rayon::prelude::*;
@@ -26,7 +25,7 @@ const SLOW_HZ: f64 = 10.0;
 const LEAST_MOTION_S: f64 = 5.0;
 
 /// Where the rounds start from.
-pub(crate) struct Start<'a> {
+pub(crate) struct InitialGuess<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
     pub(crate) gears: Vec<Gear>,
     pub(crate) has_yaw: bool,
@@ -35,12 +34,12 @@ pub(crate) struct Start<'a> {
     pub(crate) lattice: Lattice,
 }
 
-impl<'a> Start<'a> {
+impl<'a> InitialGuess<'a> {
     /// Looks at the surveys.
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &Choice, settings: &Settings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
@@ -59,10 +58,10 @@ impl<'a> Start<'a> {
             return Err(Error::TooLittle { seconds, needed_s: LEAST_MOTION_S });
         }
         let speeds: Vec<Vec<f64>> = segments.par_iter().map(wide_speed).collect();
-        let views: Vec<delay_grid::LogView> = (0..logs.len())
+        let views: Vec<delay_grid::GridLog> = (0..logs.len())
             .map(|k| {
                 let own: Vec<usize> = (0..segments.len()).filter(|s| segments[*s].log == k).collect();
-                delay_grid::LogView {
+                delay_grid::GridLog {
                     segments: own.iter().map(|s| &segments[*s]).collect(),
                     speed_mps: own.iter().map(|s| speeds[*s].as_slice()).collect(),
                     log: &logs[k],
@@ -81,7 +80,7 @@ impl<'a> Start<'a> {
 }
 
 /// Puts what runs at other wheel angles have shown of delays and encoder into `calibration`, whose logs are `logs`.
-pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &Settings) {
+pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settings: &FitSettings) {
     let Some(known) = &settings.known else { return };
     for (dead_time_s, log) in calibration.dead_time_s.iter_mut().zip(logs) {
         if let Some(known) = known.dead_time_s.get(&log.survey.track.source.sha256) {
@@ -128,7 +127,7 @@ impl Grains {
     }
 }
 
-fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &Choice) -> LogData<'a> {
+fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> LogData<'a> {
     let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
     let Grain { noise_mps, quantum_mps } = grains.encoder;
     let dithered = noise_mps > 0.2 * quantum_mps;
@@ -162,7 +161,7 @@ fn changes(command: &Series) -> Series {
     changes
 }
 
-fn first_calibration(surveys: &[Survey], choice: &Choice) -> Calibration {
+fn first_calibration(surveys: &[Survey], choice: &TorqueChoice) -> Calibration {
     let alignments: Vec<_> = surveys.iter().filter_map(|s| s.alignment).collect();
     let median_of = |f: fn(&crate::signal::Alignment) -> f64, otherwise: f64| {
         let values: Vec<f64> = alignments.iter().map(f).collect();
@@ -191,7 +190,7 @@ fn first_noise(grains: &[Grains]) -> Noise {
 }
 
 /// The lattice over the speeds and torques of the segments.
-fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], settings: &Settings) -> Result<Lattice> {
+fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], settings: &FitSettings) -> Result<Lattice> {
     let fastest = speeds.iter().flatten().fold(0.0f64, |m, v| m.max(*v));
     let (mut low, mut high) = (0.0f64, 0.0f64);
     let mut torques = Vec::new();

@@ -1,15 +1,14 @@
 //! Readings and stretches that do not belong: spikes, slip that no second witness shows, pushes by hand.
 
-use crate::campaign::Verdict;
+use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::integration::courses;
-use crate::fit::motion::log_data::Cuts;
-use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::Pass;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
-use crate::fit::noise::kalman::Noise;
+use crate::fit::noise::model::Noise;
 use crate::fit::surface::lattice::LatticeSurface;
 use std::collections::BTreeSet;
 
@@ -24,6 +23,9 @@ const PASSES: usize = 16;
 const JOINED_S: f64 = 0.3;
 /// What is cut before and after a window [s].
 const MARGIN_S: f64 = 0.02;
+
+/// Threshold of the standardised windowed sums in the first round with cuts, and later.
+pub(crate) const CUT_BEYOND: [f64; 2] = [6.0, 5.0];
 
 /// What the readings are judged against.
 pub(crate) struct Judge<'a> {
@@ -94,7 +96,7 @@ fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mu
     for end in 1..=n {
         if let Some(window) = beyond(end) {
             let (from, to) = (segment.readings[end - window].t_s - MARGIN_S, segment.readings[end - 1].t_s + MARGIN_S);
-            cuts.intervals.push((from, to, Verdict::Push));
+            cuts.intervals.push((from, to, SampleVerdict::Push));
             cut = true;
             if !whole {
                 break;
@@ -117,7 +119,7 @@ fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mu
 /// Joins cuts that overlap or leave less between them than can be judged.
 fn join(cuts: &mut Cuts) {
     cuts.intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut joined: Vec<(f64, f64, Verdict)> = Vec::new();
+    let mut joined: Vec<(f64, f64, SampleVerdict)> = Vec::new();
     for cut in cuts.intervals.drain(..) {
         match joined.last_mut() {
             Some(last) if cut.0 - last.1 < JOINED_S => last.1 = last.1.max(cut.1),
@@ -130,7 +132,7 @@ fn join(cuts: &mut Cuts) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::noise::kalman::Reading;
+    use crate::fit::noise::model::Reading;
     use crate::map::Gear;
 
     fn segment(n: u32) -> Segment {
@@ -156,6 +158,6 @@ mod tests {
         assert_eq!(cuts.intervals.len(), 1);
         let (from, to, verdict) = cuts.intervals[0];
         assert!(from < 1.0 && to > 1.19 && from > 0.6 && to < 1.6, "{from} {to}");
-        assert_eq!(verdict, Verdict::Push);
+        assert_eq!(verdict, SampleVerdict::Push);
     }
 }

@@ -19,7 +19,7 @@ const ROUNDS: usize = 12;
 
 /// What was done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(crate) enum MonotoneOutcome {
     /// The surface rises everywhere by itself.
     AlreadyMonotone,
     /// Moved; so many differences bind.
@@ -44,7 +44,7 @@ pub(crate) fn enforce(
     solution: &Solution,
     gears: &[Gear],
     beta: &mut [f64],
-) -> Outcome {
+) -> MonotoneOutcome {
     let q = design.coefficients();
     let all: Vec<Difference> = gears
         .iter()
@@ -72,7 +72,7 @@ pub(crate) fn enforce(
     let violated = |slopes: &[f64], by: f64| -> Vec<usize> { (0..slopes.len()).filter(|k| slopes[*k] < by).collect() };
     let mut working = violated(&first, least);
     if working.is_empty() {
-        return Outcome::AlreadyMonotone;
+        return MonotoneOutcome::AlreadyMonotone;
     }
     // H over the design's coefficients, scaled to a unit mean diagonal
     let mut h = Mat::from_fn(q, q, |a, b| system.matrix[(a, b)]);
@@ -93,13 +93,13 @@ pub(crate) fn enforce(
         if missing.is_empty() {
             if violated(&now, 0.5 * least).is_empty() {
                 beta[..q].copy_from_slice(&tried);
-                return Outcome::Moved(working.len());
+                return MonotoneOutcome::Moved(working.len());
             }
             break;
         }
         working.extend(missing);
     }
-    Outcome::Forced
+    MonotoneOutcome::Forced
 }
 
 /// min ½ sᵀHs subject to R(β̂ + s) ≥ least, in scaled variables.

@@ -4,9 +4,9 @@
 //! edf_j = p_j − λ_j·tr[(XᵀX + Λ)⁻¹]_jj, which climbs the restricted likelihood (Wood & Fasiolo 2017, *A generalized Fellner-Schall
 //! method*; Wood 2016).
 
-use crate::fit::motion::regressors::nuisance;
+use crate::fit::nuisance;
 use crate::fit::solve::normal_equations::Gram;
-use crate::fit::surface::design::{Block, Design};
+use crate::fit::surface::design::{CoefficientBlock, Design};
 use crate::map::Gear;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Col, Mat};
@@ -92,7 +92,13 @@ impl System {
     ///
     /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations are singular beyond
     /// repair (data that hold no information at all).
-    pub(crate) fn solve(&self, blocks: &[Block], penalties: &[f64], updates: usize, nuisance_prior_std: &[f64]) -> Option<Solution> {
+    pub(crate) fn solve(
+        &self,
+        blocks: &[CoefficientBlock],
+        penalties: &[f64],
+        updates: usize,
+        nuisance_prior_std: &[f64],
+    ) -> Option<Solution> {
         let size = self.matrix.nrows();
         let scale: Vec<f64> =
             blocks.iter().map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12)).collect();

@@ -1,7 +1,7 @@
 //! The physics form with a share of the surface: what is taken of both, and how unsure that leaves it.
 
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};
-use crate::fit::surface::design::Block;
+use crate::fit::surface::design::CoefficientBlock;
 
 /// What was taken.
 #[derive(Debug, Clone)]
@@ -26,7 +26,13 @@ pub(crate) struct Pull {
 
 impl Stacked {
     /// A `share` of what `surface`, a solution of `system`, has beyond the physics form alone. `None` when the form is singular.
-    pub(crate) fn new(system: &System, surface: Solution, blocks: &[Block], share: f64, nuisance_prior_std: &[f64]) -> Option<Self> {
+    pub(crate) fn new(
+        system: &System,
+        surface: Solution,
+        blocks: &[CoefficientBlock],
+        share: f64,
+        nuisance_prior_std: &[f64],
+    ) -> Option<Self> {
         let of_surface = pulls(&surface, blocks);
         if share >= 1.0 {
             return Some(Self { doubt: vec![0.0; surface.beta.len()], solution: surface, pulls: of_surface });
@@ -47,7 +53,7 @@ impl Stacked {
 }
 
 /// Where the penalties start for the physics form alone: from the data's scale, infinite elsewhere.
-pub(crate) fn physics_alone(blocks: &[Block]) -> Vec<f64> {
+pub(crate) fn physics_alone(blocks: &[CoefficientBlock]) -> Vec<f64> {
     blocks.iter().map(|block| if block.physics { 0.0 } else { f64::INFINITY }).collect()
 }
 
@@ -57,9 +63,9 @@ pub(crate) fn mixed(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
 }
 
 /// The pull of each penalised block; zero where it has vanished.
-fn pulls(solution: &Solution, blocks: &[Block]) -> Vec<Pull> {
+fn pulls(solution: &Solution, blocks: &[CoefficientBlock]) -> Vec<Pull> {
     let size = solution.beta.len();
-    let pull = |(j, block): (usize, &Block)| {
+    let pull = |(j, block): (usize, &CoefficientBlock)| {
         let penalty = if solution.penalties[j].is_finite() { solution.penalties[j] } else { 0.0 };
         let of = |a| block.range.clone().map(|k| solution.covariance[(a, k)] * penalty * solution.beta[k]).sum();
         Pull { of: (0..size).map(of).collect(), relative_variance: 2.0 / solution.degrees[j].max(1.0) }
@@ -74,10 +80,10 @@ mod tests {
     use faer::{Col, Mat};
 
     /// One free coefficient and two penalised ones that the data ask for.
-    fn system() -> (System, Vec<Block>) {
+    fn system() -> (System, Vec<CoefficientBlock>) {
         let matrix = Mat::from_fn(3, 3, |a, b| if a == b { 400.0 } else { 40.0 });
         let right = Col::from_fn(3, |k| [800.0, 300.0, -200.0][k]);
-        let block = |name, range, physics: bool| Block { name, range, penalised: !physics, physics };
+        let block = |name, range, physics: bool| CoefficientBlock { name, range, penalised: !physics, physics };
         (System { matrix, right, design: 3 }, vec![block("physics form", 0..1, true), block("f(V)", 1..3, false)])
     }
 

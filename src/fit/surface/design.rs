@@ -13,7 +13,7 @@
 //! cancel. The interaction f(V)·g(U) is penalised by how much it bends along either axis, λ·(ρ_V + ρ_U)^1.5 (Wood 2006, *Low-rank
 //! scale-invariant tensor product smooths*), in the modes z ⊗ y of both: a penalty on mixed differences would let it run away in corners.
 
-use crate::fit::surface::lattice::Lattice;
+use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::map::Gear;
 use faer::Mat;
 use std::ops::Range;
@@ -31,7 +31,7 @@ const NEAR_STANDSTILL: &str = "near standstill";
 
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Block {
+pub(crate) struct CoefficientBlock {
     /// What it is, for the report.
     pub(crate) name: &'static str,
     /// Its coefficients.
@@ -46,7 +46,7 @@ pub(crate) struct Block {
 #[derive(Debug, Clone)]
 pub(crate) struct Design {
     /// The blocks, in the order of the coefficients.
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<CoefficientBlock>,
     /// Speed over which the extra friction near standstill fades [m/s].
     pub(crate) stribeck_mps: f64,
     /// For forward and reverse: lattice columns × coefficients.
@@ -54,13 +54,13 @@ pub(crate) struct Design {
 }
 
 /// Collects columns block by block.
-struct Builder {
+struct DesignBuilder {
     rows: usize,
     columns: Vec<(Vec<f64>, bool)>,
-    blocks: Vec<Block>,
+    blocks: Vec<CoefficientBlock>,
 }
 
-impl Builder {
+impl DesignBuilder {
     fn block(&mut self, name: &'static str, penalised: bool, antisymmetric: bool, columns: Vec<Vec<f64>>) {
         if columns.is_empty() {
             return;
@@ -68,7 +68,7 @@ impl Builder {
         let start = self.columns.len();
         self.columns.extend(columns.into_iter().map(|c| (c, antisymmetric)));
         let physics = name.ends_with(PHYSICS) || name == NEAR_STANDSTILL;
-        self.blocks.push(Block { name, range: start..self.columns.len(), penalised, physics });
+        self.blocks.push(CoefficientBlock { name, range: start..self.columns.len(), penalised, physics });
     }
 }
 
@@ -124,7 +124,7 @@ impl Design {
             pairs.map(|(z, y)| tensor(&z.weighed(z.bending + y.bending), &y.shape)).collect::<Vec<_>>()
         };
 
-        let mut builder = Builder { rows, columns: Vec::new(), blocks: Vec::new() };
+        let mut builder = DesignBuilder { rows, columns: Vec::new(), blocks: Vec::new() };
         builder.block(PHYSICS, false, false, physics());
         builder.block(NEAR_STANDSTILL, true, false, near_standstill());
         builder.block("f(V)", true, false, f());
@@ -142,7 +142,7 @@ impl Design {
             builder.block("gear: f(V)·U", true, true, f_by(&u));
             builder.block("gear: f(V)·U⁺", true, true, f_by(&drive));
         }
-        let Builder { rows, columns, blocks } = builder;
+        let DesignBuilder { rows, columns, blocks } = builder;
         let transforms = Gear::ALL.map(|gear| {
             Mat::from_fn(rows, columns.len(), |r, c| {
                 let (column, antisymmetric) = &columns[c];
@@ -155,6 +155,12 @@ impl Design {
     /// Number of coefficients.
     pub(crate) fn coefficients(&self) -> usize {
         self.transforms[0].ncols()
+    }
+
+    /// The surfaces of both gears, forward and reverse, that coefficients describe; what follows the design's own is ignored.
+    pub(crate) fn surfaces(&self, lattice: &Lattice, beta: &[f64]) -> [LatticeSurface; 2] {
+        let beta = &beta[..self.coefficients()];
+        Gear::ALL.map(|gear| LatticeSurface { lattice: lattice.clone(), theta: self.lattice_values(gear, beta) })
     }
 
     /// Lattice columns × coefficients of a gear.

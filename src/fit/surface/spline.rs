@@ -9,21 +9,21 @@
 pub(crate) struct Spline {
     start: f64,
     step: f64,
-    pieces: Vec<Piece>,
+    pieces: Vec<SplinePiece>,
     /// Greville's abscissa of each coefficient: a linear function has its own values there as coefficients.
     greville: Vec<f64>,
 }
 
 /// The spline over one interval.
 #[derive(Debug, Clone, PartialEq)]
-struct Piece {
+struct SplinePiece {
     /// First of the four coefficients that matter.
     first: usize,
     /// Their weights as polynomials of the fraction of the way through: the constant terms of all four, the linear ones, and so on.
     powers: [[f64; 4]; 4],
 }
 
-impl Piece {
+impl SplinePiece {
     /// Weights at a fraction of the way.
     #[inline]
     fn weights(&self, t: f64) -> [f64; 4] {
@@ -61,7 +61,7 @@ impl Spline {
         }
         knots.extend([at(intervals); 4]);
         let greville = knots.windows(3).skip(1).take(knots.len() - 4).map(|k| (k[0] + k[1] + k[2]) / 3.0).collect();
-        let pieces = begins.iter().map(|b| Piece { first: b - 3, powers: powers(&knots, *b) }).collect();
+        let pieces = begins.iter().map(|b| SplinePiece { first: b - 3, powers: powers(&knots, *b) }).collect();
         Self { start, step, pieces, greville }
     }
 
@@ -82,7 +82,7 @@ impl Spline {
 
     /// The piece that holds `x`, and the fraction of the way through it, beyond [0, 1] outside the ends.
     #[inline]
-    fn place(&self, x: f64) -> (&Piece, f64) {
+    fn place(&self, x: f64) -> (&SplinePiece, f64) {
         let along = (x - self.start) / self.step;
         let k = (along.max(0.0) as usize).min(self.pieces.len() - 1);
         (&self.pieces[k], along - k as f64)

@@ -6,12 +6,12 @@
 //! feedback is the input, it holds the lag already: dead times from command to speed are tried, and no lag.
 
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::torque_input::Input;
+use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::kalman::whiten;
+use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
 use crate::map::{DeadTimeLikelihood, DelayLikelihood};
@@ -35,22 +35,22 @@ const DIRECTIONS: usize = 6;
 const WIDTH: usize = DIRECTIONS + 1;
 
 /// Segments of one log, taken evenly where they are many, and the speeds at which the surface was looked up.
-struct LogView<'a> {
+struct LikelihoodLog<'a> {
     data: &'a LogData<'a>,
     dead_time_s: f64,
     segments: Vec<(&'a Segment, &'a Speeds)>,
 }
 
-type Gram = [[f64; WIDTH]; WIDTH];
+type DelayGram = [[f64; WIDTH]; WIDTH];
 
 /// The likelihood around the estimate; `None` when nothing tells of delays.
 pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
-    let logs: Vec<LogView> = (0..estimate.logs.len()).map(|k| view(estimate, k)).collect();
+    let logs: Vec<LikelihoodLog> = (0..estimate.data.logs.len()).map(|k| view(estimate, k)).collect();
     let found_lag_s = estimate.calibration.lag_s;
     let std_err_s = estimate.calibration_errors.dead_time_s.iter().copied().fold(estimate.calibration_errors.lag_s, f64::max);
     let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
     let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
-    let measured = estimate.logs.iter().any(|l| l.input != Input::Command);
+    let measured = estimate.data.logs.iter().any(|l| l.input != TorqueInput::Command);
     // a feedback is followed without a lag
     let lags: Vec<f64> = if measured { vec![found_lag_s] } else { shifts.iter().map(|s| found_lag_s + s).filter(|l| *l >= 0.0).collect() };
     let pairs: Vec<(f64, f64)> = lags.iter().flat_map(|l| shifts.iter().map(move |s| (*l, *s))).collect();
@@ -70,7 +70,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
         return None;
     }
     let rows = values.chunks(shifts.len()).map(|row| row.iter().map(|v| round(v - best, 1e2)).collect()).collect();
-    let per_log = logs.iter().zip(&estimate.logs).map(|(log, data)| {
+    let per_log = logs.iter().zip(&estimate.data.logs).map(|(log, data)| {
         let dead_time_s: Vec<f64> = (0..=(LONGEST_S / STEP_S).round() as i32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
         let lagged = log.data.torque(found_lag_s);
         let late_s = log.data.input.late_s();
@@ -91,23 +91,23 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     })
 }
 
-fn view<'a>(estimate: &'a Estimate, log: usize) -> LogView<'a> {
-    let data = &estimate.logs[log];
+fn view<'a>(estimate: &'a Estimate, log: usize) -> LikelihoodLog<'a> {
+    let data = &estimate.data.logs[log];
     let dead_time_s = estimate.calibration.dead_time_s[log];
-    let (segments, speeds) = &estimate.fitted;
+    let (segments, speeds) = (&estimate.paths.merged, &estimate.paths.lookups);
     let own: Vec<(&Segment, &Speeds)> = segments.iter().zip(speeds).filter(|(s, _)| s.log == log).collect();
     let readings: usize = own.iter().map(|(s, _)| s.readings.len()).sum();
-    let enough = (ENOUGH_READINGS / estimate.logs.len().max(1)).max(FEWEST_READINGS);
+    let enough = (ENOUGH_READINGS / estimate.data.logs.len().max(1)).max(FEWEST_READINGS);
     let segments = own.into_iter().step_by(readings.div_ceil(enough).max(1)).collect();
-    LogView { data, dead_time_s, segments }
+    LikelihoodLog { data, dead_time_s, segments }
 }
 
 /// The whitened sums of one log: directions and residual.
-fn gram(estimate: &Estimate, log: &LogView, lagged: &EffectiveTorque, dead_time_s: f64) -> Gram {
+fn gram(estimate: &Estimate, log: &LikelihoodLog, lagged: &EffectiveTorque, dead_time_s: f64) -> DelayGram {
     let mut gram = [[0.0; WIDTH]; WIDTH];
     for (segment, speed) in &log.segments {
         let course = Course::new(segment, lagged, dead_time_s);
-        let model = course.predicted(speed, estimate.surface(segment.gear));
+        let model = course.predicted(speed, estimate.model.surface(segment.gear));
         let mut data = vec![0.0; segment.readings.len() * WIDTH];
         let mut sums = [0.0; WIDTH];
         for (row, line) in data.chunks_exact_mut(WIDTH).enumerate() {
@@ -132,12 +132,12 @@ fn gram(estimate: &Estimate, log: &LogView, lagged: &EffectiveTorque, dead_time_
     gram
 }
 
-fn add(sum: &mut Gram, other: &Gram) {
+fn add(sum: &mut DelayGram, other: &DelayGram) {
     sum.iter_mut().flatten().zip(other.iter().flatten()).for_each(|(a, b)| *a += b);
 }
 
 /// ‖y − Xc‖² at the best c.
-fn deviance(gram: &Gram) -> f64 {
+fn deviance(gram: &DelayGram) -> f64 {
     let at = |a: usize, b: usize| if a <= b { gram[a][b] } else { gram[b][a] };
     let matrix = Mat::from_fn(DIRECTIONS, DIRECTIONS, |a, b| at(a, b) + if a == b { 1e-9 * at(a, a) + 1e-12 } else { 0.0 });
     let right = Col::from_fn(DIRECTIONS, |a| at(a, DIRECTIONS));

@@ -1,7 +1,7 @@
 //! How well the surface explains each run: the judge that users understand is the simulated speed, by a surface that was fitted without the
 //! run.
 
-use crate::campaign::{Verdict, runs};
+use crate::campaign::{SampleVerdict, runs};
 use crate::fit::motion::integration::Course;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::surface::lattice::LatticeSurface;
@@ -21,6 +21,8 @@ pub(crate) struct Compared {
 pub(crate) struct RunFigures {
     /// One row per hold, with what the surface makes of it.
     pub(crate) rows: Vec<RunRow>,
+    /// The log of each row.
+    pub(crate) logs: Vec<usize>,
     /// RMSE [m/s] and R² of the simulated speed over all readings; absent with fewer than two runs.
     pub(crate) pooled: Option<(f64, f64)>,
 }
@@ -28,13 +30,14 @@ pub(crate) struct RunFigures {
 /// One row per hold, with what a surface fitted without its run makes of it.
 ///
 /// `compared` is in the order of the logs and of time: segments follow one another and do not overlap.
-pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<Verdict>]) -> RunFigures {
+pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: &[Vec<SampleVerdict>]) -> RunFigures {
     let held_out = estimate.validation.is_some();
-    let mut rows = Vec::new();
-    for (k, log) in estimate.logs.iter().enumerate() {
+    let (mut rows, mut logs) = (Vec::new(), Vec::new());
+    for (k, log) in estimate.data.logs.iter().enumerate() {
         let own = &compared[compared.partition_point(|c| c.log < k)..compared.partition_point(|c| c.log <= k)];
         for (hold, row) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
             let inside = &own[own.partition_point(|c| c.t_s < hold.from_s)..own.partition_point(|c| c.t_s < hold.to_s)];
+            logs.push(k);
             rows.push(RunRow {
                 speed_rmse_mps: rmse(inside).filter(|_| held_out).map(|v| round(v, 1e5)),
                 r_squared: r_squared(inside).filter(|_| held_out).map(|v| round(v, 1e4)),
@@ -44,7 +47,7 @@ pub(crate) fn run_figures(estimate: &Estimate, compared: &[Compared], verdicts: 
         }
     }
     let pooled = rmse(compared).zip(r_squared(compared)).filter(|_| held_out);
-    RunFigures { rows, pooled }
+    RunFigures { rows, logs, pooled }
 }
 
 /// An offset further from the median than this many robust standard deviations disagrees with the rest.
@@ -102,10 +105,10 @@ fn r_squared(inside: &[Compared]) -> Option<f64> {
 
 /// The surface that judges a segment: fitted without its fold, where there are folds.
 fn judge<'a>(estimate: &'a Estimate, segment: usize) -> &'a LatticeSurface {
-    let gear = estimate.segments[segment].gear;
+    let gear = estimate.data.segments[segment].gear;
     match &estimate.validation {
         Some(held_out) => &held_out.without[held_out.fold[segment]][usize::from(gear == Gear::Reverse)],
-        None => estimate.surface(gear),
+        None => estimate.model.surface(gear),
     }
 }
 
@@ -114,9 +117,11 @@ const LONGEST_STEP_S: f64 = 10e-3;
 
 /// Every segment simulated open loop from its own start: v̇ = A(v, u), no look at the readings on the way.
 pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
-    let lagged = estimate.lagged_commands();
-    let mut compared = Vec::with_capacity(estimate.segments.iter().map(|s| s.readings.len()).sum());
-    for (k, ((segment, smoothed), offset)) in estimate.segments.iter().zip(&estimate.speeds).zip(&estimate.offsets).enumerate() {
+    let lagged = estimate.torques();
+    let mut compared = Vec::with_capacity(estimate.data.segments.iter().map(|s| s.readings.len()).sum());
+    for (k, ((segment, smoothed), offset)) in
+        estimate.data.segments.iter().zip(&estimate.paths.speeds_mps).zip(&estimate.paths.offsets_mps2).enumerate()
+    {
         let surface = judge(estimate, k);
         let mut cursor = lagged[segment.log].cursor();
         let mut torque = |t: f64| segment.gear.sign() * cursor.at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
@@ -138,11 +143,11 @@ pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
 
 /// Root mean square of what the surface leaves of the acceleration, from the smoothed speeds [m/s²].
 pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
-    let lagged = estimate.lagged_commands();
+    let lagged = estimate.torques();
     let (mut sum, mut count) = (0.0, 0usize);
-    for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+    for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
         let course = Course::new(segment, &lagged[segment.log], estimate.calibration.dead_time_s[segment.log]);
-        let model = course.predicted(&smoothed.clone().into(), estimate.surface(segment.gear));
+        let model = course.predicted(&smoothed.clone().into(), estimate.model.surface(segment.gear));
         // over windows of about 0.1 s: the difference quotient of the deviation
         let n = segment.readings.len();
         let stride = (n * 100 / ((segment.readings[n - 1].t_s - segment.start_s) * 1000.0).max(1.0) as usize).max(1);

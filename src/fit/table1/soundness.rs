@@ -1,8 +1,8 @@
 //! Whether a table that could be computed may also be trusted: enough of it seen, torque varied, and logs that tell the same story.
 
-use crate::fit::Settings;
+use crate::fit::FitSettings;
 use crate::fit::motion::integration::Course;
-use crate::fit::noise::kalman::whiten;
+use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::outliers::calm;
 use crate::fit::table1::tables::UsedSample;
@@ -22,9 +22,9 @@ const SAME_FLOOR: f64 = 0.05;
 const SIGNIFICANT: f64 = 3.5;
 
 /// What speaks against the table, for people; nothing when it is sound.
-pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &Settings) -> Vec<String> {
+pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<String> {
     let mut found: Vec<String> = thin(maps, settings).into_iter().collect();
-    found.extend(estimate.gears.iter().filter_map(|gear| few_torques(*gear, samples)));
+    found.extend(estimate.data.gears.iter().filter_map(|gear| few_torques(*gear, samples)));
     found.extend(contradiction(estimate));
     found
 }
@@ -36,7 +36,7 @@ pub(crate) fn coverage(maps: &[AccelMap]) -> (f64, f64) {
     (share(&|s| s == CellStatus::Measured), share(&|s| s != CellStatus::Extrapolated))
 }
 
-fn thin(maps: &[AccelMap], settings: &Settings) -> Option<String> {
+fn thin(maps: &[AccelMap], settings: &FitSettings) -> Option<String> {
     let known = coverage(maps).1;
     (known < settings.least_coverage).then(|| {
         format!(
@@ -80,14 +80,14 @@ struct Departure {
 
 /// The two logs that differ most, when they differ by more than one vehicle can.
 fn contradiction(estimate: &Estimate) -> Option<String> {
-    if estimate.logs.len() < 2 {
+    if estimate.data.logs.len() < 2 {
         return None;
     }
-    let departures: Vec<Option<Departure>> = (0..estimate.logs.len()).map(|log| departure(estimate, log)).collect();
-    let torques = &estimate.surfaces[0].lattice.torque_nm;
-    let surface = estimate.surface(estimate.gears[0]);
+    let departures: Vec<Option<Departure>> = (0..estimate.data.logs.len()).map(|log| departure(estimate, log)).collect();
+    let torques = &estimate.model.surfaces[0].lattice.torque_nm;
+    let surface = estimate.model.surface(estimate.data.gears[0]);
     let reach_mps2 = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, 0.0);
-    let name = |k: usize| &estimate.logs[k].survey.track.source.file;
+    let name = |k: usize| &estimate.data.logs[k].survey.track.source.file;
     let told: Vec<(usize, &Departure)> = departures.iter().enumerate().filter_map(|(k, d)| Some((k, d.as_ref()?))).collect();
     let by = |of: &dyn Fn(&Departure) -> f64| {
         let low = told.iter().min_by(|a, b| of(a.1).total_cmp(&of(b.1)))?;
@@ -121,13 +121,13 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
 /// Regression of a log's whitened residuals on what the surface predicts and on a constant acceleration. The noise is bounded as for the
 /// cuts: what parts the logs is in it already, and would pass for chance.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
-    let lagged = estimate.lagged(log);
-    let noise = calm(&estimate.noise, estimate.surface(estimate.gears[0]));
+    let lagged = estimate.data.logs[log].torque(estimate.calibration.lag_s);
+    let noise = calm(&estimate.noise, estimate.model.surface(estimate.data.gears[0]));
     // normal equations of (prediction, time, residual)
     let mut n = [[0.0; 3]; 3];
-    for (segment, speed) in estimate.segments.iter().zip(&estimate.speeds).filter(|(s, _)| s.log == log) {
+    for (segment, speed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps).filter(|(s, _)| s.log == log) {
         let course = Course::new(segment, &lagged, estimate.calibration.dead_time_s[log]);
-        let model = course.predicted(&speed.clone().into(), estimate.surface(segment.gear));
+        let model = course.predicted(&speed.clone().into(), estimate.model.surface(segment.gear));
         let mut rows: Vec<f64> =
             segment.readings.iter().zip(&model).flat_map(|(r, m)| [*m, r.t_s - segment.start_s, r.speed_mps - m]).collect();
         whiten(&mut rows, 3, &segment.readings, segment.start_s, &noise, segment.start_std(&noise));

@@ -23,7 +23,7 @@ pub(crate) struct Uncertainty {
 impl Uncertainty {
     /// From the final estimate.
     pub(crate) fn new(estimate: &Estimate) -> Self {
-        let posterior = estimate.stacked.solution.covariance.clone();
+        let posterior = estimate.model.stacked.solution.covariance.clone();
         let half = &posterior * &meat(estimate);
         let sandwich = &half * &posterior;
         Self { posterior, sandwich }
@@ -31,7 +31,7 @@ impl Uncertainty {
 
     /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
     pub(crate) fn std_errs_mps2(&self, estimate: &Estimate, gear: Gear, points: &[(f64, f64)]) -> Vec<f64> {
-        let q = estimate.design.coefficients();
+        let q = estimate.model.design.coefficients();
         let rows: Vec<Vec<f64>> = points.iter().map(|(v, u)| contrast(estimate, gear, *v, *u)).collect();
         let contrasts = Mat::from_fn(q, points.len(), |a, k| rows[k][a]);
         let products = [&self.posterior, &self.sandwich].map(|m| m.submatrix(0, 0, q, q) * &contrasts);
@@ -39,9 +39,9 @@ impl Uncertainty {
             .map(|k| {
                 let [posterior, sandwich] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
-                let doubt: f64 = rows[k].iter().zip(&estimate.stacked.doubt).map(|(c, d)| c * d).sum();
+                let doubt: f64 = rows[k].iter().zip(&estimate.model.stacked.doubt).map(|(c, d)| c * d).sum();
                 let (mut bias, mut unsure) = (0.0, doubt * doubt);
-                for pull in &estimate.stacked.pulls {
+                for pull in &estimate.model.stacked.pulls {
                     let pulled: f64 = rows[k].iter().zip(&pull.of).map(|(c, p)| c * p).sum();
                     bias += pulled;
                     unsure += pull.relative_variance * pulled * pulled;
@@ -54,21 +54,21 @@ impl Uncertainty {
 
 /// The row c with A(V, U) = cᵀβ.
 fn contrast(estimate: &Estimate, gear: Gear, speed_mps: f64, torque_nm: f64) -> Vec<f64> {
-    let lattice = &estimate.surfaces[0].lattice;
+    let lattice = &estimate.model.surfaces[0].lattice;
     let spot = lattice.spot(speed_mps, torque_nm);
-    let t = estimate.design.transform(gear);
+    let t = estimate.model.design.transform(gear);
     (0..t.ncols()).map(|c| spot.columns(lattice).map(|(r, w)| w * t[(r, c)]).sum()).collect()
 }
 
 /// Σ s_r·s_rᵀ over the runs' scores s_r = Xᵀe; those of the encoder's columns are zero.
 fn meat(estimate: &Estimate) -> Mat<f64> {
-    let lagged = estimate.lagged_commands();
-    let (segments, speeds) = &estimate.fitted;
+    let lagged = estimate.torques();
+    let (segments, speeds) = (&estimate.paths.merged, &estimate.paths.lookups);
     let courses = courses(segments, &lagged, &estimate.calibration);
-    let base = estimate.surfaces[0].lattice.columns();
-    let (q, nuisances) = (estimate.design.coefficients(), Free::Delays.nuisances(estimate.logs.len()));
+    let base = estimate.model.surfaces[0].lattice.columns();
+    let (q, nuisances) = (estimate.model.design.coefficients(), Free::Delays.nuisances(estimate.data.logs.len()));
     let mut meat: Mat<f64> = Mat::zeros(q + nuisances, q + nuisances);
-    for gear in &estimate.gears {
+    for gear in &estimate.data.gears {
         let mut runs: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
         for (k, course) in courses.iter().enumerate().filter(|(_, c)| c.segment.gear == *gear) {
             runs.entry((course.segment.log, course.segment.run)).or_default().push(k);
@@ -79,7 +79,7 @@ fn meat(estimate: &Estimate) -> Mat<f64> {
             .map(|run| {
                 let mut score = vec![0.0; base + nuisances];
                 for &k in run {
-                    add_score(&courses[k], &speeds[k], estimate.surface(*gear), &estimate.noise, &mut score);
+                    add_score(&courses[k], &speeds[k], estimate.model.surface(*gear), &estimate.noise, &mut score);
                 }
                 score
             })
@@ -88,7 +88,7 @@ fn meat(estimate: &Estimate) -> Mat<f64> {
         if runs < 2 {
             continue;
         }
-        let lattice = Mat::from_fn(runs, base, |r, c| scores[r][c]) * estimate.design.transform(*gear);
+        let lattice = Mat::from_fn(runs, base, |r, c| scores[r][c]) * estimate.model.design.transform(*gear);
         let all = Mat::from_fn(runs, q + nuisances, |r, c| if c < q { lattice[(r, c)] } else { scores[r][base + c - q] });
         // scores of a fitted model are shrunk: the usual small-sample factor
         meat += faer::Scale(runs as f64 / (runs as f64 - 1.0)) * (all.transpose() * &all);

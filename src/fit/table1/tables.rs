@@ -1,10 +1,10 @@
 //! The surface on the grid that people asked for, with what is known of every cell.
 
-use crate::campaign::Verdict;
+use crate::campaign::SampleVerdict;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
-use crate::fit::{Result, Settings};
-use crate::map::{AccelMap, AccelTable, Axis, Breakaway, CellStatus, CsvRef, Gear, Surface, csv_name, sha256_hex};
+use crate::fit::{FitSettings, Result};
+use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
 /// Samples nearest to a cell from which on it counts as measured: 0.06 s at 50 Hz.
@@ -28,9 +28,9 @@ pub(crate) struct UsedSample {
 
 /// The used encoder samples.
 pub(crate) fn used_samples(estimate: &Estimate) -> Vec<UsedSample> {
-    let lagged = estimate.lagged_commands();
+    let lagged = estimate.torques();
     let mut samples = Vec::new();
-    for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+    for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
         let mut cursor = lagged[segment.log].cursor();
         for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.witness == 0) {
             let torque = cursor.at(reading.t_s - estimate.calibration.dead_time_s[segment.log]).torque_nm;
@@ -50,7 +50,7 @@ fn speed_breaks(samples: &[UsedSample]) -> Vec<f64> {
 /// The tested levels: held torques of a gear that have used samples, merged where they differ by less than a hundredth of the largest.
 fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec<f64> {
     let mut levels: Vec<f64> = Vec::new();
-    for log in &estimate.logs {
+    for log in &estimate.data.logs {
         for hold in log.survey.holds.iter().filter(|h| h.steady && h.to_s - h.from_s > 0.25) {
             let runs = log.survey.stretches.iter().any(|s| s.gear == gear && s.from_s < hold.to_s && s.to_s > hold.from_s);
             if runs {
@@ -85,19 +85,19 @@ fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec
     (0..=20).map(|k| ((low + f64::from(k) * width) * 1e4).round() / 1e4).collect()
 }
 
-/// Table 1 of one gear, and the text of its CSV. `angles_deg` are the wheel angle of the runs and the vehicle's test angle.
+/// Table 1 of one gear. `angles_deg` are the wheel angle of the runs and the vehicle's test angle.
 pub(crate) fn accel_map(
     estimate: &Estimate,
     uncertainty: &Uncertainty,
     gear: Gear,
-    settings: &Settings,
+    settings: &FitSettings,
     samples: &[UsedSample],
     (wheel_angle_deg, test_angle_deg): (f64, f64),
-) -> Result<(AccelMap, String)> {
+) -> Result<AccelMap> {
     let own: Vec<UsedSample> = samples.iter().copied().filter(|s| s.gear == gear).collect();
     let speed = settings.speed_breaks_mps.clone().unwrap_or_else(|| speed_breaks(&own));
     let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
-    let surface = estimate.surface(gear);
+    let surface = estimate.model.surface(gear);
     let grid = |torques: &[f64], speeds: &[f64]| -> Vec<Vec<f64>> {
         torques.iter().map(|u| speeds.iter().map(|v| round9(surface.accel_mps2(*v, *u))).collect()).collect()
     };
@@ -138,7 +138,7 @@ pub(crate) fn accel_map(
         .chain(knots.last().copied())
         .map(round9)
         .collect();
-    let map = AccelMap {
+    Ok(AccelMap {
         gear,
         wheel_angle_deg,
         csv: CsvRef { file: csv_name("table1", gear, wheel_angle_deg, test_angle_deg), sha256: sha256_hex(csv.as_bytes()) },
@@ -149,11 +149,10 @@ pub(crate) fn accel_map(
         status,
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
-        surface: Surface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
+        surface: FineSurface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
         speed_mps: speed,
         torque_nm: torque,
-    };
-    Ok((map, csv))
+    })
 }
 
 /// Confidence in a cell, 0 to 1.
@@ -184,9 +183,9 @@ fn statuses(measured: &[Vec<bool>]) -> Vec<Vec<CellStatus>> {
 }
 
 /// The torque at which the surface at standstill crosses zero, held within what the starts from rest showed.
-fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Breakaway {
-    let surface = estimate.surface(gear);
-    let trials = || estimate.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);
+fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> BreakawayTorque {
+    let surface = estimate.model.surface(gear);
+    let trials = || estimate.data.logs.iter().flat_map(|l| &l.survey.start_trials).filter(move |t| t.gear == gear);
     let moved_from_nm = trials().filter(|t| t.moved).map(|t| t.torque_nm).min_by(f64::total_cmp);
     let at_rest_up_to_nm =
         trials().filter(|t| !t.moved && moved_from_nm.is_none_or(|m| t.torque_nm <= m)).map(|t| t.torque_nm).max_by(f64::total_cmp);
@@ -202,30 +201,30 @@ fn breakaway(estimate: &Estimate, uncertainty: &Uncertainty, gear: Gear) -> Brea
         let slope = surface.value_and_slope(0.0, u).1.max(1e-6);
         round6(uncertainty.std_errs_mps2(estimate, gear, &[(0.0, u)])[0] / slope)
     });
-    Breakaway { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
+    BreakawayTorque { torque_nm: round6(torque_nm), std_err_nm, at_rest_up_to_nm, moved_from_nm }
 }
 
 /// From the last reading used of each run of a log that ends in a stop to the rest, in order [s].
 fn stops(estimate: &Estimate, log: usize) -> Vec<(f64, f64)> {
     let mut last_s: BTreeMap<usize, f64> = BTreeMap::new();
-    for segment in estimate.segments.iter().filter(|s| s.log == log) {
+    for segment in estimate.data.segments.iter().filter(|s| s.log == log) {
         last_s.extend(segment.readings.last().map(|r| (segment.run, r.t_s)));
     }
-    let stretches = &estimate.logs[log].survey.stretches;
+    let stretches = &estimate.data.logs[log].survey.stretches;
     last_s.into_iter().filter_map(|(run, last_s)| Some((last_s, stretches[run].stopped_s?))).collect()
 }
 
 /// The final verdict on every encoder sample of every log.
-pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
-    let mut all: Vec<Vec<Verdict>> = estimate.logs.iter().map(|l| l.survey.verdicts.clone()).collect();
-    for (k, log) in estimate.logs.iter().enumerate() {
+pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
+    let mut all: Vec<Vec<SampleVerdict>> = estimate.data.logs.iter().map(|l| l.survey.verdicts.clone()).collect();
+    for (k, log) in estimate.data.logs.iter().enumerate() {
         let encoder = &log.survey.track.encoder_mps;
         // both in the order of time, and the last to begin is the last to end
-        let (cuts, transients) = (&log.cuts.intervals, &estimate.transients[k]);
-        let torque = estimate.lagged(k);
+        let (cuts, transients) = (&log.cuts.intervals, &estimate.data.transients[k]);
+        let torque = estimate.data.logs[k].torque(estimate.calibration.lag_s);
         let stops = stops(estimate, k);
         let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
-        for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == Verdict::Used) {
+        for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == SampleVerdict::Used) {
             let t = encoder.t_s[i] - estimate.calibration.encoder_delay_s;
             let cut = cuts[..cuts.partition_point(|c| c.0 <= t)].last().filter(|c| t <= c.1).map(|c| c.2);
             let spike = log.cuts.readings.contains(&(0, i as u32));
@@ -233,21 +232,21 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<Verdict>> {
             *verdict = if let Some(reason) = cut {
                 reason
             } else if spike {
-                Verdict::Outlier
+                SampleVerdict::Outlier
             } else if missing(t - estimate.calibration.dead_time_s[k]) {
-                Verdict::Gap
+                SampleVerdict::Gap
             } else if transient {
-                Verdict::Transient
+                SampleVerdict::Transient
             } else if stops[..stops.partition_point(|s| s.0 < t)].last().is_some_and(|s| t <= s.1) {
-                Verdict::Stopping
+                SampleVerdict::Stopping
             } else {
-                Verdict::TooShort
+                SampleVerdict::TooShort
             };
         }
     }
-    for segment in &estimate.segments {
+    for segment in &estimate.data.segments {
         for reading in segment.readings.iter().filter(|r| r.witness == 0) {
-            all[segment.log][reading.sample as usize] = Verdict::Used;
+            all[segment.log][reading.sample as usize] = SampleVerdict::Used;
         }
     }
     all

@@ -1,16 +1,13 @@
 //! What a report shows of a fit: traces of the runs, residuals over the cells and over time. Read only; nothing here touches the estimate.
 
-use crate::campaign::{Hold, Verdict, runs};
+use crate::campaign::{Hold, SampleVerdict, runs};
 use crate::fit::Result;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::integration::Course;
 use crate::fit::rounds::estimate::Estimate;
-use crate::fit::table1::delay_likelihood;
-use crate::fit::table1::product::Fit;
+use crate::fit::table1::angle_fit::AngleFit;
 use crate::fit::table1::runs::{Compared, round};
-use crate::map::{
-    AccelMap, Axis, CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace, sha256_hex,
-};
+use crate::map::{AccelMap, Axis, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace};
 use crate::units::RAD_PER_DEG;
 
 /// Traces kept: a page of more is read by nobody.
@@ -25,20 +22,27 @@ const MOST_RESIDUALS: usize = 3000;
 /// A simulated speed belongs to a time within this distance [s].
 const NEAR_S: f64 = 0.05;
 
-/// The traces of a finished fit.
-pub(crate) fn traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Result<FitTraces> {
-    let windows = windows(estimate);
-    Ok(FitTraces {
-        format: FIT_TRACES_FORMAT.to_owned(),
-        format_version: FORMAT_VERSION,
-        tool_version: env!("CARGO_PKG_VERSION").to_owned(),
-        table1: CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(fit.file.to_json()?.as_bytes()) },
-        verdicts: Verdict::ALL.iter().map(ToString::to_string).collect(),
-        runs: run_traces(estimate, compared, fit),
-        residual_cells: fit.file.maps.iter().map(|m| residual_cells(m, &windows)).collect::<Result<_>>()?,
-        residual_times: residual_times(estimate, &windows),
-        delay: delay_likelihood::delay_likelihood(estimate),
-    })
+/// The traces of one wheel angle.
+pub(crate) struct AngleTraces {
+    /// Traces of the runs, each with the place of its row among the angle's own.
+    pub(crate) runs: Vec<RunTrace>,
+    pub(crate) residual_cells: Vec<ResidualCells>,
+    pub(crate) residual_times: Vec<ResidualTimes>,
+}
+
+impl AngleTraces {
+    /// Of a finished fit.
+    ///
+    /// # Errors
+    /// Axes that are none.
+    pub(crate) fn new(fit: &AngleFit) -> Result<Self> {
+        let windows = windows(&fit.estimate);
+        Ok(Self {
+            runs: run_traces(fit),
+            residual_cells: fit.maps.iter().map(|m| residual_cells(m, &windows)).collect::<Result<_>>()?,
+            residual_times: residual_times(&fit.estimate, &windows),
+        })
+    }
 }
 
 /// The rows that are shown: all, or those with the largest residual.
@@ -53,17 +57,18 @@ fn shown(rows: &[RunRow]) -> Vec<usize> {
     order
 }
 
-fn run_traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Vec<RunTrace> {
-    let shown = shown(&fit.file.report.runs);
+fn run_traces(fit: &AngleFit) -> Vec<RunTrace> {
+    let AngleFit { estimate, compared, verdicts, .. } = fit;
+    let shown = shown(&fit.figures.rows);
     let points = (POINTS / shown.len().max(1)).clamp(POINTS_OF_RUN.0, POINTS_OF_RUN.1);
-    let lagged = estimate.lagged_commands();
+    let lagged = estimate.torques();
     let mut traces = Vec::new();
     let mut row = 0;
-    for (k, log) in estimate.logs.iter().enumerate() {
+    for (k, log) in estimate.data.logs.iter().enumerate() {
         let simulated = &compared[compared.partition_point(|c| c.log < k)..compared.partition_point(|c| c.log <= k)];
-        for (hold, run) in runs(log.survey, &fit.verdicts[k], estimate.calibration.encoder_scale) {
+        for (hold, run) in runs(log.survey, &verdicts[k], estimate.calibration.encoder_scale) {
             if shown.binary_search(&row).is_ok() {
-                traces.push(run_trace(estimate, (k, &lagged[k]), &fit.verdicts[k], simulated, (row, &hold, run.gear), points));
+                traces.push(run_trace(estimate, (k, &lagged[k]), &verdicts[k], simulated, (row, &hold, run.gear), points));
             }
             row += 1;
         }
@@ -74,12 +79,12 @@ fn run_traces(estimate: &Estimate, compared: &[Compared], fit: &Fit) -> Vec<RunT
 fn run_trace(
     estimate: &Estimate,
     (log, lagged): (usize, &EffectiveTorque),
-    verdicts: &[Verdict],
+    verdicts: &[SampleVerdict],
     simulated: &[Compared],
     (row, hold, gear): (usize, &Hold, Gear),
     points: usize,
 ) -> RunTrace {
-    let track = &estimate.logs[log].survey.track;
+    let track = &estimate.data.logs[log].survey.track;
     let calibration = &estimate.calibration;
     let (from_s, to_s) = (hold.from_s - MARGIN_S, hold.to_s + MARGIN_S);
     let encoder = &track.encoder_mps;
@@ -107,7 +112,7 @@ fn run_trace(
     let mut bands: Vec<(f64, f64, usize)> = Vec::new();
     for i in samples {
         let t = round(encoder.t_s[i], 1e3);
-        let number = Verdict::ALL.iter().position(|v| *v == verdicts[i]).unwrap_or(0);
+        let number = SampleVerdict::ALL.iter().position(|v| *v == verdicts[i]).unwrap_or(0);
         match bands.last_mut() {
             Some(last) if last.2 == number => last.1 = t,
             Some(last) => {
@@ -137,7 +142,7 @@ fn at(simulated: &[Compared], t_s: f64) -> Option<f64> {
 }
 
 /// What the surface leaves of the acceleration in a window of about 0.1 s.
-struct Window {
+struct ResidualWindow {
     log: usize,
     gear: Gear,
     t_s: f64,
@@ -146,14 +151,14 @@ struct Window {
     residual_mps2: f64,
 }
 
-fn windows(estimate: &Estimate) -> Vec<Window> {
-    let lagged = estimate.lagged_commands();
+fn windows(estimate: &Estimate) -> Vec<ResidualWindow> {
+    let lagged = estimate.torques();
     let mut windows = Vec::new();
-    for (segment, smoothed) in estimate.segments.iter().zip(&estimate.speeds) {
+    for (segment, smoothed) in estimate.data.segments.iter().zip(&estimate.paths.speeds_mps) {
         let dead_time_s = estimate.calibration.dead_time_s[segment.log];
         let torque = |t: f64| segment.gear.sign() * lagged[segment.log].at(t - dead_time_s).torque_nm;
-        let model =
-            Course::new(segment, &lagged[segment.log], dead_time_s).predicted(&smoothed.clone().into(), estimate.surface(segment.gear));
+        let model = Course::new(segment, &lagged[segment.log], dead_time_s)
+            .predicted(&smoothed.clone().into(), estimate.model.surface(segment.gear));
         let mut from = 0;
         for k in 1..segment.readings.len() {
             let dt = segment.readings[k].t_s - segment.readings[from].t_s;
@@ -162,7 +167,7 @@ fn windows(estimate: &Estimate) -> Vec<Window> {
             }
             let deviation = (smoothed[k] - model[k]) - (smoothed[from] - model[from]);
             let t_s = 0.5 * (segment.readings[k].t_s + segment.readings[from].t_s);
-            windows.push(Window {
+            windows.push(ResidualWindow {
                 log: segment.log,
                 gear: segment.gear,
                 t_s,
@@ -176,7 +181,7 @@ fn windows(estimate: &Estimate) -> Vec<Window> {
     windows
 }
 
-fn residual_cells(map: &AccelMap, windows: &[Window]) -> Result<ResidualCells> {
+fn residual_cells(map: &AccelMap, windows: &[ResidualWindow]) -> Result<ResidualCells> {
     let speed = Axis::new("speed_mps", map.speed_mps.clone())?;
     let torque = Axis::new("torque_nm", map.torque_nm.clone())?;
     let mut sums = vec![vec![(0u32, 0.0f64, 0.0f64); speed.len()]; torque.len()];
@@ -196,15 +201,15 @@ fn residual_cells(map: &AccelMap, windows: &[Window]) -> Result<ResidualCells> {
     })
 }
 
-fn residual_times(estimate: &Estimate, windows: &[Window]) -> Vec<ResidualTimes> {
+fn residual_times(estimate: &Estimate, windows: &[ResidualWindow]) -> Vec<ResidualTimes> {
     let stride = windows.len().div_ceil(MOST_RESIDUALS).max(1);
     let of_log = |k: usize| {
-        let own: Vec<&Window> = windows.iter().filter(|w| w.log == k).step_by(stride).collect();
+        let own: Vec<&ResidualWindow> = windows.iter().filter(|w| w.log == k).step_by(stride).collect();
         ResidualTimes {
-            log: estimate.logs[k].survey.track.source.file.clone(),
+            log: estimate.data.logs[k].survey.track.source.file.clone(),
             t_s: own.iter().map(|w| round(w.t_s, 1e2)).collect(),
             residual_mps2: own.iter().map(|w| round(w.residual_mps2, 1e4)).collect(),
         }
     };
-    (0..estimate.logs.len()).map(of_log).collect()
+    (0..estimate.data.logs.len()).map(of_log).collect()
 }

@@ -5,7 +5,7 @@ use crate::guidance::parking::ParkingScene;
 use crate::guidance::parking::check::{PathJudgement, judge};
 use crate::guidance::parking::entry::{SlotEntry, entry_circle};
 use crate::guidance::parking::start::ParkingStart;
-use crate::guidance::reference::{ArcReference, ahead};
+use crate::guidance::reference::{ReferenceLine, ahead};
 use crate::guidance::{Error, PlanePoint, PosePath, Result};
 use crate::map::Gear;
 use serde::Serialize;
@@ -178,7 +178,7 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     let past_m = entry.line_x_m + 2.0 * ahead_m;
     if drive_up {
         let length = (past_m - start.x_m).max(0.0) + 1.0;
-        let line = ArcReference::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(length, 0.0);
+        let line = ReferenceLine::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(length, 0.0);
         let along = |p: &crate::guidance::PathPose| {
             (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02 && p.heading_rad.cos() > 0.0 && p.wheel_angle_rad.abs() < 0.05
         };
@@ -187,7 +187,7 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     }
     let from_m = follower.last().x_m;
     let (back_m, end) = ((from_m - entry.line_x_m).max(0.0), PlanePoint::new(from_m.max(entry.line_x_m), line_m));
-    let way = ArcReference::starting(end, PI)
+    let way = ReferenceLine::starting(end, PI)
         .then(back_m, 0.0)
         .then(entry.radius_m * scene.slot.angle_rad, 1.0 / entry.radius_m)
         .then(entry.axis_m - scene.parked_at_m(), 0.0);
@@ -210,19 +210,19 @@ fn nose_in(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_u
     if start.x_m > before_m {
         let along = |p: &crate::guidance::PathPose| (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02;
         if drive_up {
-            let line = ArcReference::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(12.0 * ahead_m, 0.0);
+            let line = ReferenceLine::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(12.0 * ahead_m, 0.0);
             stages.push(StageSpan { stage: ParkingStage::Start, from: 0 });
             follower.follow(&line, Gear::Forward, 12.0 * ahead_m, |p, _| along(p));
         }
         let from_m = follower.last().x_m;
         let length = from_m - before_m + 1.0;
-        let back = ArcReference::starting(PlanePoint::new(from_m, line_m), PI).then(length, 0.0);
+        let back = ReferenceLine::starting(PlanePoint::new(from_m, line_m), PI).then(length, 0.0);
         stages.push(StageSpan { stage: ParkingStage::Adjust, from: follower.path.poses.len() - 1 });
         follower.follow(&back, Gear::Reverse, length + 12.0 * ahead_m, |p, _| p.x_m <= before_m && along(p));
     }
     let from = follower.path.poses.len() - 1;
     let from_m = follower.last().x_m;
-    let way = ArcReference::starting(PlanePoint::new(from_m.min(entry.line_x_m), line_m), 0.0)
+    let way = ReferenceLine::starting(PlanePoint::new(from_m.min(entry.line_x_m), line_m), 0.0)
         .then((entry.line_x_m - from_m).max(0.0), 0.0)
         .then(entry.radius_m * (PI - scene.slot.angle_rad), -1.0 / entry.radius_m)
         .then(entry.axis_m - scene.parked_at_m(), 0.0);
@@ -240,13 +240,13 @@ fn follower(scene: &ParkingScene, start: ParkingStart) -> LookAheadFollower {
 }
 
 /// The slot's axis inward, from `outward_m` before the mouth to the goal.
-fn axis_from(scene: &ParkingScene, outward_m: f64) -> ArcReference {
+fn axis_from(scene: &ParkingScene, outward_m: f64) -> ReferenceLine {
     let angle = scene.slot.angle_rad;
-    ArcReference::starting(ahead(PlanePoint::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
+    ReferenceLine::starting(ahead(PlanePoint::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
 }
 
 /// To the end of `way`, to half a step.
-fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &ArcReference) {
+fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &ReferenceLine) {
     let end_m = way.length_m() - 0.5 * scene.look_ahead.step_m;
     let start_m = follower.last();
     let room = way.length_m() + 2.0 * start_m.x_m.hypot(start_m.y_m);
@@ -265,7 +265,7 @@ fn shuffle(scene: &ParkingScene, follower: &mut LookAheadFollower, stages: &mut 
         }
         stages.push(StageSpan { stage: ParkingStage::Shuffle, from: follower.path.poses.len() - 1 });
         let goal = scene.goal();
-        let outward = ArcReference::starting(PlanePoint::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
+        let outward = ReferenceLine::starting(PlanePoint::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
         follower.follow(&outward, scene.gear_out(), 2.0 * out_m, |_, s| s >= out_m - 0.5 * scene.look_ahead.step_m);
         enter(scene, follower, &axis_from(scene, scene.parked_at_m() + 2.0 * out_m));
     }

@@ -3,9 +3,8 @@
 //! Stages: the wheel goes to the law's angle while the vehicle stands; it drives; where the way left is what it needs to stop, it stops. One
 //! period: nearest point → wheel angle (law + compensation); preview of the planned speed → speed loop → desired acceleration → torque.
 
-use crate::control::messages::Inputs;
 use crate::control::numeric::sin_cos;
-use crate::control::{Preview, SpeedLoop, SpeedLoopSettings};
+use crate::control::{Inputs, Preview, SpeedLoop, SpeedLoopSettings};
 use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
 use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::guidance::route::track::{Limits, TrackState};

@@ -176,7 +176,7 @@ pub(crate) fn program(settings: &MpcSettings, track: &TrackState<'_>, last: f64)
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::control::messages::Pose;
+    use crate::control::Pose;
     use crate::guidance::path::PathPose;
     use crate::guidance::route::path_position::Leg;
     use crate::guidance::route::track::Limits;

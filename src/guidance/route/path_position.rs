@@ -3,7 +3,7 @@
 //! A leg is a run of poses with one direction of travel. In reverse everything is turned round by π: the *travel frame*. There a vehicle
 //! that drives backward is one that drives forward with its steering mirrored (δ' = −δ), so that a law written for forward travel serves both.
 
-use crate::control::messages::Pose;
+use crate::control::Pose;
 use crate::control::numeric::{sin_cos, sqrt, wrapped};
 use crate::guidance::path::PathPose;
 use crate::map::Gear;

@@ -1,6 +1,6 @@
 //! Drives a planned polyline: turn on the spot, track the leg, stop at its end, turn, and so on.
 
-use crate::control::messages::Inputs;
+use crate::control::Inputs;
 use crate::control::numeric::wrapped;
 use crate::guidance::route::follower::{DriveCommand, DriveStage, FollowerSettings, PathFollower};
 use crate::guidance::route::path_position::Leg;

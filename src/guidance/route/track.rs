@@ -1,6 +1,6 @@
 //! What a tracking law sees of the path in a control period, and what the vehicle's wheel can do.
 
-use crate::control::messages::Pose;
+use crate::control::Pose;
 use crate::control::numeric::{sin_cos, wrapped};
 use crate::guidance::route::path_position::{Leg, Matched, Offset};
 use crate::map::Gear;

@@ -3,9 +3,8 @@
 //! The published law of such corners turns a vehicle with two driven sides about its geometric centre. This vehicle cannot: with its wheel at 90°
 //! the only point that does not move is the middle of the rear axle. So it turns about that, and the rate is made by the front wheel, v = L·ω.
 
-use crate::control::messages::Inputs;
 use crate::control::numeric::wrapped;
-use crate::control::{SpeedLoop, SpeedLoopSettings};
+use crate::control::{Inputs, SpeedLoop, SpeedLoopSettings};
 use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_decel};
 use crate::guidance::torque_source::TorqueSource;
 use crate::map::Gear;

@@ -50,9 +50,9 @@ pub(crate) fn slip_rad(wheel_angle_rad: f64) -> f64 {
     (0.5 * wheel_angle_rad.tan()).atan()
 }
 
-/// State of the control point.
+/// UTurnState of the control point.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct State {
+pub struct UTurnState {
     /// Time [s].
     pub t_s: f64,
     /// East of the origin [m].
@@ -92,7 +92,14 @@ pub enum Method {
 const MOST_STEPS: f64 = 1e6;
 
 /// Integrates from `start` over `segments` and hands every state after the first to `see`. A duration below zero or not finite counts as none.
-pub fn integrate(car: &Car, start: State, segments: &[SteeringSegment], step_s: f64, method: Method, mut see: impl FnMut(&State)) -> State {
+pub fn integrate(
+    car: &Car,
+    start: UTurnState,
+    segments: &[SteeringSegment],
+    step_s: f64,
+    method: Method,
+    mut see: impl FnMut(&UTurnState),
+) -> UTurnState {
     let mut state = start;
     for segment in segments {
         let duration_s = if segment.duration_s.is_finite() { segment.duration_s.max(0.0) } else { 0.0 };
@@ -123,7 +130,7 @@ fn rates(car: &Car, heading_rad: f64, wheel_angle_rad: f64, speed_mps: f64) -> [
     [speed_mps * cos, speed_mps * sin, speed_mps * tan / (1.0 + 0.25 * tan * tan).sqrt() / car.body.wheelbase_m]
 }
 
-fn advance(car: &Car, from: &State, segment: &SteeringSegment, h: f64, method: Method) -> State {
+fn advance(car: &Car, from: &UTurnState, segment: &SteeringSegment, h: f64, method: Method) -> UTurnState {
     let at = |part: f64, rate: &[f64; 3]| {
         rates(
             car,
@@ -142,7 +149,7 @@ fn advance(car: &Car, from: &State, segment: &SteeringSegment, h: f64, method: M
             [0, 1, 2].map(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0)
         }
     };
-    State { x_m: from.x_m + h * rate[0], y_m: from.y_m + h * rate[1], heading_rad: from.heading_rad + h * rate[2], ..*from }
+    UTurnState { x_m: from.x_m + h * rate[0], y_m: from.y_m + h * rate[1], heading_rad: from.heading_rad + h * rate[2], ..*from }
 }
 
 #[cfg(test)]
@@ -156,7 +163,7 @@ mod tests {
     #[test]
     fn a_steady_wheel_draws_the_circle_of_the_slip_model() {
         let (car, angle) = (car(), 0.4);
-        let start = State { wheel_angle_rad: angle, speed_mps: 1.0, ..State::default() };
+        let start = UTurnState { wheel_angle_rad: angle, speed_mps: 1.0, ..UTurnState::default() };
         let segment = SteeringSegment { duration_s: 3.0, ..SteeringSegment::default() };
         let end = integrate(&car, start, &[segment], 0.01, Method::RungeKutta, |_| {});
         let (kappa, slip) = (car.curvature_per_m(angle), slip_rad(angle));
@@ -171,7 +178,7 @@ mod tests {
             SteeringSegment { duration_s: 1.2, wheel_rate_rad_s: 0.4, accel_mps2: 0.5 },
             SteeringSegment { duration_s: 1.2, wheel_rate_rad_s: -0.4, accel_mps2: -0.5 },
         ];
-        let start = State { speed_mps: 2.0, ..State::default() };
+        let start = UTurnState { speed_mps: 2.0, ..UTurnState::default() };
         let end = |step_s: f64, method| integrate(&car(), start, &segments, step_s, method, |_| {});
         let exact = end(0.0005, Method::RungeKutta);
         for (method, order, step_s) in [(Method::Euler, 1.0, 0.02), (Method::RungeKutta, 4.0, 0.1)] {

@@ -2,7 +2,7 @@
 
 use crate::guidance::body::within;
 use crate::guidance::geometry::Polygon;
-use crate::guidance::u_turn::model::{Car, Method, State, SteeringSegment, integrate};
+use crate::guidance::u_turn::model::{Car, Method, SteeringSegment, UTurnState, integrate};
 use crate::guidance::{Error, PathPose, PosePath, Result};
 use crate::map::Gear;
 use serde::Serialize;
@@ -46,7 +46,7 @@ pub struct UTurnTrack {
     /// The vehicle.
     pub car: Car,
     /// States of the control point, every step.
-    pub states: Vec<State>,
+    pub states: Vec<UTurnState>,
     /// Lengths of the three phases [s]; the hold is 0 where the wheel does not reach its limit.
     pub phases_s: [f64; 3],
     /// Largest front wheel angle [rad].
@@ -78,7 +78,7 @@ pub fn drive(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<U
         });
     }
     let steady_s = (turn.run_up_m - rising_m) / turn.speed_mps;
-    let mut states = vec![State { heading_rad: FRAC_PI_2, ..State::default() }];
+    let mut states = vec![UTurnState { heading_rad: FRAC_PI_2, ..UTurnState::default() }];
     let run_up = [
         SteeringSegment { duration_s: rising_s, accel_mps2: settings.run_up_accel_mps2, wheel_rate_rad_s: 0.0 },
         SteeringSegment { duration_s: steady_s, ..SteeringSegment::default() },
@@ -108,7 +108,7 @@ fn segments(car: &Car, turn: &UTurnShape, settings: &UTurnSettings, phases_s: [f
 /// Lengths of the phases [s] for a turn of exactly 180° by this method and step: with the wheel to its limit the hold is what is missing; where
 /// wheel in and out alone turn further, there is no hold and the wheel stops short of its limit.
 fn phases(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<[f64; 3]> {
-    let start = State { speed_mps: turn.speed_mps, ..State::default() };
+    let start = UTurnState { speed_mps: turn.speed_mps, ..UTurnState::default() };
     let mut slowest = f64::INFINITY;
     let mut turned = |phases_s: [f64; 3]| {
         slowest = turn.speed_mps;
@@ -171,7 +171,7 @@ fn phases(car: &Car, turn: &UTurnShape, settings: &UTurnSettings) -> Result<[f64
 
 impl UTurnTrack {
     /// The last state.
-    pub fn end(&self) -> State {
+    pub fn end(&self) -> UTurnState {
         self.states[self.states.len() - 1]
     }
 
@@ -182,7 +182,7 @@ impl UTurnTrack {
     }
 
     /// The outline at a state.
-    pub fn body(&self, state: &State) -> Polygon {
+    pub fn body(&self, state: &UTurnState) -> Polygon {
         let half = 0.5 * self.car.body.wheelbase_m;
         let (sin, cos) = state.heading_rad.sin_cos();
         self.car.body.at(state.x_m - half * cos, state.y_m - half * sin, state.heading_rad)
@@ -191,8 +191,8 @@ impl UTurnTrack {
     /// The rear axle's path, a pose every `step_m` of its way (the last piece is shorter).
     pub fn path(&self, step_m: f64) -> PosePath {
         let half = 0.5 * self.car.body.wheelbase_m;
-        let rear = |s: &State| (s.x_m - half * s.heading_rad.cos(), s.y_m - half * s.heading_rad.sin());
-        let pose = |s: &State, s_m: f64| {
+        let rear = |s: &UTurnState| (s.x_m - half * s.heading_rad.cos(), s.y_m - half * s.heading_rad.sin());
+        let pose = |s: &UTurnState, s_m: f64| {
             let (x_m, y_m) = rear(s);
             PathPose {
                 x_m,
@@ -213,7 +213,7 @@ impl UTurnTrack {
             while piece > 0.0 && next * step_m <= way_m + piece {
                 let part = (next * step_m - way_m) / piece;
                 let mix = |a: f64, b: f64| a + part * (b - a);
-                let state = State {
+                let state = UTurnState {
                     t_s: mix(pair[0].t_s, pair[1].t_s),
                     x_m: mix(pair[0].x_m, pair[1].x_m),
                     y_m: mix(pair[0].y_m, pair[1].y_m),
@@ -235,12 +235,12 @@ impl UTurnTrack {
 
 /// Largest distance of two tracks of the same turn at the same time [m], and of their ends: what the method of integration makes out.
 pub fn largest_difference_m(one: &UTurnTrack, other: &UTurnTrack) -> (f64, f64) {
-    let apart = |a: &State, b: &State| (a.x_m - b.x_m).hypot(a.y_m - b.y_m);
+    let apart = |a: &UTurnState, b: &UTurnState| (a.x_m - b.x_m).hypot(a.y_m - b.y_m);
     let at = |t_s: f64| {
         let k = other.states.partition_point(|s| s.t_s < t_s).clamp(1, other.states.len() - 1);
         let (a, b) = (&other.states[k - 1], &other.states[k]);
         let part = if b.t_s > a.t_s { ((t_s - a.t_s) / (b.t_s - a.t_s)).clamp(0.0, 1.0) } else { 1.0 };
-        State { x_m: a.x_m + part * (b.x_m - a.x_m), y_m: a.y_m + part * (b.y_m - a.y_m), ..*a }
+        UTurnState { x_m: a.x_m + part * (b.x_m - a.x_m), y_m: a.y_m + part * (b.y_m - a.y_m), ..*a }
     };
     let from = one.turn_from();
     let largest = one.states[from..].iter().map(|s| apart(s, &at(s.t_s))).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! Raw values into SI, gears into −1, 0, +1, flags into 0 and 1.
 
-use crate::log::extract::value::Raw;
 use crate::log::signal_map::{Code, SignalName, SignalSpec};
+use crate::log::value::Raw;
 
 /// How the values of one signal convert, for one channel.
 #[derive(Debug, Clone)]

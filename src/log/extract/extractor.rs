@@ -1,6 +1,6 @@
 //! Message paths compiled, once per schema, into a plan that skips to the wanted values.
 //!
-//! In: a channel's schema and the paths wanted of it. Out: a [`Plan`] that fills one slot per path from a payload, without building
+//! In: a channel's schema and the paths wanted of it. Out: a [`Extractor`] that fills one slot per path from a payload, without building
 //! the message.
 
 mod cdr;
@@ -14,15 +14,15 @@ mod slice;
 pub(crate) mod taken;
 
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Raw;
-use crate::log::path::{MessagePath, Step};
+use crate::log::extractor_error::PlanError;
+use crate::log::path::{MessagePath, PathStep};
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 use request_tree::Wishes;
 
 /// A plan for the messages of one channel.
 #[derive(Debug)]
-pub(crate) struct Plan {
+pub(crate) struct Extractor {
     /// Number of paths: the first slots are theirs.
     paths: usize,
     slots: usize,
@@ -33,13 +33,13 @@ pub(crate) struct Plan {
 
 #[derive(Debug)]
 enum Decoder {
-    Cdr(cdr::Program),
-    Ros1(cdr::Program),
-    Protobuf(protobuf::Program),
-    Json(json::Program),
+    Cdr(cdr::CdrProgram),
+    Ros1(cdr::CdrProgram),
+    Protobuf(protobuf::ProtobufProgram),
+    Json(json::JsonProgram),
 }
 
-impl Plan {
+impl Extractor {
     /// Compiles `paths` for messages of `layout`; path `i` fills slot `i`.
     ///
     /// # Errors
@@ -63,7 +63,7 @@ impl Plan {
 
     /// Whether `steps` lead to a value in messages of `layout`; JSON, which does not tell, is asked by whether the value in the `sample`
     /// `passes`.
-    pub(crate) fn leads(layout: &Layout, steps: &[Step], sample: Option<&[u8]>, passes: impl Fn(&Raw<'_>) -> bool) -> bool {
+    pub(crate) fn leads(layout: &Layout, steps: &[PathStep], sample: Option<&[u8]>, passes: impl Fn(&Raw<'_>) -> bool) -> bool {
         let path = MessagePath::inside(steps.to_vec());
         let Ok(plan) = Self::compile(layout, &[&path]) else { return false };
         let mut taken = Taken::default();
@@ -77,10 +77,10 @@ impl Plan {
 
     fn decoder(layout: &Layout, wishes: &Wishes) -> Result<Decoder, PlanError> {
         Ok(match layout {
-            Layout::Cdr(shape) => Decoder::Cdr(cdr::Program::compile(shape, &wishes.root)?),
-            Layout::Ros1(shape) => Decoder::Ros1(cdr::Program::compile(shape, &wishes.root)?),
-            Layout::Protobuf(message) => Decoder::Protobuf(protobuf::Program::compile(message, &wishes.root)?),
-            Layout::Json => Decoder::Json(json::Program::compile(&wishes.root)),
+            Layout::Cdr(shape) => Decoder::Cdr(cdr::CdrProgram::compile(shape, &wishes.root)?),
+            Layout::Ros1(shape) => Decoder::Ros1(cdr::CdrProgram::compile(shape, &wishes.root)?),
+            Layout::Protobuf(message) => Decoder::Protobuf(protobuf::ProtobufProgram::compile(message, &wishes.root)?),
+            Layout::Json => Decoder::Json(json::JsonProgram::compile(&wishes.root)),
         })
     }
 
@@ -102,7 +102,7 @@ impl Plan {
 
     /// Why payloads like this one cannot be read at all, when it is not that they are broken.
     pub(crate) fn refusal(&self, payload: &[u8]) -> Option<&'static str> {
-        matches!(self.decoder, Decoder::Cdr(_)).then(|| cdr::Program::refusal(payload)).flatten()
+        matches!(self.decoder, Decoder::Cdr(_)).then(|| cdr::CdrProgram::refusal(payload)).flatten()
     }
 
     fn walk<'a>(&self, payload: &'a [u8], taken: &mut Taken<'a>) -> Option<()> {

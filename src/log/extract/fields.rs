@@ -1,13 +1,13 @@
 //! Single fields of single messages: what a compiled plan gives, for programs that have the payloads already.
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Raw;
+use crate::log::extractor_error::PlanError;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
-use crate::log::schema::schema_error::SchemaError;
+use crate::log::schema_error::SchemaError;
+use crate::log::value::Raw;
 
 /// Reads some fields of the messages of one schema, without building the messages.
 ///
@@ -23,7 +23,7 @@ use crate::log::schema::schema_error::SchemaError;
 /// ```
 #[derive(Debug)]
 pub struct FieldReader {
-    plan: Plan,
+    plan: Extractor,
 }
 
 /// Why fields of a schema cannot be read.
@@ -53,7 +53,8 @@ impl FieldReader {
             schema.map(|(name, encoding, data)| Schema { name: name.to_owned(), encoding: encoding.to_owned(), data: data.to_vec() });
         let layout = Layout::parse(message_encoding, schema.as_ref())?;
         let all: Vec<&MessagePath> = paths.iter().collect();
-        let plan = Plan::compile(&layout, &all).map_err(|(index, source)| FieldError::Path { path: paths[index].to_string(), source })?;
+        let plan =
+            Extractor::compile(&layout, &all).map_err(|(index, source)| FieldError::Path { path: paths[index].to_string(), source })?;
         Ok(Self { plan })
     }
 

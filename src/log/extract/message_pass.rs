@@ -5,15 +5,15 @@
 
 use crate::log::extract::column::Column;
 use crate::log::extract::convert::Convert;
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::stamp::Stamp;
-use crate::log::extract::value::Raw;
+use crate::log::extract::stamp::StampPath;
 use crate::log::file::block::{Scratch, load, lost};
 use crate::log::file::container::Container;
-use crate::log::file::loss::{Damage, Why};
-use crate::log::file::record::{Message, PREFIX, Records, parse};
+use crate::log::file::record::{PREFIX, RawMessage, Records, parse};
 use crate::log::file::structure::{Block, BlockKind, Inventory};
+use crate::log::loss::{Damage, Why};
+use crate::log::value::Raw;
 use mcap::records::op;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,17 +27,17 @@ const BLIND_BLOCKS: usize = 4;
 /// What is wanted of the messages of one channel.
 #[derive(Debug)]
 pub(crate) struct ChannelPlan {
-    pub plan: Plan,
-    pub values: Vec<Wanted>,
+    pub plan: Extractor,
+    pub values: Vec<WantedValue>,
 }
 
 /// One wanted value of a channel.
 #[derive(Debug)]
-pub(crate) struct Wanted {
+pub(crate) struct WantedValue {
     /// Which column of the result it fills.
     pub column: usize,
     pub slot: usize,
-    pub stamp: Option<Stamp>,
+    pub stamp: Option<StampPath>,
     pub convert: Convert,
     /// A slice picks several values of each message.
     pub list: bool,
@@ -45,7 +45,7 @@ pub(crate) struct Wanted {
 
 /// Messages of one channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub(crate) struct PassTally {
     pub messages: u64,
     pub first_ns: u64,
     pub last_ns: u64,
@@ -55,7 +55,7 @@ pub(crate) struct Tally {
 #[derive(Debug, Default)]
 pub(crate) struct Gathered {
     pub columns: Vec<Column>,
-    pub tallies: BTreeMap<u16, Tally>,
+    pub tallies: BTreeMap<u16, PassTally>,
     /// Where the first message of a channel stood that was not known before the pass, and the bytes of all its messages.
     pub undescribed: BTreeMap<u16, (u64, u64)>,
     /// Messages of wanted channels that do not fit their schema.
@@ -122,7 +122,7 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             return found;
         }
     };
-    let mut met: Vec<(Tally, Taken<'_>)> = Vec::new();
+    let mut met: Vec<(PassTally, Taken<'_>)> = Vec::new();
     met.resize_with(known.places.len(), Default::default);
     let size = data.len();
     let mut records = Records::new(data);
@@ -133,12 +133,12 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             }
             continue;
         }
-        let Some(message) = Message::parse(body) else {
+        let Some(message) = RawMessage::parse(body) else {
             found.damage.push(Damage::new(block.offset, body.len() as u64, Why::BrokenRecords));
             continue;
         };
         let Some((place, plan)) = known.get(message.channel) else {
-            found.count(message.channel, Tally::default().with(message.log_time_ns));
+            found.count(message.channel, PassTally::default().with(message.log_time_ns));
             // where the record begins; of a chunk only its own place in the file says anything
             let inside = if block.kind == BlockKind::Loose { (size - records.left() - body.len()) as u64 } else { 0 };
             let lost = found.undescribed.entry(message.channel).or_insert((block.offset + inside - PREFIX, 0));
@@ -190,13 +190,13 @@ impl<'p> Known<'p> {
     }
 }
 
-impl Default for Tally {
+impl Default for PassTally {
     fn default() -> Self {
         Self { messages: 0, first_ns: u64::MAX, last_ns: 0 }
     }
 }
 
-impl Tally {
+impl PassTally {
     /// The tally with one more message.
     fn with(self, time_ns: u64) -> Self {
         Self { messages: self.messages + 1, first_ns: self.first_ns.min(time_ns), last_ns: self.last_ns.max(time_ns) }
@@ -214,11 +214,11 @@ impl Gathered {
         Self { columns: vec![Column::default(); columns], ..Self::default() }
     }
 
-    fn count(&mut self, channel: u16, tally: Tally) {
+    fn count(&mut self, channel: u16, tally: PassTally) {
         self.tallies.entry(channel).and_modify(|sum| sum.add(tally)).or_insert(tally);
     }
 
-    fn decode<'a>(&mut self, plan: &ChannelPlan, message: &Message<'a>, taken: &mut Taken<'a>) {
+    fn decode<'a>(&mut self, plan: &ChannelPlan, message: &RawMessage<'a>, taken: &mut Taken<'a>) {
         if plan.plan.decode(message.payload, taken).is_none() {
             *self.broken.entry(message.channel).or_default() += 1;
             self.refused.extend(plan.plan.refusal(message.payload).map(|reason| (message.channel, reason)));
@@ -296,7 +296,7 @@ pub(crate) fn explore(container: &mut Container) -> BTreeMap<u16, Vec<u8>> {
         tried.extend(block.channels.iter().flat_map(|channels| channels.iter()));
         for (opcode, body) in Records::new(data) {
             if opcode == op::MESSAGE {
-                if let Some(message) = Message::parse(body).filter(|message| message.payload.len() <= MAX_SAMPLE) {
+                if let Some(message) = RawMessage::parse(body).filter(|message| message.payload.len() <= MAX_SAMPLE) {
                     samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
                 }
             } else if let (op::SCHEMA | op::CHANNEL, Some(record)) = (opcode, parse(opcode, body)) {

@@ -1,14 +1,14 @@
 //! The time at which a value was true: the stamp inside the message, if it has one.
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
-use crate::log::path::{MessagePath, Step};
+use crate::log::path::{MessagePath, PathStep};
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 
 /// Slots that together hold a stamp.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Stamp {
+pub(crate) enum StampPath {
     /// Seconds and nanoseconds apart.
     Parts { seconds: usize, nanoseconds: usize },
     /// One number, whose size tells its unit.
@@ -22,12 +22,13 @@ const PLACES: [&[&str]; 3] = [&["header", "stamp"], &["stamp"], &["header", "tim
 
 /// The ways to the parts of a stamp that messages of this layout hold: at `place`, or where stamps usually are.
 /// `sample` is a payload that is tried, for layouts that do not tell.
-pub(crate) fn find(layout: &Layout, place: Option<&[Step]>, sample: Option<&[u8]>) -> Option<Vec<Vec<Step>>> {
-    let usual =
-        || PLACES.iter().map(|names| names.iter().map(|name| Step::Field((*name).to_owned())).collect()).collect::<Vec<Vec<Step>>>();
+pub(crate) fn find(layout: &Layout, place: Option<&[PathStep]>, sample: Option<&[u8]>) -> Option<Vec<Vec<PathStep>>> {
+    let usual = || {
+        PLACES.iter().map(|names| names.iter().map(|name| PathStep::Field((*name).to_owned())).collect()).collect::<Vec<Vec<PathStep>>>()
+    };
     let places = place.map_or_else(usual, |place| vec![place.to_vec()]);
     places.into_iter().find_map(|place| {
-        let child = |name: &&str| [place.clone(), vec![Step::Field((*name).to_owned())]].concat();
+        let child = |name: &&str| [place.clone(), vec![PathStep::Field((*name).to_owned())]].concat();
         let parts = SECONDS.iter().find(|name| holds(layout, &child(name), sample)).and_then(|seconds| {
             let nanoseconds = NANOSECONDS.iter().find(|name| holds(layout, &child(name), sample))?;
             Some(vec![child(seconds), child(nanoseconds)])
@@ -36,11 +37,11 @@ pub(crate) fn find(layout: &Layout, place: Option<&[Step]>, sample: Option<&[u8]
     })
 }
 
-fn holds(layout: &Layout, steps: &[Step], sample: Option<&[u8]>) -> bool {
-    !MessagePath::inside(steps.to_vec()).is_list() && Plan::leads(layout, steps, sample, |raw| number(raw).is_some())
+fn holds(layout: &Layout, steps: &[PathStep], sample: Option<&[u8]>) -> bool {
+    !MessagePath::inside(steps.to_vec()).is_list() && Extractor::leads(layout, steps, sample, |raw| number(raw).is_some())
 }
 
-impl Stamp {
+impl StampPath {
     /// The stamp [ns since its epoch]; `None` when the message holds none, or zero, which drivers write that have no clock.
     pub(crate) fn time_ns(self, taken: &Taken<'_>) -> Option<i64> {
         let time = match self {

@@ -1,11 +1,11 @@
 //! The records of one block: read by position, decompressed within the allowed size, checked.
 
 use crate::log::file::container::Container;
-use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Why};
+use crate::log::file::input::LogInput;
 use crate::log::file::lz4;
 use crate::log::file::record::{ChunkHeader, Compression, MAX_CHUNK, PREFIX, prefix};
 use crate::log::file::structure::{Block, BlockKind};
+use crate::log::loss::{Damage, Why};
 use mcap::records::op;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -25,7 +25,7 @@ const KEEP: usize = 64 << 20;
 ///
 /// # Errors
 /// Why the block cannot be used. For a [`BlockKind::CutChunk`] what could be decompressed is given, unchecked.
-pub(crate) fn load<'s>(input: &Input, block: &Block, scratch: &'s mut Scratch) -> Result<&'s [u8], Why> {
+pub(crate) fn load<'s>(input: &LogInput, block: &Block, scratch: &'s mut Scratch) -> Result<&'s [u8], Why> {
     if scratch.raw.capacity() + scratch.records.capacity() > KEEP {
         scratch.raw = Vec::new();
         scratch.records = Vec::new();
@@ -159,7 +159,7 @@ pub(crate) fn lost(container: &Container, block: &Block, why: Why) -> Damage {
 }
 
 /// Messages per channel as the message indexes from `at` on tell.
-fn indexed_messages(input: &Input, mut at: u64) -> BTreeMap<u16, u64> {
+fn indexed_messages(input: &LogInput, mut at: u64) -> BTreeMap<u16, u64> {
     let mut channels = BTreeMap::new();
     let mut head = [0; PREFIX as usize + 2];
     while at.checked_add(head.len() as u64).is_some_and(|end| end <= input.length()) && input.read_at(at, &mut head).is_ok() {

@@ -4,10 +4,10 @@
 //! its top level. Either way the result is a list of [`Block`]s, read later in parallel.
 
 use crate::log::file::channel_set::{ChannelSet, ChannelSets};
-use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Why};
+use crate::log::file::input::LogInput;
 use crate::log::file::record::MAX_SMALL;
 use crate::log::file::structure::{Block, Inventory};
+use crate::log::loss::{Damage, Why};
 use mcap::records::{Record, Statistics};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// The outer structure of one log.
 #[derive(Debug)]
 pub(crate) struct Container {
-    pub input: Arc<Input>,
+    pub input: Arc<LogInput>,
     pub library: String,
     pub profile: String,
     pub inventory: Inventory,

@@ -8,12 +8,12 @@ use std::path::Path;
 
 /// The bytes of a log. Reads go by position, so that several threads may read at once.
 #[derive(Debug)]
-pub(crate) enum Input {
+pub(crate) enum LogInput {
     File { file: File, length: u64 },
     Memory(Vec<u8>),
 }
 
-impl Input {
+impl LogInput {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(Error::Io)?;
         let about = file.metadata().map_err(Error::Io)?;

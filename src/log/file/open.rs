@@ -2,11 +2,11 @@
 
 use crate::log::file::channel_set::ChannelSets;
 use crate::log::file::container::Container;
-use crate::log::file::input::Input;
-use crate::log::file::loss::Why;
+use crate::log::file::input::LogInput;
 use crate::log::file::record::{MAGIC, PREFIX};
 use crate::log::file::structure::Inventory;
 use crate::log::file::{scan, summary};
+use crate::log::loss::Why;
 use crate::log::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// A log that is empty or no MCAP file at all.
-pub(crate) fn open(input: Input) -> Result<Container> {
+pub(crate) fn open(input: LogInput) -> Result<Container> {
     let length = input.length();
     if length == 0 {
         return Err(Error::Empty);

@@ -134,14 +134,14 @@ impl ChunkHeader {
 
 /// What stands before a message's payload.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Message<'a> {
+pub(crate) struct RawMessage<'a> {
     pub channel: u16,
     pub log_time_ns: u64,
     pub publish_time_ns: u64,
     pub payload: &'a [u8],
 }
 
-impl<'a> Message<'a> {
+impl<'a> RawMessage<'a> {
     /// Parses the body of a message record; `None` when it is too short.
     pub(crate) fn parse(body: &'a [u8]) -> Option<Self> {
         let mut bytes = Bytes::new(body);

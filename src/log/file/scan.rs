@@ -1,10 +1,10 @@
 //! Scanning a stretch of the file at its top level, and finding the step again where it was lost.
 
 use crate::log::file::container::{Container, is_small};
-use crate::log::file::input::Input;
-use crate::log::file::loss::Why;
+use crate::log::file::input::LogInput;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader, Compression, PREFIX, parse, prefix};
 use crate::log::file::structure::{Block, BlockKind};
+use crate::log::loss::Why;
 use mcap::records::op;
 use std::collections::BTreeSet;
 
@@ -17,14 +17,14 @@ const CHAIN: usize = 3;
 
 /// A window on the file that moves forward.
 struct Window<'a> {
-    input: &'a Input,
+    input: &'a LogInput,
     end: u64,
     at: u64,
     bytes: Vec<u8>,
 }
 
 impl<'a> Window<'a> {
-    fn new(input: &'a Input, end: u64) -> Self {
+    fn new(input: &'a LogInput, end: u64) -> Self {
         Self { input, end: end.min(input.length()), at: 0, bytes: Vec::new() }
     }
 
@@ -101,7 +101,7 @@ impl<'a> Window<'a> {
 }
 
 /// Whether a record that is allowed between chunks starts at `offset`, or the stretch ends there.
-pub(crate) fn is_record(input: &Input, offset: u64, end: u64) -> bool {
+pub(crate) fn is_record(input: &LogInput, offset: u64, end: u64) -> bool {
     offset == end || Window::new(input, end).record(offset).is_some_and(|(opcode, _)| opcode <= op::DATA_END)
 }
 
@@ -114,7 +114,7 @@ pub(crate) fn run(container: &mut Container, from: u64, to: u64) {
     walk(container, &input, from, to);
 }
 
-fn walk(container: &mut Container, input: &Input, from: u64, to: u64) {
+fn walk(container: &mut Container, input: &LogInput, from: u64, to: u64) {
     let mut window = Window::new(input, to);
     let mut at = from;
     let mut loose: Option<(u64, BTreeSet<u16>)> = None; // start of the current run, its channels

@@ -1,10 +1,10 @@
 //! The summary at the end of a log, believed only as far as the file confirms it.
 
 use crate::log::file::channel_set::ChannelSets;
-use crate::log::file::input::Input;
-use crate::log::file::loss::{Damage, Why};
+use crate::log::file::input::LogInput;
 use crate::log::file::record::{FOOTER, MAGIC, PREFIX, Records, parse, prefix};
 use crate::log::file::structure::{Block, BlockKind, Inventory};
+use crate::log::loss::{Damage, Why};
 use mcap::records::{Record, Statistics, op};
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ const MAX_SUMMARY: u64 = 256 << 20;
 
 /// What the summary of a log says.
 #[derive(Debug)]
-pub(crate) struct Summary {
+pub(crate) struct FileSummary {
     /// Position of its first byte: the data section ends here.
     pub start: u64,
     pub inventory: Inventory,
@@ -22,7 +22,7 @@ pub(crate) struct Summary {
     pub chunks: Vec<(Block, u64)>,
 }
 
-impl Summary {
+impl FileSummary {
     /// Whether every chunk that the log counts is indexed, so that the file need not be scanned.
     pub(crate) fn covers_messages(&self) -> bool {
         !self.chunks.is_empty() && self.statistics.as_ref().is_none_or(|s| u64::from(s.chunk_count) == self.chunks.len() as u64)
@@ -33,7 +33,7 @@ impl Summary {
 ///
 /// # Errors
 /// The damage, when there is a summary and it cannot be believed: the caller then scans the file.
-pub(crate) fn read(input: &Input) -> Result<Option<Summary>, Damage> {
+pub(crate) fn read(input: &LogInput) -> Result<Option<FileSummary>, Damage> {
     let length = input.length();
     let tail = PREFIX + FOOTER + MAGIC.len() as u64;
     let Some(footer_at) = length.checked_sub(tail).filter(|at| *at >= MAGIC.len() as u64) else {
@@ -69,7 +69,7 @@ pub(crate) fn read(input: &Input) -> Result<Option<Summary>, Damage> {
             return Err(bad(found.summary_start, size, "its checksum differs"));
         }
     }
-    let mut summary = Summary { start: found.summary_start, inventory: Inventory::default(), statistics: None, chunks: Vec::new() };
+    let mut summary = FileSummary { start: found.summary_start, inventory: Inventory::default(), statistics: None, chunks: Vec::new() };
     let mut sets = ChannelSets::default();
     let mut records = Records::new(&section);
     for (opcode, body) in &mut records {
@@ -97,7 +97,7 @@ pub(crate) fn read(input: &Input) -> Result<Option<Summary>, Damage> {
 }
 
 /// The chunk that an index entry describes, if the file has one there.
-fn confirmed(input: &Input, index: &mcap::records::ChunkIndex, end: u64, sets: &mut ChannelSets) -> Option<Block> {
+fn confirmed(input: &LogInput, index: &mcap::records::ChunkIndex, end: u64, sets: &mut ChannelSets) -> Option<Block> {
     let offset = index.chunk_start_offset.checked_add(PREFIX)?;
     let length = index.chunk_length.checked_sub(PREFIX)?;
     if index.chunk_start_offset < MAGIC.len() as u64 || offset.checked_add(length)? > end {

@@ -1,11 +1,11 @@
 //! Every single value that the messages of a log hold, as a path that a signal map could name.
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::file::container::Container;
-use crate::log::path::{MessagePath, Step, quoted};
+use crate::log::path::{MessagePath, PathStep, quoted};
 use crate::log::schema::{Layout, Leaf, LeafKind, Names};
+use crate::log::value::Raw;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -120,7 +120,7 @@ fn values<'p>(layout: &Layout, paths: impl Iterator<Item = &'p MessagePath>, sam
 /// What `take` makes of the values at `paths`; `None` when the payload does not fit the schema.
 fn taken<T>(layout: &Layout, paths: &[&MessagePath], payload: &[u8], take: impl Fn(&Raw<'_>) -> T) -> Option<Vec<T>> {
     let mut taken = Taken::default();
-    Plan::compile(layout, paths).ok()?.decode(payload, &mut taken)?;
+    Extractor::compile(layout, paths).ok()?.decode(payload, &mut taken)?;
     Some((0..paths.len()).map(|slot| take(taken.get(slot))).collect())
 }
 
@@ -141,7 +141,7 @@ fn descend(value: &serde_json::Value, path: String, found: &mut Vec<Leaf>) {
     let kind = match value {
         Value::Object(fields) => {
             for (name, value) in fields {
-                descend(value, format!("{path}{}", Step::Field(name.clone())), found);
+                descend(value, format!("{path}{}", PathStep::Field(name.clone())), found);
             }
             return;
         }

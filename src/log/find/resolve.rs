@@ -1,16 +1,16 @@
 //! From a signal map, a preset or nothing to plans: which signal is read from which path, and why.
 
 use crate::log::extract::convert::Convert;
-use crate::log::extract::extractor::Plan;
-use crate::log::extract::message_pass::{ChannelPlan, Wanted};
-use crate::log::extract::plan_error::PlanError;
+use crate::log::extract::extractor::Extractor;
+use crate::log::extract::message_pass::{ChannelPlan, WantedValue};
 use crate::log::extract::stamp;
-use crate::log::extract::stamp::Stamp;
+use crate::log::extract::stamp::StampPath;
+use crate::log::extractor_error::PlanError;
 use crate::log::file::container::Container;
 use crate::log::find::candidates::{Candidate, Candidates};
 use crate::log::find::presets::Preset;
 use crate::log::find::{detect, series};
-use crate::log::path::{MessagePath, Step};
+use crate::log::path::{MessagePath, PathStep};
 use crate::log::schema::Layout;
 use crate::log::signal_map::{SignalMap, SignalName, SignalSpec};
 use crate::log::vehicle::VEHICLE_METADATA;
@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A signal and where it is read from.
 #[derive(Debug, Clone)]
-pub(crate) struct Choice {
+pub(crate) struct PathChoice {
     pub signal: SignalName,
     pub spec: SignalSpec,
     pub reason: String,
@@ -31,7 +31,7 @@ pub(crate) struct Choice {
 /// What was found for a log: the choices, what is missing, and remarks.
 #[derive(Debug, Default)]
 pub(crate) struct Choices {
-    pub found: Vec<Choice>,
+    pub found: Vec<PathChoice>,
     /// Signals without a place.
     pub missing: Vec<SignalName>,
     pub notes: Vec<String>,
@@ -68,7 +68,7 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
         if let Some(spec) = map.signals.get(&signal) {
             let (is_plain, has_topic) = (series::is_plain(&spec.path), topics.contains(spec.path.topic.as_str()));
             if is_plain && has_topic {
-                choices.found.push(Choice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
+                choices.found.push(PathChoice { signal, spec: spec.clone(), reason: why.clone(), is_guess: false });
                 continue;
             }
             let series = if choices.told { series::path(&spec.path, container, candidates) } else { None };
@@ -76,7 +76,7 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
             let telling = |leads: bool| leads || has_topic || (signal.is_required() && !is_plain);
             if let Some((path, _)) = series.filter(|(_, leads)| telling(*leads)) {
                 let reason = format!("{why} as the series {}", spec.path);
-                choices.found.push(Choice { signal, spec: SignalSpec { path, ..spec.clone() }, reason, is_guess: false });
+                choices.found.push(PathChoice { signal, spec: SignalSpec { path, ..spec.clone() }, reason, is_guess: false });
                 continue;
             }
             if choices.told && signal.is_required() {
@@ -91,7 +91,7 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
         // what a signal map leaves out is not looked for
         let best = if choices.told { None } else { detect::best(signal, candidates.all().iter().filter(allowed)) };
         if let Some((spec, reason, unit_named)) = best {
-            choices.found.push(Choice { signal, spec, reason, is_guess: !unit_named });
+            choices.found.push(PathChoice { signal, spec, reason, is_guess: !unit_named });
             choices.guessed = true;
         } else {
             choices.missing.push(signal);
@@ -150,7 +150,7 @@ pub(crate) fn plans(
     let mut problems: BTreeMap<usize, Error> = BTreeMap::new();
     let mut served = BTreeSet::new();
     for (id, channel) in &container.inventory.channels {
-        let wanted: Vec<(usize, &Choice)> =
+        let wanted: Vec<(usize, &PathChoice)> =
             choices.found.iter().enumerate().filter(|(_, choice)| choice.spec.path.topic == channel.topic).collect();
         if wanted.is_empty() {
             continue;
@@ -166,7 +166,7 @@ pub(crate) fn plans(
                 continue;
             }
         };
-        let good: Vec<(usize, &Choice)> = wanted
+        let good: Vec<(usize, &PathChoice)> = wanted
             .into_iter()
             .filter(|(column, choice)| match one(&layout, choice) {
                 Ok(()) => true,
@@ -196,17 +196,17 @@ pub(crate) fn plans(
 }
 
 /// Whether a choice leads to a value, or, for the reference of the lateral calibration, to a list of values.
-fn one(layout: &Layout, choice: &Choice) -> std::result::Result<(), PlanError> {
+fn one(layout: &Layout, choice: &PathChoice) -> std::result::Result<(), PlanError> {
     let path = &choice.spec.path;
     if path.is_list() && !matches!(choice.signal, SignalName::ReferenceX | SignalName::ReferenceY) {
         return Err(PlanError::ManyValues);
     }
-    Plan::compile(layout, &[path]).map(|_| ()).map_err(|(_, source)| source)
+    Extractor::compile(layout, &[path]).map(|_| ()).map_err(|(_, source)| source)
 }
 
-fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u8]>, wheel_radius_m: f64) -> Option<ChannelPlan> {
+fn channel_plan(layout: &Layout, wanted: &[(usize, &PathChoice)], sample: Option<&[u8]>, wheel_radius_m: f64) -> Option<ChannelPlan> {
     let mut paths: Vec<MessagePath> = Vec::new();
-    let slot = |steps: &[Step], paths: &mut Vec<MessagePath>| {
+    let slot = |steps: &[PathStep], paths: &mut Vec<MessagePath>| {
         paths.iter().position(|path| path.steps == steps).unwrap_or_else(|| {
             paths.push(MessagePath::inside(steps.to_vec()));
             paths.len() - 1
@@ -218,13 +218,13 @@ fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u
         let stamp = stamp::find(layout, spec.stamp.as_deref(), sample).and_then(|parts| {
             let slots: Vec<usize> = parts.iter().map(|steps| slot(steps, &mut paths)).collect();
             match slots[..] {
-                [seconds, nanoseconds] => Some(Stamp::Parts { seconds, nanoseconds }),
-                [single] => Some(Stamp::Single(single)),
+                [seconds, nanoseconds] => Some(StampPath::Parts { seconds, nanoseconds }),
+                [single] => Some(StampPath::Single(single)),
                 _ => None,
             }
         });
         let names = layout.names(&spec.path.steps);
-        values.push(Wanted {
+        values.push(WantedValue {
             column: *column,
             slot: slot(&spec.path.steps, &mut paths),
             stamp,
@@ -233,5 +233,5 @@ fn channel_plan(layout: &Layout, wanted: &[(usize, &Choice)], sample: Option<&[u
         });
     }
     let references: Vec<&MessagePath> = paths.iter().collect();
-    Some(ChannelPlan { plan: Plan::compile(layout, &references).ok()?, values })
+    Some(ChannelPlan { plan: Extractor::compile(layout, &references).ok()?, values })
 }

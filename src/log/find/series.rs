@@ -5,16 +5,16 @@
 //! (`/joint_states/front_drive_joint/velocity`), and a message of a single `data` is named by its topic alone. In what may follow
 //! an index, `data.3` is `data[3]`.
 
-use crate::log::extract::extractor::Plan;
-use crate::log::extract::value::Raw;
+use crate::log::extract::extractor::Extractor;
 use crate::log::file::container::Container;
 use crate::log::find::candidates::Candidates;
-use crate::log::path::{Compare, Literal, MessagePath, Step, Test};
+use crate::log::path::{Compare, Literal, MessagePath, PathStep, Test};
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 
 /// Whether `path` can only be a message path: with fields behind the topic, and no slash in their names.
 pub(crate) fn is_plain(path: &MessagePath) -> bool {
-    !path.steps.is_empty() && !path.steps.iter().any(|step| matches!(step, Step::Field(name) if name.contains('/')))
+    !path.steps.is_empty() && !path.steps.iter().any(|step| matches!(step, PathStep::Field(name) if name.contains('/')))
 }
 
 /// The path that the series name `name` means in this log, and whether it leads to a value: if none does, the way behind the longest
@@ -22,8 +22,8 @@ pub(crate) fn is_plain(path: &MessagePath) -> bool {
 pub(crate) fn path(name: &MessagePath, container: &Container, candidates: &Candidates<'_>) -> Option<(MessagePath, bool)> {
     let mut first = None;
     for (topic, behind) in cuts(&name.topic) {
-        let behind = behind.iter().map(|segment| Step::Field((*segment).to_owned()));
-        let steps: Vec<Step> = behind.chain(name.steps.iter().flat_map(single)).collect();
+        let behind = behind.iter().map(|segment| PathStep::Field((*segment).to_owned()));
+        let steps: Vec<PathStep> = behind.chain(name.steps.iter().flat_map(single)).collect();
         let written = (topic == name.topic).then(|| name.steps.clone()); // JSON may have slashes in its names
         for (id, channel) in container.inventory.channels.iter().filter(|(_, channel)| channel.topic == topic) {
             let is_json = channel.message_encoding == "json";
@@ -36,7 +36,7 @@ pub(crate) fn path(name: &MessagePath, container: &Container, candidates: &Candi
             let Ok(layout) = Layout::parse(&channel.message_encoding, schema) else { continue };
             let sample = candidates.samples.get(id).map(Vec::as_slice);
             let mut ways = written.clone().into_iter().chain([steps.clone()]).chain(parallel(&steps)).chain(alone(&steps));
-            if let Some(steps) = ways.find(|steps| Plan::leads(&layout, steps, sample, |raw| *raw != Raw::Missing)) {
+            if let Some(steps) = ways.find(|steps| Extractor::leads(&layout, steps, sample, |raw| *raw != Raw::Missing)) {
                 return Some((MessagePath::new(topic.to_owned(), steps), true));
             }
         }
@@ -51,24 +51,24 @@ pub(crate) fn cuts(name: &str) -> impl Iterator<Item = (&str, Vec<&str>)> {
 }
 
 /// A step as single ones: a field's name may hold slashes, and a number as a name is an index.
-fn single(step: &Step) -> Vec<Step> {
-    let Step::Field(names) = step else { return vec![step.clone()] };
-    let step = |name: &str| name.parse().map_or_else(|_| Step::Field(name.to_owned()), Step::Index);
+fn single(step: &PathStep) -> Vec<PathStep> {
+    let PathStep::Field(names) = step else { return vec![step.clone()] };
+    let step = |name: &str| name.parse().map_or_else(|_| PathStep::Field(name.to_owned()), PathStep::Index);
     names.split('/').map(step).collect()
 }
 
 /// `joint/velocity` as the velocity of that joint. The joint's own name may hold slashes.
-fn parallel(steps: &[Step]) -> Option<Vec<Step>> {
-    let (Step::Field(array), element @ [_, ..]) = steps.split_last()? else { return None };
-    let names = element.iter().map(|step| if let Step::Field(name) = step { Some(name.as_str()) } else { None });
+fn parallel(steps: &[PathStep]) -> Option<Vec<PathStep>> {
+    let (PathStep::Field(array), element @ [_, ..]) = steps.split_last()? else { return None };
+    let names = element.iter().map(|step| if let PathStep::Field(name) = step { Some(name.as_str()) } else { None });
     let with = Literal::Text(names.collect::<Option<Vec<_>>>()?.join("/"));
     let test = Test { field: vec!["name".into()], compare: Compare::Equal, with };
-    Some(vec![Step::Field(array.clone()), Step::Filter(test)])
+    Some(vec![PathStep::Field(array.clone()), PathStep::Filter(test)])
 }
 
 /// The only value of a message such as `std_msgs/Float64`.
-fn alone(steps: &[Step]) -> Option<Vec<Step>> {
-    steps.is_empty().then(|| vec![Step::Field("data".into())])
+fn alone(steps: &[PathStep]) -> Option<Vec<PathStep>> {
+    steps.is_empty().then(|| vec![PathStep::Field("data".into())])
 }
 
 #[cfg(test)]

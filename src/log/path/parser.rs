@@ -1,6 +1,6 @@
 //! A message path from its text.
 
-use crate::log::path::{Compare, Literal, MessagePath, Step, Test};
+use crate::log::path::{Compare, Literal, MessagePath, PathStep, Test};
 use crate::log::{Error, Result};
 use std::str::FromStr;
 
@@ -11,14 +11,14 @@ impl FromStr for MessagePath {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let mut parser = Parser { text, at: 0 };
+        let mut parser = PathParser { text, at: 0 };
         let topic = parser.topic()?;
         let mut steps = Vec::new();
         while parser.at < text.len() {
             let step = parser.step()?;
             // Foxglove writes `[:]{…}` for the elements that pass; a filter on the array says the same
-            let everything = |step: &Step| matches!(step, Step::Slice(None | Some(0), None | Some(-1)));
-            while matches!(step, Step::Filter(_)) && steps.last().is_some_and(everything) {
+            let everything = |step: &PathStep| matches!(step, PathStep::Slice(None | Some(0), None | Some(-1)));
+            while matches!(step, PathStep::Filter(_)) && steps.last().is_some_and(everything) {
                 steps.pop();
             }
             steps.push(step);
@@ -30,12 +30,12 @@ impl FromStr for MessagePath {
     }
 }
 
-struct Parser<'a> {
+struct PathParser<'a> {
     text: &'a str,
     at: usize,
 }
 
-impl<'a> Parser<'a> {
+impl<'a> PathParser<'a> {
     fn wrong<T>(&self, expected: &'static str) -> Result<T> {
         Err(Error::BadPath { path: self.text.to_owned(), column: self.text[..self.at].chars().count() + 1, expected })
     }
@@ -95,19 +95,19 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn step(&mut self) -> Result<Step> {
+    fn step(&mut self) -> Result<PathStep> {
         // a slash goes on behind an index, as `PlotJuggler` names series
         if self.eat(".") || self.eat("/") {
-            return self.name().map(Step::Field);
+            return self.name().map(PathStep::Field);
         }
         if self.eat("[") {
             let first = self.integer()?;
             if self.eat(":") {
                 let last = self.integer()?;
-                return if self.eat("]") { Ok(Step::Slice(first, last)) } else { self.wrong("]") };
+                return if self.eat("]") { Ok(PathStep::Slice(first, last)) } else { self.wrong("]") };
             }
             return match first {
-                Some(index) if self.eat("]") => Ok(Step::Index(index)),
+                Some(index) if self.eat("]") => Ok(PathStep::Index(index)),
                 Some(_) => self.wrong("] or :"),
                 None => self.wrong("a whole number"),
             };
@@ -115,7 +115,7 @@ impl<'a> Parser<'a> {
         if self.eat("{") {
             let test = self.test()?;
             self.spaces();
-            return if self.eat("}") { Ok(Step::Filter(test)) } else { self.wrong("}") };
+            return if self.eat("}") { Ok(PathStep::Filter(test)) } else { self.wrong("}") };
         }
         self.wrong(". or [ or {")
     }

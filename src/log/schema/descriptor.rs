@@ -3,8 +3,8 @@
 //! Only what reading needs is kept, and nothing of it is believed: names that lead nowhere are an error, whatever else the descriptors
 //! hold is passed over. Source: `google/protobuf/descriptor.proto`.
 
-use crate::log::extract::value::Raw;
 use crate::log::schema::shape::Names;
+use crate::log::value::Raw;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use std::borrow::Cow;
@@ -16,24 +16,24 @@ const MAX_DEPTH: usize = 64;
 
 /// A message type, among all types of its schema.
 #[derive(Debug, Clone)]
-pub(crate) struct Message {
-    types: Arc<Vec<Structure>>,
+pub(crate) struct ProtobufMessage {
+    types: Arc<Vec<ProtobufStructure>>,
     index: usize,
 }
 
 #[derive(Debug)]
-struct Structure {
+struct ProtobufStructure {
     full_name: String,
-    fields: Vec<Field>,
+    fields: Vec<ProtobufField>,
 }
 
 /// A field of a message type.
 #[derive(Debug)]
-pub(crate) struct Field {
+pub(crate) struct ProtobufField {
     pub name: String,
     json_name: String,
     pub number: u32,
-    pub kind: Kind,
+    pub kind: ProtobufKind,
     /// A list or a map.
     pub repeated: bool,
     pub is_map: bool,
@@ -43,7 +43,7 @@ pub(crate) struct Field {
 
 /// What a field holds.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum ProtobufKind {
     /// A message or a group: its place among the types.
     Message(usize),
     /// An enumeration: its names and numbers.
@@ -52,7 +52,7 @@ pub(crate) enum Kind {
 }
 
 /// What a name means.
-enum Named<'d> {
+enum NamedDescriptor<'d> {
     Message(usize),
     Enum(&'d EnumDescriptorProto),
 }
@@ -60,12 +60,12 @@ enum Named<'d> {
 /// Every declaration of a schema, by full name.
 #[derive(Default)]
 struct Declared<'d> {
-    names: HashMap<String, Named<'d>>,
+    names: HashMap<String, NamedDescriptor<'d>>,
     /// Full name, declaration, and whether its file is of proto3.
     messages: Vec<(String, &'d DescriptorProto, bool)>,
 }
 
-impl Message {
+impl ProtobufMessage {
     /// The message `name` of the schema whose descriptors (a `FileDescriptorSet`) are `data`.
     ///
     /// # Errors
@@ -80,11 +80,11 @@ impl Message {
             .iter()
             .map(|(full_name, message, proto3)| {
                 let fields = message.field.iter().map(|field| declared.field(full_name, field, *proto3, &mut enums));
-                Ok(Structure { full_name: full_name.clone(), fields: fields.collect::<Result<_, String>>()? })
+                Ok(ProtobufStructure { full_name: full_name.clone(), fields: fields.collect::<Result<_, String>>()? })
             })
             .collect::<Result<_, String>>()?;
         match declared.names.get(name.trim_start_matches('.')) {
-            Some(Named::Message(index)) => Ok(Self { types: Arc::new(types), index: *index }),
+            Some(NamedDescriptor::Message(index)) => Ok(Self { types: Arc::new(types), index: *index }),
             _ => Err("its descriptors do not hold that message".into()),
         }
     }
@@ -98,12 +98,12 @@ impl Message {
         &self.types[self.index].full_name
     }
 
-    pub(crate) fn fields(&self) -> &[Field] {
+    pub(crate) fn fields(&self) -> &[ProtobufField] {
         &self.types[self.index].fields
     }
 
     /// The field of that name, as declared or as JSON spells it.
-    pub(crate) fn field(&self, name: &str) -> Option<&Field> {
+    pub(crate) fn field(&self, name: &str) -> Option<&ProtobufField> {
         let fields = self.fields();
         fields.iter().find(|field| field.name == name).or_else(|| fields.iter().find(|field| field.json_name == name))
     }
@@ -111,13 +111,13 @@ impl Message {
     /// The numbers named for the value that `fields` lead to.
     pub(crate) fn names<'s>(&self, fields: &mut impl Iterator<Item = &'s str>) -> Names {
         match fields.next().and_then(|name| self.field(name)).map(|field| &field.kind) {
-            Some(Kind::Message(inner)) => self.other(*inner).names(fields),
-            Some(Kind::Enum(names)) => names.clone(),
+            Some(ProtobufKind::Message(inner)) => self.other(*inner).names(fields),
+            Some(ProtobufKind::Enum(names)) => names.clone(),
             _ => Names::default(),
         }
     }
 
-    /// The type that [`Kind::Message`] names.
+    /// The type that [`ProtobufKind::ProtobufMessage`] names.
     pub(crate) fn other(&self, index: usize) -> Self {
         Self { types: self.types.clone(), index }
     }
@@ -132,7 +132,7 @@ impl<'d> Declared<'d> {
     }
 
     fn enumeration(&mut self, within: &str, kind: &'d EnumDescriptorProto) {
-        self.names.entry(full(within, kind.name())).or_insert(Named::Enum(kind));
+        self.names.entry(full(within, kind.name())).or_insert(NamedDescriptor::Enum(kind));
     }
 
     fn message(&mut self, within: &str, message: &'d DescriptorProto, proto3: bool, depth: usize) -> Result<(), String> {
@@ -140,14 +140,14 @@ impl<'d> Declared<'d> {
             return Err(format!("messages are declared within each other more than {MAX_DEPTH} deep"));
         }
         let name = full(within, message.name());
-        self.names.entry(name.clone()).or_insert(Named::Message(self.messages.len()));
+        self.names.entry(name.clone()).or_insert(NamedDescriptor::Message(self.messages.len()));
         message.enum_type.iter().for_each(|kind| self.enumeration(&name, kind));
         self.messages.push((name.clone(), message, proto3));
         message.nested_type.iter().try_for_each(|inner| self.message(&name, inner, proto3, depth + 1))
     }
 
     /// What `name` means in the message `within`: the innermost declaration counts; a leading dot says that the name is complete.
-    fn find(&self, within: &str, name: &str) -> Result<&Named<'d>, String> {
+    fn find(&self, within: &str, name: &str) -> Result<&NamedDescriptor<'d>, String> {
         if let Some(name) = name.strip_prefix('.') {
             return self.names.get(name).ok_or_else(|| format!("it has no type {name}"));
         }
@@ -169,23 +169,23 @@ impl<'d> Declared<'d> {
         field: &FieldDescriptorProto,
         proto3: bool,
         enums: &mut HashMap<*const EnumDescriptorProto, Names>,
-    ) -> Result<Field, String> {
+    ) -> Result<ProtobufField, String> {
         let name = field.name().to_owned();
         let number = u32::try_from(field.number()).ok().filter(|number| (1..1 << 29).contains(number));
         let number = number.ok_or_else(|| format!("field {name} of {within} has the number {}", field.number()))?;
         let unknown = || format!("field {name} of {within} has no type that is known");
         let mut is_map = false;
         let kind = match field.r#type.map(Type::try_from) {
-            Some(Ok(kind)) if !matches!(kind, Type::Message | Type::Group | Type::Enum) => Kind::Scalar(kind),
+            Some(Ok(kind)) if !matches!(kind, Type::Message | Type::Group | Type::Enum) => ProtobufKind::Scalar(kind),
             Some(Err(_)) => return Err(unknown()),
             _ => match self.find(within, field.type_name.as_deref().ok_or_else(unknown)?)? {
-                Named::Message(index) => {
+                NamedDescriptor::Message(index) => {
                     is_map = self.messages[*index].1.options.as_ref().is_some_and(prost_types::MessageOptions::map_entry);
-                    Kind::Message(*index)
+                    ProtobufKind::Message(*index)
                 }
-                Named::Enum(kind) => {
+                NamedDescriptor::Enum(kind) => {
                     let list = || kind.value.iter().map(|value| (value.name().to_owned(), i64::from(value.number()))).collect();
-                    Kind::Enum(enums.entry(std::ptr::from_ref(*kind)).or_insert_with(|| Arc::new(list())).clone())
+                    ProtobufKind::Enum(enums.entry(std::ptr::from_ref(*kind)).or_insert_with(|| Arc::new(list())).clone())
                 }
             },
         };
@@ -197,7 +197,7 @@ impl<'d> Declared<'d> {
             _ => None,
         };
         let json_name = field.json_name.clone().unwrap_or_else(|| camel(&name));
-        Ok(Field { json_name, number, kind, repeated, is_map: is_map && repeated, absent, name })
+        Ok(ProtobufField { json_name, number, kind, repeated, is_map: is_map && repeated, absent, name })
     }
 }
 
@@ -216,24 +216,24 @@ fn camel(name: &str) -> String {
 }
 
 /// Zero, the empty text, the first of an enumeration's values.
-fn default(kind: &Kind) -> Option<Raw<'static>> {
+fn default(kind: &ProtobufKind) -> Option<Raw<'static>> {
     Some(match kind {
-        Kind::Message(_) | Kind::Scalar(Type::Bytes) => return None,
-        Kind::Enum(values) => Raw::Integer(values.first().map_or(0, |(_, number)| *number)),
-        Kind::Scalar(Type::Double | Type::Float) => Raw::Number(0.0),
-        Kind::Scalar(Type::String) => Raw::Text(Cow::Borrowed("")),
-        Kind::Scalar(_) => Raw::Integer(0),
+        ProtobufKind::Message(_) | ProtobufKind::Scalar(Type::Bytes) => return None,
+        ProtobufKind::Enum(values) => Raw::Integer(values.first().map_or(0, |(_, number)| *number)),
+        ProtobufKind::Scalar(Type::Double | Type::Float) => Raw::Number(0.0),
+        ProtobufKind::Scalar(Type::String) => Raw::Text(Cow::Borrowed("")),
+        ProtobufKind::Scalar(_) => Raw::Integer(0),
     })
 }
 
 /// The default that a field of proto2 declares.
-fn own_default(kind: &Kind, text: &str) -> Option<Raw<'static>> {
+fn own_default(kind: &ProtobufKind, text: &str) -> Option<Raw<'static>> {
     Some(match kind {
-        Kind::Message(_) | Kind::Scalar(Type::Bytes) => return None,
-        Kind::Enum(values) => Raw::Integer(values.iter().find(|(name, _)| name == text)?.1),
-        Kind::Scalar(Type::Double | Type::Float) => Raw::Number(text.parse().ok()?),
-        Kind::Scalar(Type::String) => Raw::Text(Cow::Owned(text.to_owned())),
-        Kind::Scalar(Type::Bool) => Raw::Integer(i64::from(text == "true")),
-        Kind::Scalar(_) => text.parse().map(Raw::Integer).or_else(|_| text.parse().map(Raw::unsigned)).ok()?,
+        ProtobufKind::Message(_) | ProtobufKind::Scalar(Type::Bytes) => return None,
+        ProtobufKind::Enum(values) => Raw::Integer(values.iter().find(|(name, _)| name == text)?.1),
+        ProtobufKind::Scalar(Type::Double | Type::Float) => Raw::Number(text.parse().ok()?),
+        ProtobufKind::Scalar(Type::String) => Raw::Text(Cow::Owned(text.to_owned())),
+        ProtobufKind::Scalar(Type::Bool) => Raw::Integer(i64::from(text == "true")),
+        ProtobufKind::Scalar(_) => text.parse().map(Raw::Integer).or_else(|_| text.parse().map(Raw::unsigned)).ok()?,
     })
 }

@@ -6,7 +6,7 @@
 pub(crate) mod definition;
 mod parser;
 
-use crate::log::schema::idl::definition::{Definition, Definitions, Named};
+use crate::log::schema::idl::definition::{Definitions, IdlDefinition, IdlName};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape, Size, Structure};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,15 +16,15 @@ use std::sync::Arc;
 /// # Errors
 /// What cannot be parsed, or the type that is missing.
 pub(crate) fn parse(name: &str, text: &str) -> Result<Arc<Structure>, String> {
-    Builder { definitions: parser::read(text)?, built: BTreeMap::new() }.structure(&name.replace('/', "::"), 0)
+    IdlBuilder { definitions: parser::read(text)?, built: BTreeMap::new() }.structure(&name.replace('/', "::"), 0)
 }
 
-struct Builder {
+struct IdlBuilder {
     definitions: Definitions,
     built: BTreeMap<String, Arc<Structure>>,
 }
 
-impl Builder {
+impl IdlBuilder {
     fn structure(&mut self, full: &str, depth: usize) -> Result<Arc<Structure>, String> {
         if let Some(built) = self.built.get(full) {
             return Ok(built.clone());
@@ -32,7 +32,7 @@ impl Builder {
         if depth > MAX_DEPTH {
             return Err(format!("messages are nested more than {MAX_DEPTH} deep, or contain themselves"));
         }
-        let Some(Definition::Structure(members)) = self.definitions.types.get(full).cloned() else {
+        let Some(IdlDefinition::Structure(members)) = self.definitions.types.get(full).cloned() else {
             return Err(format!("it does not hold the type {}", full.replace("::", "/")));
         };
         let mut fields = Vec::with_capacity(members.len());
@@ -46,18 +46,18 @@ impl Builder {
         Ok(built)
     }
 
-    fn shape(&mut self, kind: &Named, depth: usize) -> Result<Shape, String> {
+    fn shape(&mut self, kind: &IdlName, depth: usize) -> Result<Shape, String> {
         if depth > 2 * MAX_DEPTH {
             return Err("types refer to each other without end".into());
         }
         match kind {
-            Named::Scalar(shape) => Ok(shape.clone()),
-            Named::Sequence(of) => Ok(Shape::List(Box::new(self.shape(of, depth + 1)?), Size::Counted)),
-            Named::Type { name, scope } => {
+            IdlName::Scalar(shape) => Ok(shape.clone()),
+            IdlName::Sequence(of) => Ok(Shape::List(Box::new(self.shape(of, depth + 1)?), Size::Counted)),
+            IdlName::Type { name, scope } => {
                 let full = self.find(name, scope).ok_or_else(|| format!("it does not hold the type {name}"))?;
                 match self.definitions.types.get(&full).cloned() {
-                    Some(Definition::Alias(kind, lengths)) => Ok(arrays(self.shape(&kind, depth + 1)?, &lengths)),
-                    Some(Definition::Enumeration) => Ok(Shape::Number(Kind::U32)),
+                    Some(IdlDefinition::Alias(kind, lengths)) => Ok(arrays(self.shape(&kind, depth + 1)?, &lengths)),
+                    Some(IdlDefinition::Enumeration) => Ok(Shape::Number(Kind::U32)),
                     _ => Ok(Shape::Message(self.structure(&full, depth + 1)?)),
                 }
             }

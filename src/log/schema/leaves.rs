@@ -3,7 +3,7 @@
 //! Nearest places first, so that what a large schema has too much of is what lies deepest. A type is not entered again inside itself, and
 //! no more than [`MAX_LEAVES`] places are listed and [`MAX_FIELDS`] fields looked at, whatever a schema declares.
 
-use crate::log::schema::descriptor::{Kind as ProtobufKind, Message};
+use crate::log::schema::descriptor::{ProtobufKind, ProtobufMessage};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Names, Shape, Size, Structure};
 use prost_types::field_descriptor_proto::Type;
 use std::collections::VecDeque;
@@ -119,7 +119,7 @@ fn leaf_kind(kind: Kind) -> LeafKind {
 }
 
 /// Every place of a protobuf message that holds a single value.
-pub(crate) fn protobuf_leaves(message: &Message) -> Vec<Leaf> {
+pub(crate) fn protobuf_leaves(message: &ProtobufMessage) -> Vec<Leaf> {
     let nameless = Names::default();
     // each message with the types that it lies in
     let mut search = Search::new((message.clone(), Arc::new(Within { index: message.index(), outer: None })));

@@ -26,7 +26,7 @@ const PADDING: &str = "structure_needs_at_least_one_member";
 pub(crate) fn parse(name: &str, text: &str, dialect: Dialect) -> Result<Arc<Structure>, String> {
     let (layout_only, constants) = split_constants(text);
     let schema = MessageSchema::parse(name, &layout_only).map_err(|error| format!("{error:#}"))?;
-    let mut builder = Builder { dialect, specs: BTreeMap::new(), constants, built: BTreeMap::new() };
+    let mut builder = MsgBuilder { dialect, specs: BTreeMap::new(), constants, built: BTreeMap::new() };
     for spec in &schema.dependencies {
         builder.specs.entry(short(&spec.name)).or_insert(spec);
     }
@@ -87,14 +87,14 @@ fn integer(text: &str) -> Option<i64> {
     text.strip_prefix("0x").map_or_else(|| text.parse().ok(), |digits| i64::from_str_radix(digits, 16).ok())
 }
 
-struct Builder<'a> {
+struct MsgBuilder<'a> {
     dialect: Dialect,
     specs: BTreeMap<String, &'a MessageSpecification>,
     constants: Constants,
     built: BTreeMap<String, Arc<Structure>>,
 }
 
-impl Builder<'_> {
+impl MsgBuilder<'_> {
     fn structure(&mut self, spec: &MessageSpecification, depth: usize) -> Result<Arc<Structure>, String> {
         if depth > MAX_DEPTH {
             return Err(format!("messages are nested more than {MAX_DEPTH} deep, or contain themselves"));

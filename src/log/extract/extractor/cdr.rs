@@ -13,13 +13,13 @@ mod walk;
 use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::request_tree::Wish;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
+use crate::log::extractor_error::PlanError;
 use crate::log::schema::Structure;
 use walk::{Form, Walk};
 
 /// A compiled walk over a payload.
 #[derive(Debug)]
-pub(crate) struct Program {
+pub(crate) struct CdrProgram {
     operations: Vec<Operation>,
 }
 
@@ -29,7 +29,7 @@ const PLAIN: Form = Form { start: HEADER, max_align: 8, delimited: false };
 const PLAIN_2: Form = Form { start: HEADER, max_align: 4, delimited: true };
 const ROS_1: Form = Form { start: 0, max_align: 1, delimited: false };
 
-impl Program {
+impl CdrProgram {
     pub(crate) fn compile(structure: &Structure, wish: &Wish) -> Result<Self, PlanError> {
         let mut operations = compiler::compile(structure, wish)?;
         // nothing behind the last wanted field need be read
@@ -80,18 +80,18 @@ impl Program {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::log::extract::extractor::Plan;
+    use crate::log::extract::extractor::Extractor;
     use crate::log::extract::extractor::taken::Taken;
-    use crate::log::extract::value::Raw;
     use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;
+    use crate::log::value::Raw;
 
-    fn plan() -> Plan {
+    fn plan() -> Extractor {
         let text = "string[] names\nfloat64 x\na/Item[] items\nint64 y\n===\nMSG: a/Item\nfloat64 v\n";
         let schema = Schema { name: "a/M".into(), encoding: "ros2msg".into(), data: text.into() };
         let paths: Vec<MessagePath> = ["/t.x", "/t.items[0].v", "/t.y"].map(|path| path.parse().unwrap()).into();
-        Plan::compile(&Layout::parse("cdr", Some(&schema)).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap()
+        Extractor::compile(&Layout::parse("cdr", Some(&schema)).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap()
     }
 
     /// One name of five bytes, x = 1.5, one item of 2.5, y = −3; `header` and the counts of bytes before the arrays of XCDR2.

@@ -1,26 +1,26 @@
 //! JSON payloads: the text is parsed once, and everything that is not wanted is passed over without being built.
 
 use crate::log::extract::extractor::index::position;
-use crate::log::extract::extractor::request_tree::{Check, Element, Pick, Wish};
+use crate::log::extract::extractor::request_tree::{Element, ElementCheck, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
+use crate::log::value::Raw;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;
 
 /// A compiled walk over a JSON value.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Program {
+pub(crate) struct JsonProgram {
     take: Vec<usize>,
     /// What is wanted if an object stands here.
-    fields: Vec<(String, Program)>,
-    checks: Vec<Check>,
+    fields: Vec<(String, JsonProgram)>,
+    checks: Vec<ElementCheck>,
     /// What is wanted if an array stands here.
-    picks: Vec<(Pick, Program)>,
+    picks: Vec<(Pick, JsonProgram)>,
 }
 
-impl Program {
+impl JsonProgram {
     pub(crate) fn compile(wish: &Wish) -> Self {
         let (merged, checks) = wish.on_message();
         Self {
@@ -39,7 +39,7 @@ impl Program {
 
 /// One place of the value with what is wanted of it.
 struct Seed<'p, 't, 'a> {
-    program: &'p Program,
+    program: &'p JsonProgram,
     taken: &'t mut Taken<'a>,
 }
 
@@ -154,7 +154,7 @@ impl<'de> Visitor<'de> for Seed<'_, '_, '_> {
 }
 
 /// Fills what one pick wants of an array.
-fn one_pick<'de, A: SeqAccess<'de>>(pick: &Pick, program: &Program, mut sequence: A, taken: &mut Taken<'_>) -> Result<(), A::Error> {
+fn one_pick<'de, A: SeqAccess<'de>>(pick: &Pick, program: &JsonProgram, mut sequence: A, taken: &mut Taken<'_>) -> Result<(), A::Error> {
     let wanted = match pick {
         Pick::Index(index) => u64::try_from(*index).ok(),
         Pick::At { register } => taken.register(*register),
@@ -208,10 +208,10 @@ fn one_pick<'de, A: SeqAccess<'de>>(pick: &Pick, program: &Program, mut sequence
 }
 
 /// Looks a key up among the wanted fields.
-struct Key<'p>(&'p Program);
+struct Key<'p>(&'p JsonProgram);
 
 impl<'p, 'de> DeserializeSeed<'de> for Key<'p> {
-    type Value = Option<&'p Program>;
+    type Value = Option<&'p JsonProgram>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
         deserializer.deserialize_str(self)
@@ -219,7 +219,7 @@ impl<'p, 'de> DeserializeSeed<'de> for Key<'p> {
 }
 
 impl<'p> Visitor<'_> for Key<'p> {
-    type Value = Option<&'p Program>;
+    type Value = Option<&'p JsonProgram>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a key")

@@ -1,12 +1,12 @@
 //! Plans against dynamic decoders that other people wrote: the same payload must give the same values.
 #![allow(clippy::unwrap_used)]
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
+use crate::log::value::Raw;
 use proptest::prelude::*;
 use prost_reflect::{DescriptorPool, DynamicMessage, Value as Protobuf};
 use re_cdr::{BigEndian, CdrEndian, CdrReader, CdrWriter, LittleEndian};
@@ -114,7 +114,7 @@ fn field<'v>(value: &'v Ros, name: &str) -> &'v Ros {
     &fields[name]
 }
 
-fn take((plan, paths): &(Plan, usize), payload: &[u8]) -> Vec<Option<f64>> {
+fn take((plan, paths): &(Extractor, usize), payload: &[u8]) -> Vec<Option<f64>> {
     let mut taken = Taken::default();
     plan.decode(payload, &mut taken).unwrap();
     let number = |raw: &Raw<'_>| match raw {
@@ -126,9 +126,9 @@ fn take((plan, paths): &(Plan, usize), payload: &[u8]) -> Vec<Option<f64>> {
     (0..*paths).map(|slot| number(taken.get(slot))).collect()
 }
 
-fn plan(encoding: &str, schema: Option<&Schema>, paths: &[&str]) -> (Plan, usize) {
+fn plan(encoding: &str, schema: Option<&Schema>, paths: &[&str]) -> (Extractor, usize) {
     let paths: Vec<MessagePath> = paths.iter().map(|path| format!("/t{path}").parse().unwrap()).collect();
-    let plan = Plan::compile(&Layout::parse(encoding, schema).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap();
+    let plan = Extractor::compile(&Layout::parse(encoding, schema).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap();
     (plan, paths.len())
 }
 
@@ -359,7 +359,7 @@ fn a_path_that_leads_nowhere_says_what_there_is() {
     let layout = Layout::parse("cdr", Some(&ros_schema("ros2msg", ROS_SCHEMA))).unwrap();
     let wrong = |path: &str| {
         let path: MessagePath = format!("/t{path}").parse().unwrap();
-        Plan::compile(&layout, &[&path]).unwrap_err().1.to_string()
+        Extractor::compile(&layout, &[&path]).unwrap_err().1.to_string()
     };
     assert!(wrong(".lst").contains("last"));
     assert!(wrong(".velocity").contains("velocity[0]"));

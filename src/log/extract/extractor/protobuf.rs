@@ -9,33 +9,33 @@ mod tests;
 mod wire;
 
 use crate::log::extract::extractor::index::position;
-use crate::log::extract::extractor::request_tree::{Check, Pick, Wish};
+use crate::log::extract::extractor::request_tree::{ElementCheck, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::plan_error::PlanError;
-use crate::log::extract::value::Raw;
-use crate::log::schema::{Message, ProtobufField, ProtobufKind as Kind};
+use crate::log::extractor_error::PlanError;
+use crate::log::schema::{ProtobufField, ProtobufKind as Kind, ProtobufMessage};
+use crate::log::value::Raw;
 use prost_types::field_descriptor_proto::Type;
 use wire::{MAX_DEPTH, Wire, array, next, varint};
 
 /// A compiled walk over a message type.
 #[derive(Debug)]
-pub(crate) struct Program {
-    fields: Vec<Field>,
+pub(crate) struct ProtobufProgram {
+    fields: Vec<WireField>,
     /// Values of fields that are absent when they have them.
     defaults: Vec<(usize, Raw<'static>)>,
-    checks: Vec<Check>,
+    checks: Vec<ElementCheck>,
 }
 
 #[derive(Debug)]
-struct Field {
+struct WireField {
     number: u32,
     scalar: Option<Scalar>,
     slots: Vec<usize>,
     /// What is wanted of a single message.
-    message: Option<Program>,
+    message: Option<ProtobufProgram>,
     /// What is wanted of a repeated field.
-    picks: Vec<(Pick, Program)>,
+    picks: Vec<(Pick, ProtobufProgram)>,
 }
 
 /// How a single value is encoded.
@@ -55,12 +55,12 @@ enum Scalar {
     Text,
 }
 
-impl Program {
-    pub(crate) fn compile(message: &Message, wish: &Wish) -> Result<Self, PlanError> {
+impl ProtobufProgram {
+    pub(crate) fn compile(message: &ProtobufMessage, wish: &Wish) -> Result<Self, PlanError> {
         Self::message(message, wish, "the message", 0)
     }
 
-    fn message(message: &Message, wish: &Wish, within: &str, depth: usize) -> Result<Self, PlanError> {
+    fn message(message: &ProtobufMessage, wish: &Wish, within: &str, depth: usize) -> Result<Self, PlanError> {
         if depth > MAX_DEPTH {
             return Err(PlanError::TooLarge);
         }
@@ -92,9 +92,10 @@ impl Program {
         Ok(program)
     }
 
-    fn add(&mut self, within: &Message, field: &ProtobufField, wish: &Wish, depth: usize) -> Result<(), PlanError> {
+    fn add(&mut self, within: &ProtobufMessage, field: &ProtobufField, wish: &Wish, depth: usize) -> Result<(), PlanError> {
         let name = field.name.as_str();
-        let mut found = Field { number: field.number, scalar: scalar(&field.kind), slots: Vec::new(), message: None, picks: Vec::new() };
+        let mut found =
+            WireField { number: field.number, scalar: scalar(&field.kind), slots: Vec::new(), message: None, picks: Vec::new() };
         let one = |wish: &Wish| -> Result<Self, PlanError> {
             match field.kind {
                 Kind::Message(inner) => Self::message(&within.other(inner), wish, name, depth + 1),
@@ -122,7 +123,7 @@ impl Program {
                 let mut program = one(&element.wish)?;
                 if !is_message {
                     // a single value is a message of one nameless field
-                    program.fields.push(Field {
+                    program.fields.push(WireField {
                         number: 0,
                         scalar: found.scalar,
                         slots: element.wish.take.clone(),
@@ -190,9 +191,9 @@ impl Program {
     }
 }
 
-impl Field {
+impl WireField {
     /// Fills what one pick wants of a repeated field of the message `payload`.
-    fn pick<'a>(&self, pick: &Pick, program: &Program, payload: &'a [u8], taken: &mut Taken<'a>, depth: usize) -> Option<()> {
+    fn pick<'a>(&self, pick: &Pick, program: &ProtobufProgram, payload: &'a [u8], taken: &mut Taken<'a>, depth: usize) -> Option<()> {
         let count = || {
             let mut count = 0;
             self.each(payload, |_, _| {
@@ -250,7 +251,7 @@ impl Field {
     }
 
     /// Fills what is wanted of one element.
-    fn one<'a>(&self, program: &Program, wire: Wire<'a>, taken: &mut Taken<'a>, depth: usize) -> Option<()> {
+    fn one<'a>(&self, program: &ProtobufProgram, wire: Wire<'a>, taken: &mut Taken<'a>, depth: usize) -> Option<()> {
         if let Some(scalar) = self.scalar {
             let value = value(scalar, wire)?;
             for slot in program.fields.iter().flat_map(|field| &field.slots) {

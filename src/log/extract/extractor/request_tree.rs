@@ -1,7 +1,7 @@
 //! Paths merged into one tree of wishes, so that a message is walked once however many values are wanted of it.
 
-use crate::log::extract::plan_error::PlanError;
-use crate::log::path::{Step, Test};
+use crate::log::extractor_error::PlanError;
+use crate::log::path::{PathStep, Test};
 
 /// What is wanted of a message.
 #[derive(Debug)]
@@ -47,7 +47,7 @@ pub(crate) enum Pick {
 
 /// A condition on a message: `slots` are emptied unless slot `tested` passes.
 #[derive(Debug, Clone)]
-pub(crate) struct Check {
+pub(crate) struct ElementCheck {
     pub test: Test,
     pub tested: usize,
     pub slots: Vec<usize>,
@@ -59,18 +59,18 @@ impl Wishes {
     }
 
     /// Adds the path `steps`, whose value goes into `slot`.
-    pub(crate) fn add(&mut self, steps: &[Step], slot: usize) -> Result<(), PlanError> {
+    pub(crate) fn add(&mut self, steps: &[PathStep], slot: usize) -> Result<(), PlanError> {
         let mut root = std::mem::take(&mut self.root);
         let added = self.extend(&mut root, steps, slot);
         self.root = root;
         added
     }
 
-    fn extend(&mut self, wish: &mut Wish, steps: &[Step], slot: usize) -> Result<(), PlanError> {
+    fn extend(&mut self, wish: &mut Wish, steps: &[PathStep], slot: usize) -> Result<(), PlanError> {
         match steps {
             [] => wish.take.push(slot),
             // a filter with nothing behind it picks from parallel arrays
-            [Step::Field(name), Step::Filter(test)] => {
+            [PathStep::Field(name), PathStep::Filter(test)] => {
                 let register = self.slots;
                 self.slots += 1;
                 self.registers.push(register);
@@ -79,19 +79,19 @@ impl Wishes {
                 let leaf = Wish { take: vec![slot], ..Wish::default() };
                 wish.field(name).elements.push(Element { pick: Pick::At { register }, wish: leaf });
             }
-            [Step::Field(name), rest @ ..] => {
+            [PathStep::Field(name), rest @ ..] => {
                 let mut child = std::mem::take(wish.field(name));
                 let added = self.extend(&mut child, rest, slot);
                 *wish.field(name) = child;
                 added?;
             }
-            [Step::Index(index), rest @ ..] => self.element(wish, *index, rest, slot)?,
-            [Step::Slice(first, last), rest @ ..] => match (first.unwrap_or(0), last.unwrap_or(-1)) {
+            [PathStep::Index(index), rest @ ..] => self.element(wish, *index, rest, slot)?,
+            [PathStep::Slice(first, last), rest @ ..] => match (first.unwrap_or(0), last.unwrap_or(-1)) {
                 (first, last) if first == last => self.element(wish, first, rest, slot)?,
                 (first, last) => self.each(wish, first, last, rest, slot)?,
             },
-            [Step::Filter(_)] => return Err(PlanError::WholeMessage { field: "the filtered message".into(), known: Vec::new() }),
-            [Step::Filter(test), rest @ ..] => {
+            [PathStep::Filter(_)] => return Err(PlanError::WholeMessage { field: "the filtered message".into(), known: Vec::new() }),
+            [PathStep::Filter(test), rest @ ..] => {
                 let tested = self.slots;
                 self.slots += 1;
                 let before = self.slots;
@@ -105,7 +105,7 @@ impl Wishes {
         Ok(())
     }
 
-    fn element(&mut self, wish: &mut Wish, index: i64, rest: &[Step], slot: usize) -> Result<(), PlanError> {
+    fn element(&mut self, wish: &mut Wish, index: i64, rest: &[PathStep], slot: usize) -> Result<(), PlanError> {
         let mut inner = Wish::default();
         self.extend(&mut inner, rest, slot)?;
         wish.elements.push(Element { pick: Pick::Index(index), wish: inner });
@@ -115,8 +115,8 @@ impl Wishes {
 
 impl Wishes {
     /// Every element of a slice. Slices of the same elements are one, so that the array is walked once for all of them.
-    fn each(&mut self, wish: &mut Wish, first: i64, last: i64, rest: &[Step], slot: usize) -> Result<(), PlanError> {
-        if rest.iter().any(|step| matches!(step, Step::Slice(..) | Step::Filter(_))) {
+    fn each(&mut self, wish: &mut Wish, first: i64, last: i64, rest: &[PathStep], slot: usize) -> Result<(), PlanError> {
+        if rest.iter().any(|step| matches!(step, PathStep::Slice(..) | PathStep::Filter(_))) {
             return Err(PlanError::ListWithin);
         }
         let mut inner = Wish::default();
@@ -152,7 +152,7 @@ impl Wish {
     }
 
     /// The wish for the case that a single message stands here: filters become checks on it.
-    pub(crate) fn on_message(&self) -> (Wish, Vec<Check>) {
+    pub(crate) fn on_message(&self) -> (Wish, Vec<ElementCheck>) {
         let mut fields = Wish { fields: self.fields.clone(), ..Wish::default() };
         let mut checks = Vec::new();
         for element in &self.elements {
@@ -160,7 +160,7 @@ impl Wish {
                 let (inner, mut deeper) = element.wish.on_message();
                 fields.merge(inner);
                 checks.append(&mut deeper);
-                checks.push(Check { test: test.clone(), tested: *tested, slots: slots.clone() });
+                checks.push(ElementCheck { test: test.clone(), tested: *tested, slots: slots.clone() });
             }
         }
         (fields, checks)

@@ -28,9 +28,9 @@ impl Pick {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::log::extract::extractor::Plan;
+    use crate::log::extract::extractor::Extractor;
     use crate::log::extract::extractor::taken::Taken;
-    use crate::log::extract::plan_error::PlanError;
+    use crate::log::extractor_error::PlanError;
     use crate::log::file::structure::Schema;
     use crate::log::path::MessagePath;
     use crate::log::schema::Layout;
@@ -126,7 +126,7 @@ mod tests {
 
     fn lists(layout: &Layout, payload: &[u8], paths: &[&str]) -> Vec<Vec<f64>> {
         let paths: Vec<MessagePath> = paths.iter().map(|path| format!("/t{path}").parse().unwrap()).collect();
-        let plan = Plan::compile(layout, &paths.iter().collect::<Vec<_>>()).unwrap();
+        let plan = Extractor::compile(layout, &paths.iter().collect::<Vec<_>>()).unwrap();
         let mut taken = Taken::default();
         // twice: what one message teaches must not spoil the next
         for _ in 0..2 {
@@ -155,7 +155,7 @@ mod tests {
     fn an_empty_array_after_a_full_one_gives_nothing() {
         let (layout, payload) = ros();
         let path: MessagePath = "/t.poses[:].at.x".parse().unwrap();
-        let plan = Plan::compile(&layout, &[&path]).unwrap();
+        let plan = Extractor::compile(&layout, &[&path]).unwrap();
         let empty = [0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
         let mut taken = Taken::default();
         for (payload, count) in [(&payload[..], 4), (&empty, 0), (&empty, 0), (&payload, 4)] {
@@ -169,7 +169,7 @@ mod tests {
         let (layout, _) = ros();
         for path in ["/t.poses[:].at[:].x", "/t.poses[:]{id==\"a\"}[:].at.x", "/t.poses[1:2].at{x>1}.y"] {
             let path: MessagePath = path.parse().unwrap();
-            let refused = Plan::compile(&layout, &[&path]).unwrap_err().1;
+            let refused = Extractor::compile(&layout, &[&path]).unwrap_err().1;
             assert!(matches!(refused, PlanError::ListWithin | PlanError::NotAnArray { .. }), "{refused}");
         }
     }

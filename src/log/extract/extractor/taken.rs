@@ -1,6 +1,6 @@
 //! What one message gives: a slot for each path.
 
-use crate::log::extract::value::Raw;
+use crate::log::value::Raw;
 
 /// The slots that a plan fills, kept from message to message of one channel.
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! The text of a definition into what it defines.
 
-use crate::log::schema::idl::definition::{Definition, Definitions, Member, Named};
+use crate::log::schema::idl::definition::{Definitions, IdlDefinition, IdlName, Member};
 use crate::log::schema::shape::{Kind, MAX_DEPTH, Shape};
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub(crate) fn read(text: &str) -> Result<Definitions, String> {
     let tokens = tokens(text)?;
     let mut parser =
-        Parser { tokens: &tokens, at: 0, scope: Vec::new(), found: Definitions { types: BTreeMap::new(), constants: BTreeMap::new() } };
+        IdlParser { tokens: &tokens, at: 0, scope: Vec::new(), found: Definitions { types: BTreeMap::new(), constants: BTreeMap::new() } };
     parser.specification()?;
     Ok(parser.found)
 }
@@ -52,14 +52,14 @@ fn tokens(text: &str) -> Result<Vec<&str>, String> {
     }
 }
 
-struct Parser<'a> {
+struct IdlParser<'a> {
     tokens: &'a [&'a str],
     at: usize,
     scope: Vec<&'a str>,
     found: Definitions,
 }
 
-impl<'a> Parser<'a> {
+impl<'a> IdlParser<'a> {
     fn peek(&self) -> &'a str {
         self.tokens.get(self.at).copied().unwrap_or_default()
     }
@@ -99,14 +99,14 @@ impl<'a> Parser<'a> {
                     let kind = self.named()?;
                     let (name, lengths) = self.declarator()?;
                     let full = self.full(name);
-                    self.found.types.insert(full, Definition::Alias(kind, lengths));
+                    self.found.types.insert(full, IdlDefinition::Alias(kind, lengths));
                     self.expect(";")?;
                 }
                 "enum" => {
                     let name = self.full(self.peek());
                     self.next()?;
                     while self.next()? != "}" {}
-                    self.found.types.insert(name, Definition::Enumeration);
+                    self.found.types.insert(name, IdlDefinition::Enumeration);
                 }
                 "const" => self.constant()?,
                 other => return Err(format!("{other:?} is not understood")),
@@ -161,7 +161,7 @@ impl<'a> Parser<'a> {
         }
         self.expect("}")?;
         let full = self.full(name);
-        self.found.types.insert(full, Definition::Structure(members));
+        self.found.types.insert(full, IdlDefinition::Structure(members));
         Ok(())
     }
 
@@ -193,7 +193,7 @@ impl<'a> Parser<'a> {
     }
 
     /// A type; sequences of sequences are unwrapped in a loop.
-    fn named(&mut self) -> Result<Named, String> {
+    fn named(&mut self) -> Result<IdlName, String> {
         let mut sequences = 0;
         while self.peek() == "sequence" {
             self.at += 1;
@@ -203,7 +203,7 @@ impl<'a> Parser<'a> {
                 return Err(format!("sequences are nested more than {MAX_DEPTH} deep"));
             }
         }
-        let number = |kind| Named::Scalar(Shape::Number(kind));
+        let number = |kind| IdlName::Scalar(Shape::Number(kind));
         let mut kind = match self.next()? {
             "boolean" => number(Kind::Bool),
             "octet" | "uint8" | "char" => number(Kind::U8),
@@ -239,10 +239,10 @@ impl<'a> Parser<'a> {
                     self.next()?;
                     self.expect(">")?;
                 }
-                Named::Scalar(if word == "string" { Shape::Text } else { Shape::WideText })
+                IdlName::Scalar(if word == "string" { Shape::Text } else { Shape::WideText })
             }
             word @ ("union" | "map" | "bitset" | "bitmask" | "fixed" | "any") => return Err(format!("{word} is not understood")),
-            name => Named::Type { name: name.to_owned(), scope: self.scope.join("::") },
+            name => IdlName::Type { name: name.to_owned(), scope: self.scope.join("::") },
         };
         for _ in 0..sequences {
             if self.peek() == "," {
@@ -250,7 +250,7 @@ impl<'a> Parser<'a> {
                 self.next()?;
             }
             self.expect(">")?;
-            kind = Named::Sequence(Box::new(kind));
+            kind = IdlName::Sequence(Box::new(kind));
         }
         Ok(kind)
     }

@@ -2,7 +2,7 @@
 
 use crate::log::extract::extractor::cdr::operation::Operation;
 use crate::log::extract::extractor::request_tree::{Element, Pick, Wish};
-use crate::log::extract::plan_error::PlanError;
+use crate::log::extractor_error::PlanError;
 use crate::log::schema::{Shape, Size, Structure};
 
 /// Instructions and types of one program at most: far above any real schema.

@@ -1,7 +1,7 @@
 //! Numbers and texts of a CDR payload.
 
-use crate::log::extract::value::Raw;
 use crate::log::schema::Kind;
+use crate::log::value::Raw;
 
 /// The number at the front of `data`.
 #[inline]

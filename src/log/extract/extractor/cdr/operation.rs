@@ -1,6 +1,6 @@
 //! One step of a compiled CDR extractor.
 
-use crate::log::extract::extractor::request_tree::{Check, Pick};
+use crate::log::extract::extractor::request_tree::{ElementCheck, Pick};
 use crate::log::schema::{Kind, Size};
 
 #[derive(Debug)]
@@ -49,7 +49,7 @@ pub(crate) enum Operation {
         skip: Vec<Operation>,
         picks: Vec<(Pick, Vec<Operation>)>,
     },
-    Check(Check),
+    Check(ElementCheck),
 }
 
 impl Operation {

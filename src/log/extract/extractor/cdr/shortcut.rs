@@ -5,8 +5,8 @@
 //! last one at those bytes, and if they are equal its values are taken from the same places.
 
 use crate::log::extract::extractor::cdr::number::number;
-use crate::log::extract::value::Raw;
 use crate::log::schema::Kind;
+use crate::log::value::Raw;
 
 /// Places that are compared at most; a walk that depends on more of them is as fast as comparing.
 const MAX_PLACES: usize = 32;

@@ -7,8 +7,8 @@ use crate::log::extract::extractor::index::position;
 use crate::log::extract::extractor::request_tree::Pick;
 use crate::log::extract::extractor::slice::elements;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::schema::{Kind, Size};
+use crate::log::value::Raw;
 
 /// How numbers and arrays stand in a payload.
 #[derive(Debug, Clone, Copy)]

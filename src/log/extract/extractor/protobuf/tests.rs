@@ -1,13 +1,13 @@
 //! Fields of every kind, described by hand, against the dynamic decoder.
 #![allow(clippy::unwrap_used)]
 
-use crate::log::extract::extractor::Plan;
+use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
-use crate::log::extract::value::Raw;
 use crate::log::file::structure::Schema;
 use crate::log::path::MessagePath;
 use crate::log::schema::Layout;
-use crate::log::schema::schema_error::SchemaError;
+use crate::log::schema_error::SchemaError;
+use crate::log::value::Raw;
 use prost::Message as _;
 use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, Value};
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -61,7 +61,7 @@ fn layout(schema: &Schema) -> Result<Layout, SchemaError> {
 
 fn take(schema: &Schema, paths: &[&str], payload: &[u8]) -> Vec<Option<f64>> {
     let paths: Vec<MessagePath> = paths.iter().map(|path| format!("/t{path}").parse().unwrap()).collect();
-    let plan = Plan::compile(&layout(schema).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap();
+    let plan = Extractor::compile(&layout(schema).unwrap(), &paths.iter().collect::<Vec<_>>()).unwrap();
     let mut taken = Taken::default();
     plan.decode(payload, &mut taken).unwrap();
     let number = |slot| match taken.get(slot) {

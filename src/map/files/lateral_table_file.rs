@@ -1,7 +1,7 @@
-//! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not tell.
+//! `lateral_table.json`: which mean lateral error a compensation angle adds, with everything that its CSV does not say.
 
-use crate::map::csv_matrix::decimal;
-use crate::map::format::{LATERAL_TABLE_FORMAT, expect_format};
+use crate::map::decimal;
+use crate::map::files::format::{LATERAL_TABLE_FORMAT, expect_format};
 use crate::map::{CsvRef, Error, LogRef, Result, Vehicle};
 use serde::{Deserialize, Serialize};
 
@@ -90,7 +90,7 @@ impl LateralTableFile {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        crate::map::json_text::to_text(self)
+        crate::map::files::json_text::to_text(self)
     }
 
     /// The CSV text: one line per entry.

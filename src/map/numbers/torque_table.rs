@@ -1,7 +1,7 @@
 //! Table 2: torque over front-wheel speed and desired acceleration.
 
-use crate::map::accel_table::{SPEED_AXIS, check_values};
-use crate::map::{Axis, Matrix, Result, lookup};
+use crate::control::TableView;
+use crate::map::{Axis, Matrix, Result, SPEED_AXIS, check_values, lookup};
 
 /// Name of the acceleration axis in errors and CSV corners.
 pub(crate) const ACCEL_AXIS: &str = "accel_mps2";
@@ -58,6 +58,11 @@ impl TorqueTable {
     /// The same with speed and acceleration clamped to the axes; `None` only for NaN.
     pub fn torque_from_accel_clamped(&self, speed_mps: f64, accel_mps2: f64) -> Option<f64> {
         lookup::bilinear_clamped(self.speed_mps.breaks(), self.accel_mps2.breaks(), &self.torque_nm, speed_mps, accel_mps2)
+    }
+
+    /// The table as the controller reads it.
+    pub fn view(&self) -> TableView<'_> {
+        TableView { speed_mps: self.speed_mps.breaks(), accel_mps2: self.accel_mps2.breaks(), torque_nm: &self.torque_nm }
     }
 
     /// The matrix of `table2.csv`.

@@ -1,6 +1,6 @@
 //! `fit_traces.json`: what a fit saw along the runs, thinned out for people to look at. Nothing is computed from it.
 
-use crate::map::format::{FIT_TRACES_FORMAT, expect_format};
+use crate::map::files::format::{FIT_TRACES_FORMAT, expect_format};
 use crate::map::{CsvRef, Gear, Result};
 use serde::{Deserialize, Serialize};
 
@@ -113,6 +113,6 @@ impl FitTraces {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        crate::map::json_text::to_text(self)
+        crate::map::files::json_text::to_text(self)
     }
 }

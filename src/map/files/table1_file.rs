@@ -1,7 +1,12 @@
-//! `table1.json`: Table 1 with everything that its CSV does not tell.
+//! `table1.json`: Table 1 with everything that its CSV does not say.
 
-use crate::map::format::{TABLE1_FORMAT, expect_format};
-use crate::map::{AccelTable, AngleFamily, Axis, CellStatus, Gear, Result, Vehicle};
+use crate::map::files::format::{TABLE1_FORMAT, expect_format};
+use crate::map::files::named;
+use crate::map::files::shape::ArrayField;
+use crate::map::files::status::{ActuatorInput, DelayStatus, SampleVerdict, SpeedSource};
+use crate::map::{
+    AccelMaps, AccelTable, AngleFamily, AngleSurface, Axis, CellStatus, Gear, Result, SPEED_AXIS, TORQUE_AXIS, Vehicle, WheelAngle,
+};
 use serde::{Deserialize, Serialize};
 
 /// `table1.json`: one [`AccelMap`] per gear and wheel angle, and where they come from.
@@ -9,13 +14,13 @@ use serde::{Deserialize, Serialize};
 pub struct Table1File {
     /// Always `pivot-cal/table1`.
     pub format: String,
-    /// Version of this layout, [`FORMAT_VERSION`].
+    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
-    /// Units of every number whose name does not tell.
+    /// Units of every number whose name does not say them.
     pub units: Units,
-    /// The vehicle, as the signal map or the log told it.
+    /// The vehicle, as the signal map or the log says.
     pub vehicle: Vehicle,
     /// The logs that were read, ordered by hash.
     pub logs: Vec<LogRef>,
@@ -23,8 +28,8 @@ pub struct Table1File {
     pub settings: serde_json::Value,
     /// Dead time and lag of the drive.
     pub actuator: Actuator,
-    /// The speed witnesses and how they compare.
-    pub witnesses: Vec<Witness>,
+    /// The sources of the wheel's speed and how they compare.
+    pub witnesses: Vec<SpeedReading>,
     /// What is random about the plant.
     pub noise: PlantNoise,
     /// The tables.
@@ -80,8 +85,9 @@ pub struct DelayEstimate {
     pub value_s: f64,
     /// Standard error [s]; absent when the value was given.
     pub std_err_s: Option<f64>,
-    /// `estimated`, `weakly determined`, `given`, `not separable`, `at bound`.
-    pub status: String,
+    /// How it is known.
+    #[serde(with = "named")]
+    pub status: DelayStatus,
 }
 
 /// The drive between commanded and effective torque: dead time, then a first-order lag.
@@ -91,9 +97,8 @@ pub struct Actuator {
     pub dead_time: DelayEstimate,
     /// Time constant of the first-order lag [s], shared by the logs.
     pub lag: DelayEstimate,
-    /// The input that the fit used: `torque command` or `torque feedback`; in parentheses the reason, where it is not plain that a drive is
-    /// modelled from its command.
-    pub input: String,
+    /// The input that the fit used.
+    pub input: ActuatorInput,
     /// The same per log: a command's stamp is late by its sampling phase, differently in each log.
     pub per_log: Vec<LogActuator>,
 }
@@ -113,14 +118,15 @@ pub struct LogActuator {
 
 /// One source of the front wheel's speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Witness {
-    /// `encoder` or `yaw rate`.
-    pub name: String,
+pub struct SpeedReading {
+    /// Which source.
+    #[serde(with = "named")]
+    pub name: SpeedSource,
     /// Reading over true speed.
     pub scale: f64,
     /// Standard error of the scale; absent when the scale is 1 by definition.
     pub scale_std_err: Option<f64>,
-    /// How much later it reads than the reference witness [s].
+    /// How much later it reads than the reference source [s].
     pub delay_s: f64,
     /// Standard deviation of one reading [m/s].
     pub noise_mps: f64,
@@ -165,14 +171,14 @@ pub struct AccelMap {
     /// Per speed break the lowest and highest torque [N·m] that samples cover, or null.
     pub measured_torque_nm: Vec<Option<[f64; 2]>>,
     /// The torque that sets a resting wheel in motion.
-    pub breakaway: Breakaway,
+    pub breakaway: BreakawayTorque,
     /// The surface on a finer grid, from which Table 2 is made and vehicles are simulated.
-    pub surface: Surface,
+    pub surface: FineSurface,
 }
 
 /// A fine grid of the fitted surface: rows torque, columns speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Surface {
+pub struct FineSurface {
     /// Speed breaks [m/s].
     pub speed_mps: Vec<f64>,
     /// Torque breaks [N·m].
@@ -183,7 +189,7 @@ pub struct Surface {
 
 /// The torque that sets a resting wheel in motion, in the gear's direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Breakaway {
+pub struct BreakawayTorque {
     /// Best estimate [N·m]: where the surface at v → 0⁺ crosses zero, held within the bounds below.
     pub torque_nm: f64,
     /// Standard error [N·m]; absent when only bounds are known.
@@ -217,8 +223,9 @@ pub struct Stage1Report {
 /// One line of the ledger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerRow {
-    /// `used` or the reason for which samples were left out.
-    pub verdict: String,
+    /// What became of the samples.
+    #[serde(with = "named")]
+    pub verdict: SampleVerdict,
     /// Number of samples.
     pub samples: u64,
     /// Their time [s].
@@ -262,15 +269,13 @@ impl Table1File {
     /// Reads the JSON text.
     ///
     /// # Errors
-    /// Not JSON, another format, an unknown version, a missing or misplaced field, or tables that [`AccelTable::new`] refuses.
+    /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not among the allowed ones, an array whose
+    /// size is not that of its axes, or tables that [`AccelTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
         let value = expect_format(text, TABLE1_FORMAT)?;
         let file: Self = serde_json::from_value(value)?;
         file.vehicle.checked()?;
-        for map in &file.maps {
-            map.table()?;
-            map.surface.table()?;
-        }
+        file.maps.iter().enumerate().try_for_each(|(k, map)| map.check(&format!("maps[{k}]")))?;
         file.families.iter().try_for_each(AngleFamily::check)?;
         Ok(file)
     }
@@ -280,16 +285,53 @@ impl Table1File {
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
-        crate::map::json_text::to_text(self)
+        crate::map::files::json_text::to_text(self)
     }
 
-    /// The map of a gear at a wheel angle within `tolerance_deg` of `wheel_angle_deg`.
-    pub fn map(&self, gear: Gear, wheel_angle_deg: f64, tolerance_deg: f64) -> Option<&AccelMap> {
-        self.maps.iter().find(|m| m.gear == gear && (m.wheel_angle_deg - wheel_angle_deg).abs() <= tolerance_deg)
+    /// The map of a gear at a wheel angle.
+    pub fn map(&self, gear: Gear, angle: WheelAngle) -> Option<&AccelMap> {
+        self.maps.iter().find(|m| m.gear == gear && m.angle().is_same(angle))
+    }
+
+    /// The map of a gear at the test angle.
+    pub fn map_at_test_angle(&self, gear: Gear) -> Option<&AccelMap> {
+        self.map(gear, self.vehicle.test_angle())
+    }
+
+    /// Whether the maps belong to more than one wheel angle.
+    pub fn has_several_angles(&self) -> bool {
+        WheelAngle::several(self.maps.iter().map(|m| m.wheel_angle_deg))
+    }
+
+    /// The vehicle's torque limit [N·m], or without one the largest torque of the tables.
+    pub fn torque_limit_nm(&self) -> f64 {
+        self.vehicle.torque_limit_or_largest_nm(self.maps.iter().flat_map(|m| m.torque_nm.iter().copied()))
     }
 }
 
 impl AccelMap {
+    /// The wheel angle of the map.
+    pub fn angle(&self) -> WheelAngle {
+        WheelAngle::from_deg(self.wheel_angle_deg)
+    }
+
+    /// Every array against the axes; `place` is the map in errors.
+    fn check(&self, place: &str) -> Result<()> {
+        self.table()?;
+        self.surface.table()?;
+        let field = |name| ArrayField { map: place, name };
+        let (rows, columns) = (self.torque_nm.len(), self.speed_mps.len());
+        field("accel_mps2").expect_numbers(rows, columns, &self.accel_mps2)?;
+        field("std_err_mps2").expect_numbers(rows, columns, &self.std_err_mps2)?;
+        field("count").expect_cells(rows, columns, &self.count)?;
+        field("confidence").expect_numbers(rows, columns, &self.confidence)?;
+        field("status").expect_cells(rows, columns, &self.status)?;
+        field("measured_torque_nm").expect_len("", columns, self.measured_torque_nm.len())?;
+        field("surface.accel_mps2").expect_numbers(self.surface.torque_nm.len(), self.surface.speed_mps.len(), &self.surface.accel_mps2)?;
+        field("wheel_angle_deg").expect_finite("", self.wheel_angle_deg)?;
+        field("breakaway.torque_nm").expect_finite("", self.breakaway.torque_nm)
+    }
+
     /// The table itself.
     ///
     /// # Errors
@@ -299,7 +341,7 @@ impl AccelMap {
     }
 }
 
-impl Surface {
+impl FineSurface {
     /// The fine grid as a table.
     ///
     /// # Errors
@@ -310,7 +352,86 @@ impl Surface {
 }
 
 fn table_of(speed: &[f64], torque: &[f64], accel: &[Vec<f64>]) -> Result<AccelTable> {
-    let speed = Axis::new(crate::map::accel_table::SPEED_AXIS, speed.to_vec())?;
-    let torque = Axis::new(crate::map::accel_table::TORQUE_AXIS, torque.to_vec())?;
-    AccelTable::new(speed, torque, accel.concat())
+    AccelTable::new(Axis::new(SPEED_AXIS, speed.to_vec())?, Axis::new(TORQUE_AXIS, torque.to_vec())?, accel.concat())
+}
+
+impl AccelMaps {
+    /// From the maps of a `table1.json` and its families.
+    ///
+    /// # Errors
+    /// As [`Axis::new`] and [`AccelTable::new`].
+    pub fn new<'a>(maps: impl IntoIterator<Item = &'a AccelMap>, families: &[AngleFamily]) -> Result<Self> {
+        let one = |map: &AccelMap| {
+            Ok(AngleSurface {
+                gear: map.gear,
+                wheel_angle_deg: map.wheel_angle_deg,
+                surface: map.surface.table()?,
+                std_err: table_of(&map.speed_mps, &map.torque_nm, &map.std_err_mps2)?,
+            })
+        };
+        Ok(Self::from_surfaces(maps.into_iter().map(one).collect::<Result<_>>()?, families.to_vec()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use serde_json::Value;
+
+    fn error_after(change: impl Fn(&mut Value)) -> String {
+        let mut json: Value = serde_json::from_str(include_str!("../../../maps/table1.json")).unwrap();
+        change(&mut json);
+        Table1File::from_json(&json.to_string()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_array_of_a_map_must_have_the_size_of_its_axes() {
+        for field in ["accel_mps2", "std_err_mps2", "count", "confidence", "status"] {
+            let short_row = error_after(|json| drop(json["maps"][0][field][2].as_array_mut().unwrap().pop()));
+            assert!(short_row.contains(&format!("maps[0].{field}[2] has ")) || field == "accel_mps2", "{short_row}");
+            let missing_row = error_after(|json| drop(json["maps"][1][field].as_array_mut().unwrap().pop()));
+            assert!(missing_row.contains(&format!("maps[1].{field} has ")) || field == "accel_mps2", "{missing_row}");
+        }
+        let error = error_after(|json| drop(json["maps"][0]["measured_torque_nm"].as_array_mut().unwrap().pop()));
+        assert!(error.starts_with("maps[0].measured_torque_nm has "), "{error}");
+    }
+
+    #[test]
+    fn a_cell_that_slipped_into_the_next_row_is_found() {
+        let error = error_after(|json| {
+            let rows = json["maps"][0]["accel_mps2"].as_array_mut().unwrap();
+            let cell = rows[0].as_array_mut().unwrap().pop().unwrap();
+            rows[1].as_array_mut().unwrap().insert(0, cell);
+        });
+        assert!(error.starts_with("maps[0].accel_mps2[0] has "), "{error}");
+    }
+
+    #[test]
+    fn a_status_that_does_not_exist_is_refused_with_its_field() {
+        let error = error_after(|json| json["actuator"]["lag"]["status"] = "at bound".into());
+        assert!(error.contains("status is \"at bound\"; allowed: estimated, "), "{error}");
+        let error = error_after(|json| json["actuator"]["input"] = "pedal".into());
+        assert!(error.contains("input is \"pedal\"; allowed: torque command, torque feedback"), "{error}");
+        let error = error_after(|json| json["report"]["ledger"][0]["verdict"] = "good".into());
+        assert!(error.contains("verdict is \"good\"; allowed: used, "), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_is_read_and_written_keeps_its_bytes() {
+        let text = include_str!("../../../maps/table1.json");
+        assert!(Table1File::from_json(text).unwrap().to_json().unwrap() == text);
+    }
+
+    #[test]
+    fn a_map_is_found_by_gear_and_angle() {
+        let file = Table1File::from_json(include_str!("../../../maps/table1.json")).unwrap();
+        let test_angle = file.vehicle.test_angle();
+        for gear in Gear::ALL {
+            assert_eq!(file.map_at_test_angle(gear).unwrap().gear, gear);
+            assert!(file.map(gear, WheelAngle::from_deg(test_angle.deg() - 0.9)).is_some());
+            assert!(file.map(gear, WheelAngle::from_deg(test_angle.deg() - 1.0)).is_none());
+        }
+        assert!(!file.has_several_angles());
+    }
 }

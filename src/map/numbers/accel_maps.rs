@@ -4,7 +4,7 @@
 //! friction ([`AngleFamily`]), and the two are weighted by how near they are. At a measured angle the answer is its table's.
 
 use crate::map::angle_lookup::{Between, between};
-use crate::map::{AccelMap, AccelTable, AngleFamily, Axis, Gear, Result, SAME_ANGLE_DEG, Side};
+use crate::map::{AccelTable, AngleFamily, Gear, SAME_ANGLE_DEG, Side};
 use crate::units::RAD_PER_DEG;
 
 /// An acceleration at a wheel angle.
@@ -22,35 +22,27 @@ pub struct AccelAtAngle {
 /// Table 1 at every wheel angle.
 #[derive(Debug, Clone)]
 pub struct AccelMaps {
-    maps: Vec<OneAngle>,
+    maps: Vec<AngleSurface>,
     families: Vec<AngleFamily>,
 }
 
+/// Table 1 of one gear at one wheel angle.
 #[derive(Debug, Clone)]
-struct OneAngle {
-    gear: Gear,
-    angle_deg: f64,
-    surface: AccelTable,
-    std_err: AccelTable,
+pub struct AngleSurface {
+    /// Gear.
+    pub gear: Gear,
+    /// Wheel angle [°], left positive.
+    pub wheel_angle_deg: f64,
+    /// Acceleration [m/s²], on the fine grid.
+    pub surface: AccelTable,
+    /// Its standard error [m/s²], on the grid of the table.
+    pub std_err: AccelTable,
 }
 
 impl AccelMaps {
-    /// From the maps of a `table1.json` and its families.
-    ///
-    /// # Errors
-    /// As [`Axis::new`] and [`AccelTable::new`].
-    pub fn new<'a>(maps: impl IntoIterator<Item = &'a AccelMap>, families: &[AngleFamily]) -> Result<Self> {
-        let one = |map: &AccelMap| {
-            let speed = Axis::new(crate::map::accel_table::SPEED_AXIS, map.speed_mps.clone())?;
-            let torque = Axis::new(crate::map::accel_table::TORQUE_AXIS, map.torque_nm.clone())?;
-            Ok(OneAngle {
-                gear: map.gear,
-                angle_deg: map.wheel_angle_deg,
-                surface: map.surface.table()?,
-                std_err: AccelTable::new(speed, torque, map.std_err_mps2.concat())?,
-            })
-        };
-        Ok(Self { maps: maps.into_iter().map(one).collect::<Result<_>>()?, families: families.to_vec() })
+    /// From the surface of every gear and angle, and what those of a gear and side have in common.
+    pub fn from_surfaces(maps: Vec<AngleSurface>, families: Vec<AngleFamily>) -> Self {
+        Self { maps, families }
     }
 
     /// Acceleration under a torque at a wheel angle [°]; `None` outside the measured angles of its side and outside a table, and without a
@@ -71,8 +63,8 @@ impl AccelMaps {
     /// Where an angle lies among those of its gear and side.
     fn place(&self, gear: Gear, angle_deg: f64) -> Option<(Between, Side)> {
         let side = if angle_deg < 0.0 { Side::Right } else { Side::Left };
-        let own = self.maps.iter().enumerate().filter(|(_, m)| m.gear == gear && side.holds(m.angle_deg));
-        Some((between(own.map(|(k, m)| (k, m.angle_deg)), angle_deg, SAME_ANGLE_DEG)?, side))
+        let own = self.maps.iter().enumerate().filter(|(_, m)| m.gear == gear && side.holds(m.wheel_angle_deg));
+        Some((between(own.map(|(k, m)| (k, m.wheel_angle_deg)), angle_deg, SAME_ANGLE_DEG)?, side))
     }
 
     fn at(
@@ -93,7 +85,7 @@ impl AccelMaps {
             let error = map.std_err.accel_from_torque_clamped(speed_mps, torque_nm)?;
             match family.filter(|_| !alone) {
                 Some(family) => {
-                    let (terms, there) = (family.terms(), (map.angle_deg * RAD_PER_DEG).sin());
+                    let (terms, there) = (family.terms(), (map.wheel_angle_deg * RAD_PER_DEG).sin());
                     let scale = terms.inertia(there) / terms.inertia(here);
                     Some((terms.accel_elsewhere_mps2(speed_mps, accel, there, here), error * scale))
                 }

@@ -1,11 +1,11 @@
 //! The gear that a map or a sample belongs to.
 
 use core::fmt;
-use serde::{Deserialize, Serialize};
 
 /// Direction of travel that the drive is set to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Gear {
     /// Positive wheel speed; at +90° the vehicle turns left.
     Forward,

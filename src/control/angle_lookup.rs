@@ -11,7 +11,7 @@
 //!
 //! This file uses `core` only and can be carried to a microcontroller as it is.
 
-use crate::map::lookup::bracket;
+use crate::lookup::bracket;
 
 /// Inertia and friction over the wheel angle, borrowed.
 #[derive(Debug, Clone, Copy, PartialEq)]

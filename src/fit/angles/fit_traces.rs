@@ -1,0 +1,44 @@
+//! What a report shows of a fit, for all angles.
+
+use crate::campaign::SampleVerdict;
+use crate::fit::Result;
+use crate::fit::angles::fitted_angles::FittedAngles;
+use crate::fit::angles::table1_file::Fit;
+use crate::fit::table1::delay_likelihood::delay_likelihood;
+use crate::fit::table1::traces::AngleTraces;
+use crate::map::{CsvRef, FIT_TRACES_FORMAT, FORMAT_VERSION, FitTraces, sha256_hex};
+
+impl FittedAngles<'_> {
+    /// The traces of all angles, thinned out; cells and delays of the test angle.
+    ///
+    /// # Errors
+    /// No fit at the test angle.
+    pub(crate) fn traces(&self, fit: &Fit) -> Result<FitTraces> {
+        let test = self.test()?;
+        let mut rows: Vec<Vec<usize>> = self.angles.iter().map(|angle| vec![0; angle.figures.rows.len()]).collect();
+        for (row, run) in self.runs().iter().enumerate() {
+            rows[run.angle][run.own] = row;
+        }
+        let (mut runs, mut residual_cells, mut residual_times) = (Vec::new(), Vec::new(), Vec::new());
+        for (angle, rows) in self.angles.iter().zip(rows) {
+            let own = AngleTraces::new(angle)?;
+            runs.extend(own.runs.into_iter().map(|run| crate::map::RunTrace { row: rows[run.row], ..run }));
+            residual_times.extend(own.residual_times);
+            if self.task.is_test(angle.wheel_angle_deg) {
+                residual_cells = own.residual_cells;
+            }
+        }
+        runs.sort_by_key(|run| run.row);
+        Ok(FitTraces {
+            format: FIT_TRACES_FORMAT.to_owned(),
+            format_version: FORMAT_VERSION,
+            tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            table1: CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(fit.file.to_json()?.as_bytes()) },
+            verdicts: SampleVerdict::ALL.iter().map(ToString::to_string).collect(),
+            runs,
+            residual_cells,
+            residual_times,
+            delay: delay_likelihood(&test.estimate),
+        })
+    }
+}

@@ -1,0 +1,131 @@
+//! What the wheel angles of a campaign share: dead times (one per log), lag, and the encoder's calibration.
+//!
+//! Each angle with a yaw rate is fitted by itself first; its delays are pooled by their standard errors, and the encoder's scale and delay come
+//! from the angle with the largest |sin δ|, where the yaw rate shows speeds best. Angles without a yaw rate then give the dead times of logs that
+//! no other angle shares.
+
+use crate::campaign::AngleGroup;
+use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::rounds::estimate::Estimate;
+use crate::fit::table1::actuator::Delays;
+use crate::fit::{Error, FitSettings, KnownCalibration, rounds};
+use crate::map::LogRef;
+use crate::units::RAD_PER_DEG;
+use std::collections::BTreeMap;
+
+/// A standard error below this is not believed when estimates are pooled [s].
+const LEAST_DELAY_STD_ERR_S: f64 = 1e-4;
+
+/// What the angles share, and the angles that cannot be fitted.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    pub(crate) known: KnownCalibration,
+    pub(crate) pooled: Pooled,
+    pub(crate) failed: Vec<(f64, Error)>,
+}
+
+impl Shared {
+    /// Fits each angle for its delays, those with a yaw rate first.
+    pub(crate) fn new(groups: &[AngleGroup], choice: &TorqueChoice, settings: &FitSettings) -> Self {
+        let has_yaw = |g: &&AngleGroup| g.surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
+        let mut pooled = Pooled::default();
+        let mut failed = Vec::new();
+        let mut best: Option<(f64, (f64, f64))> = None;
+        for group in groups.iter().filter(has_yaw) {
+            match rounds::estimate(&group.surveys, choice, settings) {
+                Ok(estimate) => {
+                    pooled.add(&estimate);
+                    let sine = (group.wheel_angle_deg * RAD_PER_DEG).sin().abs();
+                    if best.is_none_or(|(s, _)| sine > s) {
+                        best = Some((sine, (estimate.calibration.encoder_scale, estimate.calibration.encoder_delay_s)));
+                    }
+                }
+                Err(error) => failed.push((group.wheel_angle_deg, error)),
+            }
+        }
+        let encoder = best.map(|(_, encoder)| encoder);
+        // the encoder alone: its delay is known by now, or stays within the dead time
+        let so_far = pooled.known(encoder);
+        let mut others = Pooled::default();
+        for group in groups.iter().filter(|g| !has_yaw(g)) {
+            let all_known = group.surveys.iter().all(|s| so_far.dead_time_s.contains_key(&s.track.source.sha256));
+            if all_known {
+                continue;
+            }
+            let held = FitSettings { known: Some(so_far.clone()), ..settings.clone() };
+            match rounds::estimate(&group.surveys, choice, &held) {
+                Ok(estimate) => others.add(&estimate),
+                Err(error) => failed.push((group.wheel_angle_deg, error)),
+            }
+        }
+        for (log, pool) in others.dead_time_s {
+            pooled.dead_time_s.entry(log).or_insert(pool);
+        }
+        if pooled.lag_s.mean().is_none() {
+            pooled.lag_s = others.lag_s;
+        }
+        Self { known: pooled.known(encoder), pooled, failed }
+    }
+}
+
+/// Values pooled by their standard errors.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pool {
+    weight: f64,
+    sum: f64,
+}
+
+impl Pool {
+    fn add(&mut self, value: f64, std_err: f64) {
+        let weight = std_err.max(LEAST_DELAY_STD_ERR_S).powi(-2);
+        self.weight += weight;
+        self.sum += weight * value;
+    }
+
+    fn mean(self) -> Option<(f64, f64)> {
+        (self.weight > 0.0).then(|| (self.sum / self.weight, self.weight.powf(-0.5)))
+    }
+}
+
+/// Delays of the logs and the lag, pooled over the angles.
+#[derive(Debug, Default)]
+pub(crate) struct Pooled {
+    dead_time_s: BTreeMap<String, Pool>,
+    lag_s: Pool,
+}
+
+impl Pooled {
+    fn add(&mut self, estimate: &Estimate) {
+        let calibration = &estimate.calibration;
+        for ((log, dead_time_s), std_err_s) in
+            estimate.data.logs.iter().zip(&calibration.dead_time_s).zip(&estimate.calibration_errors.dead_time_s)
+        {
+            self.dead_time_s.entry(log.survey.track.source.sha256.clone()).or_default().add(*dead_time_s, *std_err_s);
+        }
+        self.lag_s.add(calibration.lag_s, estimate.calibration_errors.lag_s);
+    }
+
+    fn known(&self, encoder: Option<(f64, f64)>) -> KnownCalibration {
+        KnownCalibration {
+            dead_time_s: self.dead_time_s.iter().filter_map(|(log, pool)| Some((log.clone(), pool.mean()?.0))).collect(),
+            lag_s: self.lag_s.mean().map(|m| m.0),
+            encoder,
+        }
+    }
+
+    /// Delays of `logs`; a log whose only angle could not be fitted has those of the test angle's first log.
+    pub(crate) fn delays(&self, logs: &[LogRef], test: &Estimate) -> Delays {
+        let of_log = |log: &LogRef| {
+            let own = self.dead_time_s.get(&log.sha256).and_then(|p| p.mean());
+            own.unwrap_or((test.calibration.dead_time_s[0], test.calibration_errors.dead_time_s[0]))
+        };
+        let dead_times: Vec<(f64, f64)> = logs.iter().map(of_log).collect();
+        let (lag_s, lag_std_err_s) = self.lag_s.mean().unwrap_or((test.calibration.lag_s, test.calibration_errors.lag_s));
+        Delays {
+            dead_time_s: dead_times.iter().map(|d| d.0).collect(),
+            dead_time_std_err_s: dead_times.iter().map(|d| d.1).collect(),
+            lag_s,
+            lag_std_err_s,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
+
+use crate::fit::drive::torque_input::TorqueInput;
+use crate::fit::motion::regressors::Free;
+use crate::fit::nuisance;
+use crate::fit::rounds::convergence::DelayStep;
+use crate::fit::rounds::initial_guess::hold_known;
+use crate::fit::rounds::state::State;
+use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
+
+/// Largest step of a delay in one round [s].
+const DELAY_STEP_S: f64 = 0.02;
+/// Prior standard deviation of what is known.
+const FIXED_STD: f64 = 1e-9;
+
+impl State<'_> {
+    /// Prior standard deviations of the nuisance columns; what is known from outside does not move.
+    pub(crate) fn nuisance_prior(&self, free: Free) -> Vec<f64> {
+        if free == Free::Surface {
+            return Vec::new();
+        }
+        let known = self.settings.known.as_ref();
+        let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw && free == Free::DelaysAndEncoder);
+        let hold = |std: &mut f64| *std = FIXED_STD;
+        let measured = self.logs.iter().any(|l| l.input != TorqueInput::Command);
+        if measured || self.settings.lag_s.is_some() || known.is_some_and(|k| k.lag_s.is_some()) {
+            hold(&mut prior[nuisance::LAG]);
+        }
+        if known.is_some_and(|k| k.encoder.is_some()) {
+            hold(&mut prior[nuisance::ENCODER_SCALE]);
+            hold(&mut prior[nuisance::ENCODER_DELAY]);
+        }
+        for (std, log) in prior[nuisance::DEAD_TIME..].iter_mut().zip(&self.logs) {
+            if self.settings.dead_time_s.is_some() || known.is_some_and(|k| k.dead_time_s.contains_key(&log.survey.track.source.sha256)) {
+                hold(std);
+            }
+        }
+        prior
+    }
+
+    /// Makes the step of delays and encoder calibration that `solution` asks for, and takes over their standard errors. Returns the largest
+    /// step of a delay over its standard error.
+    pub(crate) fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
+        let q = self.design.coefficients();
+        let of = |k: usize| solution.beta[q + k];
+        let step = |k: usize| of(k).clamp(-DELAY_STEP_S, DELAY_STEP_S);
+        let before = self.calibration.clone();
+        let delays = std::iter::once(nuisance::LAG).chain((0..self.logs.len()).map(|k| nuisance::DEAD_TIME + k));
+        let damp = |(k, asked_s): (usize, f64)| DelayStep::damped(asked_s, self.last_steps.get(k));
+        let steps: Vec<DelayStep> = delays.map(step).enumerate().map(damp).collect();
+        self.calibration.lag_s = (before.lag_s + steps[0].made_s).clamp(0.0, 0.3);
+        for (dead_time_s, step) in self.calibration.dead_time_s.iter_mut().zip(&steps[1..]) {
+            *dead_time_s = (*dead_time_s + step.made_s).clamp(-0.1, 0.5);
+        }
+        self.last_steps = steps;
+        let std_err = |k: usize| solution.covariance[(q + k, q + k)].max(0.0).sqrt();
+        self.calibration_errors.lag_s = std_err(nuisance::LAG);
+        self.calibration_errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
+        if free == Free::DelaysAndEncoder {
+            self.calibration_errors.encoder_scale = std_err(nuisance::ENCODER_SCALE);
+            if self.has_yaw {
+                self.calibration.encoder_scale *= 1.0 + of(nuisance::ENCODER_SCALE).clamp(-0.02, 0.02);
+                let delay_s = self.calibration.encoder_delay_s + step(nuisance::ENCODER_DELAY);
+                self.calibration.encoder_delay_s = delay_s.clamp(-0.3, 0.3);
+            }
+        }
+        hold_known(&mut self.calibration, &self.logs, &self.settings);
+        let (now, std_err) = (&self.calibration, &self.calibration_errors);
+        let moved = before.dead_time_s.iter().zip(&now.dead_time_s).zip(&std_err.dead_time_s).map(|((a, b), error)| (b - a).abs() / error);
+        moved.fold((now.lag_s - before.lag_s).abs() / std_err.lag_s, f64::max)
+    }
+}

@@ -1,0 +1,154 @@
+//! What the rounds know, from one to the next.
+
+use crate::campaign::Survey;
+use crate::fit::calibration::Calibration;
+use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::motion::integration::Course;
+use crate::fit::motion::log_data::LogData;
+use crate::fit::motion::lookup_speeds::Speeds;
+use crate::fit::motion::merging::merged;
+use crate::fit::motion::noise_likelihood;
+use crate::fit::motion::passes::{Pass, PassResult, wide_speeds};
+use crate::fit::motion::segment::Segment;
+use crate::fit::motion::segmentation::{SoFar, all_segments};
+use crate::fit::noise::model::Noise;
+use crate::fit::rounds::convergence::DelayStep;
+use crate::fit::rounds::estimate::CalibrationErrors;
+use crate::fit::rounds::initial_guess::InitialGuess;
+use crate::fit::rounds::outliers::Judge;
+use crate::fit::solve::penalised_least_squares::Solution;
+use crate::fit::surface::design::{Design, STRIBECK_MPS};
+use crate::fit::surface::lattice::LatticeSurface;
+use crate::fit::{FitSettings, Result};
+use crate::map::Gear;
+
+/// The state from one round to the next.
+pub(crate) struct State<'a> {
+    pub(crate) settings: FitSettings,
+    pub(crate) logs: Vec<LogData<'a>>,
+    pub(crate) gears: Vec<Gear>,
+    pub(crate) has_yaw: bool,
+    pub(crate) calibration: Calibration,
+    pub(crate) calibration_errors: CalibrationErrors,
+    pub(crate) noise: Noise,
+    /// Parameters of the noise that lie at a bound.
+    pub(crate) noise_bounds: Vec<&'static str>,
+    pub(crate) design: Design,
+    /// Forward, reverse; zero before the first round.
+    pub(crate) surfaces: [LatticeSurface; 2],
+    pub(crate) penalties: Vec<f64>,
+    /// Rounds so far.
+    pub(crate) rounds: usize,
+    /// The last step of the lag and of each dead time.
+    pub(crate) last_steps: Vec<DelayStep>,
+}
+
+/// What rounds work on.
+pub(crate) struct RoundData {
+    /// Moments after steps that are left out, per log [s].
+    pub(crate) transients: Vec<Vec<(f64, f64)>>,
+    pub(crate) segments: Vec<Segment>,
+    /// The same with merged readings.
+    pub(crate) merged: Vec<Segment>,
+}
+
+impl<'a> State<'a> {
+    /// Before the first round.
+    ///
+    /// # Errors
+    /// A slow speed signal without a yaw rate, too little motion, one torque only.
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
+        let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice } = InitialGuess::new(surveys, choice, settings)?;
+        let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
+        let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
+        let calibration_errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], lag_s: 0.0, encoder_scale: 0.0 };
+        Ok(Self {
+            settings: settings.clone(),
+            logs,
+            gears,
+            has_yaw,
+            calibration,
+            calibration_errors,
+            noise,
+            noise_bounds: Vec::new(),
+            design,
+            surfaces: [zero.clone(), zero],
+            penalties: Vec::new(),
+            rounds: 0,
+            last_steps: Vec::new(),
+        })
+    }
+
+    /// Whether a round has been made.
+    fn has_surface(&self) -> bool {
+        self.rounds > 0
+    }
+
+    /// The effective torque of each log.
+    pub(crate) fn torques(&self) -> Vec<EffectiveTorque> {
+        self.logs.iter().map(|l| l.torque(self.calibration.lag_s)).collect()
+    }
+
+    /// A pass with the surface and the noise as they are.
+    pub(crate) fn pass<'b>(&'b self, courses: &'b [Course<'b>]) -> Pass<'b> {
+        Pass { courses, surfaces: &self.surfaces, noise: &self.noise }
+    }
+
+    /// The segments as they are now; without the moments after steps, if so asked.
+    pub(crate) fn data(&self, without_transients: bool) -> RoundData {
+        let torques = self.torques();
+        let transients = if without_transients && self.settings.transient_s > 0.0 {
+            self.transients(&torques)
+        } else {
+            vec![Vec::new(); self.logs.len()]
+        };
+        let so_far = self.has_surface().then_some(SoFar { surfaces: &self.surfaces, noise: &self.noise });
+        let segments = all_segments(&self.logs, &self.calibration, &torques, so_far, &transients);
+        let merged = merged(&segments, &torques, &self.calibration, &self.noise);
+        RoundData { transients, segments, merged }
+    }
+
+    /// The moments after steps of the effective torque.
+    fn transients(&self, torques: &[EffectiveTorque]) -> Vec<Vec<(f64, f64)>> {
+        let after = |(torque, dead_s): (&EffectiveTorque, &f64)| {
+            torque.steps(0.05 * torque.largest_nm()).into_iter().map(|t| (t + dead_s, t + dead_s + self.settings.transient_s)).collect()
+        };
+        torques.iter().zip(&self.calibration.dead_time_s).map(after).collect()
+    }
+
+    /// Speeds along the courses: by the surface, where there is one.
+    pub(crate) fn speeds(&self, courses: &[Course]) -> Vec<Speeds> {
+        if self.has_surface() { self.pass(courses).along(None).speeds } else { wide_speeds(courses) }
+    }
+
+    /// The surfaces that a solution describes.
+    pub(crate) fn surfaces_of(&self, solution: &Solution) -> [LatticeSurface; 2] {
+        self.design.surfaces(&self.surfaces[0].lattice, &solution.beta)
+    }
+
+    /// Robust cuts with the surface as it is. Judging restarts at every step of the torque, even where nothing is left out after it: what a
+    /// drive does there that a lag does not explain is no push.
+    pub(crate) fn cut(&mut self, threshold: f64) {
+        let torques = self.torques();
+        let transients = self.transients(&torques);
+        let judge = Judge {
+            calibration: &self.calibration,
+            lagged: &torques,
+            surfaces: &self.surfaces,
+            noise: &self.noise,
+            transients: &transients,
+        };
+        judge.cut(&mut self.logs, threshold);
+    }
+
+    /// Noise from the `share` of the segments that the surface explains best.
+    pub(crate) fn update_noise(&mut self, segments: &[Segment], pass: &PassResult, share: f64) {
+        let (kept, residuals) = noise_likelihood::well_explained(segments, &pass.residuals, &pass.white, share);
+        let spread = noise_likelihood::offset_spread(segments, &pass.residuals, &self.noise);
+        let range_mps2 = self.gears.iter().map(|g| self.surfaces[usize::from(*g == Gear::Reverse)].range_mps2()).fold(0.0, f64::max);
+        let found = noise_likelihood::estimate(&kept, &residuals, self.noise, spread, range_mps2);
+        self.noise = found.noise;
+        self.noise_bounds = found.at_bounds;
+    }
+}

@@ -1,0 +1,278 @@
+//! A folder of maps, read once: the tables, the CSV files that they name, and what does not fit together.
+//!
+//! In: the folder. Out: [`MapFolder`] and a list of [`Mismatch`]es. Nothing here decides what a mismatch means: `verify` and `export` refuse
+//! it, `report` notes it, `invert` looks at Table 1's files alone.
+
+use crate::map::files::lateral_table_file::LateralTableFile;
+use crate::map::files::save::sha256_hex;
+use crate::map::files::table1_file::{CsvRef, Table1File};
+use crate::map::files::table2_file::Table2File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// `table1.json`.
+pub(crate) const TABLE1_NAME: &str = "table1.json";
+/// `table2.json`.
+pub(crate) const TABLE2_NAME: &str = "table2.json";
+/// `lateral_table.json`.
+const LATERAL_NAME: &str = "lateral_table.json";
+
+/// A file of the folder, as it is on disk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredFile {
+    /// Its name, without the folder.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the bytes.
+    pub sha256: String,
+}
+
+/// A folder of maps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapFolder {
+    /// The folder.
+    pub path: PathBuf,
+    /// What `table1.json` holds.
+    pub table1: Table1File,
+    /// `table1.json` itself.
+    pub table1_json: StoredFile,
+    /// What `table2.json` holds, with the file itself.
+    pub table2: Option<(Table2File, StoredFile)>,
+    /// The CSV files that the tables name and that could be read: those of Table 1, then those of Table 2.
+    pub csvs: Vec<StoredFile>,
+}
+
+/// Two files of a folder that do not belong together, or a file that is named and cannot be read.
+#[derive(Debug)]
+pub enum Mismatch {
+    /// The file is there, with another hash than the file that names it says.
+    Hash {
+        /// Name of the file.
+        file: String,
+        /// Name of the file that says the hash.
+        by: &'static str,
+        /// SHA-256 of the file.
+        found: String,
+        /// SHA-256 that the other file says.
+        expected: String,
+    },
+    /// The file cannot be read, in most cases because it is not there.
+    Unreadable {
+        /// Name of the file.
+        file: String,
+        /// Name of the file that names it.
+        by: &'static str,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl Mismatch {
+    /// Name of the file.
+    pub fn file(&self) -> &str {
+        match self {
+            Self::Hash { file, .. } | Self::Unreadable { file, .. } => file,
+        }
+    }
+
+    /// Name of the file that describes it.
+    pub fn by(&self) -> &'static str {
+        match self {
+            Self::Hash { by, .. } | Self::Unreadable { by, .. } => by,
+        }
+    }
+}
+
+/// What makes a folder unreadable.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // the fields are what the message says
+pub enum FolderError {
+    #[error("{}: {source}", path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error("{}: {source}", path.display())]
+    File { path: PathBuf, source: crate::map::Error },
+}
+
+impl StoredFile {
+    /// Reads the file `name` of a folder.
+    ///
+    /// # Errors
+    /// Whatever the file system refuses.
+    pub fn read(folder: &Path, name: &str) -> io::Result<Self> {
+        let bytes = std::fs::read(folder.join(name))?;
+        Ok(Self { name: name.to_owned(), sha256: sha256_hex(&bytes), bytes })
+    }
+
+    /// The bytes as text.
+    ///
+    /// # Errors
+    /// Bytes that are not UTF-8.
+    pub fn text(&self) -> io::Result<&str> {
+        std::str::from_utf8(&self.bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+    }
+
+    /// What is wrong with it when `by` says that its hash is `expected`.
+    fn mismatch(&self, by: &'static str, expected: &str) -> Option<Mismatch> {
+        let wrong = || Mismatch::Hash { file: self.name.clone(), by, found: self.sha256.clone(), expected: expected.to_owned() };
+        (self.sha256 != expected).then(wrong)
+    }
+}
+
+impl MapFolder {
+    /// Reads `table1.json`, `table2.json` and the CSV files that they name. A folder without `table2.json` is a mismatch, since Table 2
+    /// has not been made yet.
+    ///
+    /// # Errors
+    /// No `table1.json`; a JSON file that is there and cannot be read.
+    pub fn read(path: &Path) -> Result<(Self, Vec<Mismatch>), FolderError> {
+        let (mut folder, csv_mismatches) = Self::read_table1(path)?;
+        let mut mismatches = Vec::new();
+        match StoredFile::read(path, TABLE2_NAME) {
+            Ok(json) => {
+                let table2 = folder.parsed(&json, Table2File::from_json)?;
+                mismatches.extend(folder.table1_json.mismatch(TABLE2_NAME, &table2.table1.sha256));
+                mismatches.extend(csv_mismatches);
+                mismatches.extend(folder.take_csvs(TABLE2_NAME, table2.maps.iter().map(|m| &m.csv)));
+                folder.table2 = Some((table2, json));
+            }
+            Err(source) if source.kind() == io::ErrorKind::NotFound => {
+                mismatches.push(Mismatch::Unreadable { file: TABLE2_NAME.to_owned(), by: TABLE1_NAME, source });
+                mismatches.extend(csv_mismatches);
+            }
+            Err(source) => return Err(folder.unread(TABLE2_NAME, source)),
+        }
+        Ok((folder, mismatches))
+    }
+
+    /// The same of `table1.json` and its CSV files alone: for what is made from Table 1, a Table 2 that is old or damaged does not matter.
+    ///
+    /// # Errors
+    /// No `table1.json`, or one that cannot be read.
+    pub fn read_table1(path: &Path) -> Result<(Self, Vec<Mismatch>), FolderError> {
+        let unread = |source| FolderError::Read { path: path.join(TABLE1_NAME), source };
+        let json = StoredFile::read(path, TABLE1_NAME).map_err(unread)?;
+        let text = json.text().map_err(unread)?;
+        let table1 = Table1File::from_json(text).map_err(|source| FolderError::File { path: path.join(TABLE1_NAME), source })?;
+        let mut folder = Self { path: path.to_owned(), table1, table1_json: json, table2: None, csvs: Vec::new() };
+        let csvs: Vec<CsvRef> = folder.table1.maps.iter().map(|m| m.csv.clone()).collect();
+        let mismatches = folder.take_csvs(TABLE1_NAME, &csvs);
+        Ok((folder, mismatches))
+    }
+
+    /// The CSV file of that name, if it could be read.
+    pub fn csv(&self, name: &str) -> Option<&StoredFile> {
+        self.csvs.iter().find(|csv| csv.name == name)
+    }
+
+    /// Another file of the folder; `None` where there is none.
+    ///
+    /// # Errors
+    /// A file that is there and cannot be read.
+    pub fn other(&self, name: &str) -> Result<Option<StoredFile>, FolderError> {
+        match StoredFile::read(&self.path, name) {
+            Ok(file) => Ok(Some(file)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(self.unread(name, source)),
+        }
+    }
+
+    /// The lateral compensation table, where the folder has one, with what is wrong with its CSV.
+    ///
+    /// # Errors
+    /// A file that is there and cannot be read.
+    pub fn lateral(&self) -> Result<Option<(LateralTableFile, Option<Mismatch>)>, FolderError> {
+        let Some(json) = self.other(LATERAL_NAME)? else { return Ok(None) };
+        let file = self.parsed(&json, LateralTableFile::from_json)?;
+        let mismatch = described(&self.path, &file.csv, LATERAL_NAME).1;
+        Ok(Some((file, mismatch)))
+    }
+
+    /// What `from_text` makes of a file's text.
+    fn parsed<T>(&self, file: &StoredFile, from_text: impl Fn(&str) -> crate::map::Result<T>) -> Result<T, FolderError> {
+        let text = file.text().map_err(|source| self.unread(&file.name, source))?;
+        from_text(text).map_err(|source| FolderError::File { path: self.path.join(&file.name), source })
+    }
+
+    fn unread(&self, name: &str, source: io::Error) -> FolderError {
+        FolderError::Read { path: self.path.join(name), source }
+    }
+
+    fn take_csvs<'a>(&mut self, by: &'static str, csvs: impl IntoIterator<Item = &'a CsvRef>) -> Vec<Mismatch> {
+        let mut mismatches = Vec::new();
+        for csv in csvs {
+            let (file, mismatch) = described(&self.path, csv, by);
+            self.csvs.extend(file);
+            mismatches.extend(mismatch);
+        }
+        mismatches
+    }
+}
+
+/// The file that `csv` names, and what is wrong with it.
+fn described(folder: &Path, csv: &CsvRef, by: &'static str) -> (Option<StoredFile>, Option<Mismatch>) {
+    match StoredFile::read(folder, &csv.file) {
+        Ok(file) => {
+            let mismatch = file.mismatch(by, &csv.sha256);
+            (Some(file), mismatch)
+        }
+        Err(source) => (None, Some(Mismatch::Unreadable { file: csv.file.clone(), by, source })),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A copy of the maps of this repository.
+    fn copied() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for entry in std::fs::read_dir("maps").unwrap() {
+            let path = entry.unwrap().path();
+            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+        folder
+    }
+
+    fn summary(mismatches: &[Mismatch]) -> Vec<(&str, &str, bool)> {
+        mismatches.iter().map(|m| (m.file(), m.by(), matches!(m, Mismatch::Hash { .. }))).collect()
+    }
+
+    #[test]
+    fn a_folder_as_it_was_written_fits_together() {
+        let (folder, mismatches) = MapFolder::read(Path::new("maps")).unwrap();
+        assert!(mismatches.is_empty(), "{mismatches:?}");
+        let names: Vec<&str> = folder.csvs.iter().map(|csv| csv.name.as_str()).collect();
+        assert_eq!(names, ["table1.csv", "table1.reverse.csv", "table2.csv", "table2.reverse.csv"]);
+        let (_, mismatch) = folder.lateral().unwrap().unwrap();
+        assert!(mismatch.is_none());
+        assert!(folder.other("no_such_file.json").unwrap().is_none());
+    }
+
+    #[test]
+    fn each_file_that_was_edited_or_removed_is_one_mismatch() {
+        let copy = copied();
+        let at = |name: &str| copy.path().join(name);
+        std::fs::write(at("table1.csv"), "edited").unwrap();
+        std::fs::remove_file(at("table2.reverse.csv")).unwrap();
+        let json = std::fs::read_to_string(at("table1.json")).unwrap();
+        std::fs::write(at("table1.json"), format!("{json}\n")).unwrap();
+        let (_, mismatches) = MapFolder::read(copy.path()).unwrap();
+        let expected =
+            [("table1.json", "table2.json", true), ("table1.csv", "table1.json", true), ("table2.reverse.csv", "table2.json", false)];
+        assert_eq!(summary(&mismatches), expected);
+    }
+
+    #[test]
+    fn a_missing_or_broken_table_2_does_not_matter_to_table_1() {
+        let copy = copied();
+        std::fs::remove_file(copy.path().join("table2.json")).unwrap();
+        let (folder, mismatches) = MapFolder::read(copy.path()).unwrap();
+        assert!(folder.table2.is_none());
+        assert_eq!(summary(&mismatches), [("table2.json", "table1.json", false)]);
+        std::fs::write(copy.path().join("table2.json"), "{").unwrap();
+        assert!(matches!(MapFolder::read(copy.path()), Err(FolderError::File { path, .. }) if path.ends_with("table2.json")));
+        assert!(MapFolder::read_table1(copy.path()).unwrap().1.is_empty());
+    }
+}
