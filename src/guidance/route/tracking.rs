@@ -119,7 +119,9 @@ impl TrackingLaw {
 
     /// Front-wheel angle to ask for [rad], in the vehicle's frame, within the limit; 0 when the numbers allow no answer.
     pub fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
-        let wanted_rad = self.0.wheel_angle_rad(track);
+        // a law with a memory must not remember a place that is not a number
+        let known = track.offset.lateral_m.is_finite() && track.offset.heading_rad.is_finite();
+        let wanted_rad = if known { self.0.wheel_angle_rad(track) } else { f64::NAN };
         if wanted_rad.is_finite() { track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad) } else { 0.0 }
     }
 }
