@@ -16,7 +16,7 @@ mod verify_stage;
 mod wheel_angles;
 
 pub use error::{Error, Result};
-pub use event::{StageEvent, Listener};
+pub use event::{Listener, StageEvent};
 pub use fit_stage::{FittedLogs, fit_logs};
 pub use folder::read_table1;
 pub use invert_stage::invert_folder;

@@ -2,7 +2,7 @@
 
 use crate::calibrate::error::{About as _, edited_csv};
 use crate::calibrate::folder::{read_table1, remove_stale};
-use crate::calibrate::{Error, StageEvent, InvertStage, Listener, Result, keep_angles};
+use crate::calibrate::{Error, InvertStage, Listener, Result, StageEvent, keep_angles};
 use crate::invert::{Inversion, invert};
 use crate::map::{CsvRef, Mismatch, write_whole};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Logs of one vehicle, read and surveyed.
 
 use crate::calibrate::error::About as _;
-use crate::calibrate::{Error, StageEvent, Listener, LogSource, Result};
+use crate::calibrate::{Error, Listener, LogSource, Result, StageEvent};
 use crate::campaign::{Survey, SurveySettings};
 use crate::log::{Recording, Source, find_logs, read_split};
 use crate::signal::Track;

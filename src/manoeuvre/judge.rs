@@ -41,7 +41,7 @@ pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wante
         }
     };
     let stage = ManoeuvreStage { maps, settings, bench: ManoeuvreBench::new(maps, vehicle)?, varied: &varied, wanted, done: &done };
-    let judged: Result<Vec<Judged>> = settings.manoeuvres.par_iter().map(|manoeuvre| stage.judge(manoeuvre)).collect();
+    let judged: Result<Vec<JudgedManoeuvre>> = settings.manoeuvres.par_iter().map(|manoeuvre| stage.judge(manoeuvre)).collect();
     let mut all = JudgedManoeuvres { verdicts: Vec::new(), note: None, traces: None, logs: Vec::new() };
     if !settings.manoeuvres.is_empty() {
         all.note = Some(ManoeuvreTorque::what(maps));
@@ -69,19 +69,19 @@ struct ManoeuvreStage<'a> {
     done: &'a (dyn Fn() + Sync),
 }
 
-/// Judges one manoeuvre.
-struct Judged {
+/// One manoeuvre judged.
+struct JudgedManoeuvre {
     verdict: ScenarioVerdict,
     trace: Option<ManoeuvreTrace>,
     log: Option<RunLog>,
 }
 
 impl ManoeuvreStage<'_> {
-    fn judge(&self, manoeuvre: &Manoeuvre) -> Result<Judged> {
+    fn judge(&self, manoeuvre: &Manoeuvre) -> Result<JudgedManoeuvre> {
         let (settings, vehicle) = (self.settings, &self.settings.vehicle);
         let (name, what, class) = (&manoeuvre.name, &manoeuvre.what, manoeuvre.class);
         if let Some(why) = manoeuvre.reason_against(self.maps, vehicle) {
-            return Ok(Judged { verdict: ScenarioVerdict::not_tested(name, what, class, why), trace: None, log: None });
+            return Ok(JudgedManoeuvre { verdict: ScenarioVerdict::not_tested(name, what, class, why), trace: None, log: None });
         }
         let planned = manoeuvre.plan(self.bench.wheelbase_m)?;
         let bench = ManoeuvreBench { planned: planned.as_ref(), ..self.bench.clone() };
@@ -112,7 +112,7 @@ impl ManoeuvreStage<'_> {
         let nominal = NominalRun { path: &path, planned: planned.as_ref(), uncompensated: &uncompensated, moments: &moments };
         let trace = self.wanted.traces.then(|| ManoeuvreTrace::new(manoeuvre, verdict.clone(), &nominal));
         let log = log.map(ManoeuvreLog::finish).transpose()?.map(|bytes| RunLog { name: name.clone(), bytes });
-        Ok(Judged { verdict, trace, log })
+        Ok(JudgedManoeuvre { verdict, trace, log })
     }
 }
 

@@ -89,10 +89,10 @@ impl GearSurface {
         let (speed, torque) = (self.table.speed_mps(), self.table.torque_nm());
         let surface = Surface::new(&self.table);
         let mut values = Vec::with_capacity(speed.len() * torque.len());
+        let shifts_nm: Vec<f64> = (0..speed.len()).map(|j| (friction_factor - 1.0) * self.holding_nm(j)).collect();
         let mut cell = Cell::default();
         for &u in torque.breaks() {
-            for (j, &v) in speed.breaks().iter().enumerate() {
-                let shift_nm = (friction_factor - 1.0) * self.holding_nm(j);
+            for (&v, shift_nm) in speed.breaks().iter().zip(&shifts_nm) {
                 values.push(surface.accel(&mut cell, v, u - shift_nm) / inertia_factor);
             }
         }
@@ -230,7 +230,8 @@ impl IdentifiedMotion {
     }
 
     /// Advances one step.
-    #[inline]
+    #[allow(clippy::inline_always)] // three numbers returned through memory would stall every step of the world
+    #[inline(always)]
     pub fn step(&mut self, load: &Load) -> SpeedStep {
         let start_mps = self.speed_mps;
         let sign = if start_mps == 0.0 {

@@ -39,23 +39,30 @@ pub struct WheelAngleTerms {
     pub cos: [f64; 3],
     /// Whether the wheel is at 90° to rounding: cos 90° is 6e-17, which moves the reference point by less than an atom in a kilometre.
     across: bool,
+    /// Angle at the end of the step [rad].
+    end_rad: f64,
 }
 
 impl WheelAngleTerms {
     /// For a constant angle [rad].
     pub fn fixed(angle_rad: f64) -> Self {
         let (sin, cos) = angle_rad.sin_cos();
-        Self { sin: [sin; 3], cos: [cos; 3], across: cos.abs() < 1e-15 }
+        Self { sin: [sin; 3], cos: [cos; 3], across: cos.abs() < 1e-15, end_rad: angle_rad }
     }
 
     /// For three angles [rad].
     pub fn moving(angles_rad: [f64; 3]) -> Self {
-        Self { sin: angles_rad.map(f64::sin), cos: angles_rad.map(f64::cos), across: false }
+        Self { sin: angles_rad.map(f64::sin), cos: angles_rad.map(f64::cos), across: false, end_rad: angles_rad[2] }
     }
 
-    /// Moving on from the angle at which these terms end.
-    pub(crate) fn continued(&self, mid_rad: f64, end_rad: f64) -> Self {
-        Self { sin: [self.sin[2], mid_rad.sin(), end_rad.sin()], cos: [self.cos[2], mid_rad.cos(), end_rad.cos()], across: false }
+    /// Of three angles [rad]; where the first is the one at which the step before ended, its sine and cosine are known.
+    pub(crate) fn after(&self, angles_rad: [f64; 3]) -> Self {
+        let [start_rad, mid_rad, end_rad] = angles_rad;
+        if start_rad.to_bits() != self.end_rad.to_bits() {
+            return Self::moving(angles_rad);
+        }
+        let (sin, cos) = ([self.sin[2], mid_rad.sin(), end_rad.sin()], [self.cos[2], mid_rad.cos(), end_rad.cos()]);
+        Self { sin, cos, across: false, end_rad }
     }
 }
 
@@ -210,7 +217,15 @@ mod tests {
     }
 
     #[test]
-    fn a_step_at_rest_equals_a_step_of_zero_speed() {
+    fn terms_that_go_on_are_those_of_the_angles() {
+        let expected = WheelAngleTerms::moving([0.3, 0.4, 0.5]);
+        for before in [WheelAngleTerms::moving([0.1, 0.2, 0.3]), WheelAngleTerms::fixed(0.3), WheelAngleTerms::fixed(0.7)] {
+            assert_eq!(before.after([0.3, 0.4, 0.5]), expected);
+        }
+    }
+
+    #[test]
+    fn a_step_at_rest_is_a_step_of_no_speed() {
         let (mut stepped, mut rested) = (Body::new(0.9), Body::new(0.9));
         let terms = WheelAngleTerms::fixed(0.6);
         for k in 0..1000 {

@@ -38,8 +38,9 @@ impl Surface {
         self.plane(cell, s, u).accel
     }
 
-    /// The same with its derivatives by speed and by torque; beyond the speeds the derivative by speed is zero.
-    #[inline]
+    /// The same with its derivatives by speed and by torque; beyond the speeds the former is zero.
+    #[allow(clippy::inline_always)] // one look-up a step, whose result would go through memory
+    #[inline(always)]
     pub(crate) fn plane(&self, cell: &mut Cell, s: f64, u: f64) -> Plane {
         let last = self.speed_mps.len() - 1;
         let inside = s <= self.speed_mps[last];

@@ -165,7 +165,7 @@ impl World {
             if speed.is_rest() {
                 self.body.rest();
             } else {
-                self.angle = WheelAngleTerms::moving(angles_rad);
+                self.angle = self.angle.after(angles_rad);
                 self.body.step(self.step_s, speed, &self.angle);
             }
         } else {
@@ -293,12 +293,7 @@ impl World {
                 if self.slope.is_none() && self.motion.knows_one_angle() {
                     return Some(angles_rad);
                 }
-                // where the last step ended this one starts, unless the vehicle knows one angle only and the terms were left as they were
-                self.angle = if self.motion.knows_one_angle() {
-                    WheelAngleTerms::moving(angles_rad)
-                } else {
-                    self.angle.continued(step.mid_rad, step.end_rad)
-                };
+                self.angle = self.angle.after(angles_rad);
                 self.motion.set_angle(&self.angle);
             }
             None if self.angle_moved => self.set_fixed_angle(),

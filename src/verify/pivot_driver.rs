@@ -24,9 +24,9 @@ pub(crate) struct AskedTurn {
     pub(crate) turn_rad: f64,
 }
 
-/// Part of a run.
+/// RunPart of a run.
 #[derive(Debug, Clone, Copy)]
-enum Part {
+enum RunPart {
     /// Before the first turn, with periods left.
     Settling(usize),
     /// In a turn, with time left for it [s].
@@ -40,7 +40,7 @@ pub(crate) struct PivotDriver<'a, L: DriveLaw> {
     bench: &'a PivotBench<'a>,
     scenario: &'a Scenario,
     controller: PivotController<L>,
-    part: Part,
+    part: RunPart,
     turn: Option<AskedTurn>,
     /// The disturbance that has not yet begun in this turn.
     pending: Option<(Disturbance, Onset)>,
@@ -71,7 +71,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             bench,
             scenario,
             controller,
-            part: Part::Settling((SETTLE_S / bench.period_s) as usize),
+            part: RunPart::Settling((SETTLE_S / bench.period_s) as usize),
             turn: None,
             pending: None,
             in_phase_s: 0.0,
@@ -91,7 +91,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
 
     /// Whether the last turn failed.
     pub(crate) fn failed(&self) -> bool {
-        matches!(self.part, Part::Failed(_))
+        matches!(self.part, RunPart::Failed(_))
     }
 
     /// Whether every turn has ended as the scenario expects.
@@ -111,7 +111,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             _ => None,
         };
         (self.last_phase, self.in_phase_s) = (self.controller.phase(), 0.0);
-        self.part = Part::Turning(LONGEST_S);
+        self.part = RunPart::Turning(LONGEST_S);
         Ok(true)
     }
 
@@ -124,7 +124,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             Expected::Failure(failure) => phase == Phase::Failed(failure),
         };
         if failed {
-            self.part = Part::Failed((AFTER_FAILURE_S / self.bench.period_s) as usize);
+            self.part = RunPart::Failed((AFTER_FAILURE_S / self.bench.period_s) as usize);
         }
         !failed
     }
@@ -147,21 +147,21 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
     fn prepare(&mut self, world: &mut World) -> Result<bool> {
         loop {
             match &mut self.part {
-                Part::Failed(0) => return Ok(false),
-                Part::Settling(left @ 1..) | Part::Failed(left) => {
+                RunPart::Failed(0) => return Ok(false),
+                RunPart::Settling(left @ 1..) | RunPart::Failed(left) => {
                     *left -= 1;
                     return Ok(true);
                 }
-                Part::Turning(left_s) if self.controller.phase().is_active() && *left_s > 0.0 => {
+                RunPart::Turning(left_s) if self.controller.phase().is_active() && *left_s > 0.0 => {
                     self.disturb(world);
                     return Ok(true);
                 }
-                Part::Turning(_) => {
+                RunPart::Turning(_) => {
                     if self.end_turn() && !self.ask(world)? {
                         return Ok(false);
                     }
                 }
-                Part::Settling(0) => {
+                RunPart::Settling(0) => {
                     if !self.ask(world)? {
                         return Ok(false);
                     }
@@ -173,7 +173,7 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
     fn command(&mut self, world: &World) -> (PivotMoment, WorldCommand) {
         let (state, seen) = (world.state(), world.measure());
         let command = self.controller.step(&inputs(&seen));
-        if let Part::Turning(left_s) = &mut self.part {
+        if let RunPart::Turning(left_s) = &mut self.part {
             let phase = self.controller.phase();
             self.in_phase_s = if phase == self.last_phase { self.in_phase_s + self.bench.period_s } else { 0.0 };
             self.last_phase = phase;

@@ -170,6 +170,9 @@ fn of_gear(
 
 /// a(v, τ) [m/s²], clamped in speed; extrapolated linearly from the last two rows beyond the torques. `None` for NaN.
 fn extended(surface: &AccelTable, speed_mps: f64, torque_nm: f64) -> Option<f64> {
+    if torque_nm.is_nan() {
+        return None;
+    }
     let torques = surface.torque_nm().breaks();
     let last = torques.len() - 1;
     let (end, inner) = if torque_nm > torques[last] { (last, last - 1) } else { (0, 1) };

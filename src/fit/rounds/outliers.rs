@@ -1,6 +1,5 @@
 //! Readings and stretches that do not belong: spikes, slip without a second speed source to show it, pushes by hand.
 
-use crate::map::PerGear;
 use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
@@ -11,6 +10,7 @@ use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::noise::model::Noise;
 use crate::fit::surface::lattice::LatticeSurface;
+use crate::map::PerGear;
 use std::collections::BTreeSet;
 
 /// One innovation beyond this, with a normal successor, is a spike.
@@ -45,7 +45,7 @@ impl Judge<'_> {
         for log in &mut *logs {
             log.cuts = Cuts::default();
         }
-        let calm = calm(self.noise, &self.surfaces[0]);
+        let calm = calm(self.noise, &self.surfaces.forward);
         let chosen: Vec<Vec<bool>> = logs.iter().map(|l| l.chosen.clone()).collect();
         let so_far = SoFar { surfaces: self.surfaces, noise: self.noise };
         for pass in 0..PASSES {

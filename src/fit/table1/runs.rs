@@ -4,7 +4,7 @@ use crate::campaign::{SampleVerdict, runs};
 use crate::fit::motion::integration::Course;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::{RunRow};
+use crate::map::RunRow;
 use crate::signal::median;
 
 /// A reading against its simulation.

@@ -119,7 +119,56 @@ impl TrackingLaw {
 
     /// Commanded front-wheel angle [rad], in the vehicle's frame, within the limit; 0 if the numbers give none.
     pub fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
-        let wanted_rad = self.0.wheel_angle_rad(track);
+        // a law with a memory must not remember a place that is not a number
+        let known = track.offset.lateral_m.is_finite() && track.offset.heading_rad.is_finite();
+        let wanted_rad = if known { self.0.wheel_angle_rad(track) } else { f64::NAN };
         if wanted_rad.is_finite() { track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::Pose;
+    use crate::guidance::PosePath;
+    use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
+    use crate::guidance::route::path_position::Leg;
+    use crate::guidance::route::track::Limits;
+
+    fn straight(reverse: bool) -> PosePath {
+        let piece = ClothoidPiece::straight(10.0);
+        course(&[if reverse { piece.reversed() } else { piece }], 0.9)
+    }
+
+    fn beside(path: &PosePath, x_m: f64, y_m: f64) -> TrackState<'_> {
+        let speed_mps = if x_m < 0.0 { -0.5 } else { 0.5 };
+        TrackState::new(Leg::first(&path.poses).unwrap(), Pose { x_m, y_m, heading_rad: 0.0 }, 0, speed_mps, 0.0, &Limits::new(0.9))
+    }
+
+    #[test]
+    fn every_law_steers_towards_the_path_in_both_directions_and_keeps_the_limit() {
+        for name in LawName::ALL {
+            let angle = |path: &PosePath, x_m, y_m| TrackingLaw::new(TrackingSettings::new(name)).wheel_angle_rad(&beside(path, x_m, y_m));
+            let (forward, reverse) = (straight(false), straight(true));
+            assert!(angle(&forward, 3.0, 0.1) < -0.01 && angle(&forward, 3.0, -0.1) > 0.01, "{}", name.title());
+            // driving backward, too, a wheel turned to the left takes the rear axle to larger y
+            assert!(angle(&reverse, -3.0, 0.1) < -0.01 && angle(&reverse, -3.0, -0.1) > 0.01, "{}", name.title());
+            assert!(angle(&forward, 3.0, 50.0).abs() <= Limits::new(0.9).max_wheel_rad, "{}", name.title());
+            assert_eq!(angle(&forward, 3.0, f64::NAN), 0.0, "{}", name.title());
+        }
+    }
+
+    #[test]
+    fn only_the_mpc_remembers_and_a_new_leg_makes_it_forget() {
+        let path = straight(false);
+        for name in LawName::ALL {
+            let mut law = TrackingLaw::new(TrackingSettings::new(name));
+            let first = law.wheel_angle_rad(&beside(&path, 3.0, 0.3));
+            let second = law.wheel_angle_rad(&beside(&path, 3.0, 0.3));
+            assert_eq!(first != second, name == LawName::Mpc, "{}", name.title());
+            law.start();
+            assert_eq!(law.wheel_angle_rad(&beside(&path, 3.0, 0.3)), first, "{}", name.title());
+        }
     }
 }
