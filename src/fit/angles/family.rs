@@ -98,7 +98,7 @@ fn family(gear: Gear, side: Side, maps: &[&AccelMap], terms: usize) -> Result<Op
 
 /// One map at a point of the grid.
 #[derive(Debug, Clone, Copy)]
-struct GridPoint {
+struct FamilyPoint {
     accel_mps2: f64,
     weight: f64,
 }
@@ -107,7 +107,7 @@ struct GridPoint {
 struct FamilyGrid {
     speed_mps: Vec<f64>,
     torque_nm: Vec<f64>,
-    points: Vec<Vec<Vec<Option<GridPoint>>>>,
+    points: Vec<Vec<Vec<Option<FamilyPoint>>>>,
 }
 
 impl FamilyGrid {
@@ -128,7 +128,7 @@ impl FamilyGrid {
                 let found = all.accel(map.gear, v, u, map.wheel_angle_deg)?;
                 let error = found.std_err_mps2.max(LEAST_STD_ERR_MPS2);
                 (covered && status != CellStatus::Extrapolated)
-                    .then(|| GridPoint { accel_mps2: found.accel_mps2, weight: 1.0 / (error * error) })
+                    .then(|| FamilyPoint { accel_mps2: found.accel_mps2, weight: 1.0 / (error * error) })
             };
             points.push(speed_mps.iter().map(|v| torque_nm.iter().map(|u| at(*v, *u)).collect()).collect());
         }

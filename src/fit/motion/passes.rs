@@ -158,7 +158,9 @@ impl Pass<'_> {
 pub(crate) fn total(folds: &[PerGear<Gram>]) -> PerGear<Gram> {
     let mut sum = folds[0].clone();
     for fold in &folds[1..] {
-        Gear::ALL.into_iter().for_each(|gear| sum[gear].add_all(&fold[gear]));
+        for gear in Gear::ALL {
+            sum[gear].add_all(&fold[gear]);
+        }
     }
     sum
 }
