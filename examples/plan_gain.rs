@@ -7,7 +7,7 @@
 
 #[path = "plan_gain/campaigns.rs"]
 mod campaigns;
-#[path = "plan_gain/yardstick.rs"]
+#[path = "../tests/common/yardstick.rs"]
 mod yardstick;
 
 use campaigns::{drive, in_order, shuffled};

@@ -9,7 +9,7 @@
 
 #![allow(clippy::print_stdout)] // a study prints
 
-#[path = "study/trial.rs"]
+#[path = "../tests/common/study/trial.rs"]
 mod trial;
 
 use std::fmt::Write as _;

@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
-#[path = "../examples/study/trial.rs"]
+#[path = "common/study/trial.rs"]
 mod trial;
 
 use trial::{Kind, Outcome};

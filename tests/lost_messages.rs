@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // the figures are worth seeing
 #![allow(dead_code)] // the study needs more of its yardstick than this
 
-#[path = "../examples/plan_gain/yardstick.rs"]
+#[path = "common/yardstick.rs"]
 mod yardstick;
 
 use pivot_cal::campaign;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "../examples/plan_gain/yardstick.rs"]
+#[path = "common/yardstick.rs"]
 mod yardstick;
 
 use pivot_cal::map::{Gear, Table1File};
