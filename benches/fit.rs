@@ -5,9 +5,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a benchmark prints
 #![allow(dead_code)] // the study needs more of its drives than this
 
-#[path = "../examples/study/drive.rs"]
+#[path = "../tests/common/study/drive.rs"]
 mod drive;
-#[path = "../examples/study/vehicle.rs"]
+#[path = "../tests/common/study/vehicle.rs"]
 mod vehicle;
 
 use pivot_cal::campaign;

@@ -6,11 +6,12 @@
 
 #![allow(clippy::print_stdout)] // the table is what this program is for
 
+#[path = "../tests/common/published_u_turn.rs"]
+mod published_u_turn;
+
 use pivot_cal::guidance::BodyShape;
-use pivot_cal::guidance::u_turn::{
-    Answer, Hypothesis, Lane, Method, PublishedCase, PublishedFinding, UTurnSettings, UTurnShape, YAW_RATE_RAD_S, drive,
-    largest_difference_m,
-};
+use pivot_cal::guidance::u_turn::{Lane, Method, UTurnSettings, UTurnShape, drive, largest_difference_m};
+use published_u_turn::{Answer, Hypothesis, PublishedCase, PublishedFinding, YAW_RATE_RAD_S};
 use std::error::Error;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;

@@ -5,15 +5,11 @@
 //! [`crate::guidance::PosePath`] of the rear axle. Equations and the published case: `docs/manoeuvres.md`.
 
 mod model;
-mod published;
 mod scene;
 mod search;
 mod track;
 
 pub use model::{Car, Method, SteeringSegment, UTurnState, integrate};
-pub use published::{
-    ANSWERS, Answer, Hypothesis, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, PublishedFinding, YAW_RATE_RAD_S, entry_speed_mps,
-};
-pub use scene::{Lane, Margins, UTurnScene};
+pub use scene::{Lane, Margins, UTurnScene, beyond_m};
 pub use search::{FoundUTurn, Ranges, search};
 pub use track::{UTurnSettings, UTurnShape, UTurnTrack, drive, largest_difference_m};

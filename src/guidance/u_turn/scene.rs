@@ -87,7 +87,7 @@ impl UTurnScene {
 }
 
 /// Least and largest distance of the body's corners beyond a line, outward positive: to the right of the way from its far to its near end.
-pub(crate) fn beyond_m(line: (PlanePoint, PlanePoint), body: &Polygon) -> (f64, f64) {
+pub fn beyond_m(line: (PlanePoint, PlanePoint), body: &Polygon) -> (f64, f64) {
     let (far, near) = line;
     let length = far.distance_m(near);
     body.corners().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {

@@ -3,33 +3,31 @@
 //! The vehicle's dimensions are not published. [`PublishedCase::findings`] computes every answer for a body, so that the dimensions can be inferred
 //! (`examples/u_turn_inference.rs`); an answer that cannot be met is reported, not forced.
 
-use crate::guidance::geometry::{PlanePoint, Polygon};
-use crate::guidance::u_turn::model::Car;
-use crate::guidance::u_turn::scene::{Lane, UTurnScene, beyond_m};
-use crate::guidance::u_turn::track::{UTurnSettings, UTurnShape, UTurnTrack, drive};
-use crate::guidance::{BodyShape, Result};
-use serde::Serialize;
+#![allow(dead_code)] // the test and the example use different parts
+
+use pivot_cal::guidance::u_turn::{Car, Lane, UTurnScene, UTurnSettings, UTurnShape, UTurnTrack, beyond_m, drive};
+use pivot_cal::guidance::{BodyShape, PlanePoint, Polygon, Result};
 
 /// The yaw rate that both published pairs of entry speed and curvature have in common [rad/s]: 1.63·0.205 = 0.3342, 1.585·0.21 = 0.3329.
-pub const YAW_RATE_RAD_S: f64 = 1.0 / 3.0;
+pub(crate) const YAW_RATE_RAD_S: f64 = 1.0 / 3.0;
 
 /// The dimensions that meet the known answers best: `examples/u_turn_inference.rs`. The rear overhang hardly affects them and is set to the
 /// front one.
-pub const INFERRED_BODY: BodyShape = BodyShape { wheelbase_m: 2.106, width_m: 1.388, front_overhang_m: 1.203, rear_overhang_m: 1.203 };
+pub(crate) const INFERRED_BODY: BodyShape =
+    BodyShape { wheelbase_m: 2.106, width_m: 1.388, front_overhang_m: 1.203, rear_overhang_m: 1.203 };
 
 /// The interpretation of the publication's words for which that holds: "just clears" and "just touches" both mean the clearance, and the
 /// run-ups are those of the tightest turn.
-pub const INFERRED_HYPOTHESIS: Hypothesis = Hypothesis { clears_m: 0.3, touches_m: 0.3, run_up_turn: (0.7, 400.0) };
+pub(crate) const INFERRED_HYPOTHESIS: Hypothesis = Hypothesis { clears_m: 0.3, touches_m: 0.3, run_up_turn: (0.7, 400.0) };
 
 /// Entry speed that belongs to a curvature at the published yaw rate [m/s]; infinite for a straight line.
-pub fn entry_speed_mps(curvature_per_m: f64) -> f64 {
+pub(crate) fn entry_speed_mps(curvature_per_m: f64) -> f64 {
     YAW_RATE_RAD_S / curvature_per_m.abs()
 }
 
 /// A known answer.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Answer {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Answer {
     /// 3.4 m/s with 100°/s after 11 m just clears the border.
     ClearsBorder,
     /// 0.7 m/s with 400°/s after 11 m just touches the inner line.
@@ -47,7 +45,7 @@ pub enum Answer {
 }
 
 /// All answers about geometry, in the order of the publication's list.
-pub const ANSWERS: [Answer; 7] = [
+pub(crate) const ANSWERS: [Answer; 7] = [
     Answer::CurvatureReached,
     Answer::ShortestRunUp,
     Answer::LongestRunUp,
@@ -58,39 +56,39 @@ pub const ANSWERS: [Answer; 7] = [
 ];
 
 /// Interpretation of words that the publication does not define.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Hypothesis {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hypothesis {
     /// Distance of the body from the border that "just clears" means [m]: 0 or the clearance.
-    pub clears_m: f64,
+    pub(crate) clears_m: f64,
     /// Distance of the body from the line that "just touches" means [m]: 0 or the clearance.
-    pub touches_m: f64,
+    pub(crate) touches_m: f64,
     /// Speed [m/s] and steering rate [°/s] of the turn whose run-up is between the shortest and the longest.
-    pub run_up_turn: (f64, f64),
+    pub(crate) run_up_turn: (f64, f64),
 }
 
 /// One computed answer.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PublishedFinding {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PublishedFinding {
     /// The answer.
-    pub answer: Answer,
+    pub(crate) answer: Answer,
     /// Computed minus published [m]; for a lane or the curvature the shortfall, 0 when it is met.
-    pub residual_m: f64,
+    pub(crate) residual_m: f64,
     /// Lane in which the turn ends, for answers about lanes.
-    pub lane: Option<Lane>,
+    pub(crate) lane: Option<Lane>,
 }
 
 impl PublishedFinding {
     /// Whether the answer is met to `within_m`.
-    pub fn met(&self, within_m: f64) -> bool {
+    pub(crate) fn met(&self, within_m: f64) -> bool {
         self.residual_m.abs() <= within_m
     }
 }
 
 /// The published scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PublishedCase {
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PublishedCase {
     /// Field, obstacle, lane lines, clearance.
-    pub scene: UTurnScene,
+    pub(crate) scene: UTurnScene,
 }
 
 impl PublishedCase {
@@ -98,7 +96,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// None: the published corners are convex.
-    pub fn new() -> Result<Self> {
+    pub(crate) fn new() -> Result<Self> {
         let p = PlanePoint::new;
         Ok(Self {
             scene: UTurnScene {
@@ -111,7 +109,7 @@ impl PublishedCase {
     }
 
     /// The published steering on a body.
-    pub fn car(body: BodyShape) -> Car {
+    pub(crate) fn car(body: BodyShape) -> Car {
         Car { body, steering_ratio: 16.0, steering_limit_rad: 470.0_f64.to_radians() }
     }
 
@@ -119,7 +117,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub fn track(body: BodyShape, run_up_m: f64, speed_mps: f64, rate_deg_s: f64, settings: &UTurnSettings) -> Result<UTurnTrack> {
+    pub(crate) fn track(body: BodyShape, run_up_m: f64, speed_mps: f64, rate_deg_s: f64, settings: &UTurnSettings) -> Result<UTurnTrack> {
         drive(&Self::car(body), &UTurnShape { run_up_m, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }, settings)
     }
 
@@ -127,7 +125,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub fn run_ups(&self, body: BodyShape, (speed_mps, rate_deg_s): (f64, f64), settings: &UTurnSettings) -> Result<[f64; 2]> {
+    pub(crate) fn run_ups(&self, body: BodyShape, (speed_mps, rate_deg_s): (f64, f64), settings: &UTurnSettings) -> Result<[f64; 2]> {
         const FROM_M: f64 = 11.0;
         let track = Self::track(body, FROM_M, speed_mps, rate_deg_s, settings)?;
         let clearance_m = self.scene.clearance_m;
@@ -148,7 +146,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub fn findings(&self, body: BodyShape, hypothesis: &Hypothesis, settings: &UTurnSettings) -> Result<Vec<PublishedFinding>> {
+    pub(crate) fn findings(&self, body: BodyShape, hypothesis: &Hypothesis, settings: &UTurnSettings) -> Result<Vec<PublishedFinding>> {
         let track = |run_up, speed, rate| Self::track(body, run_up, speed, rate, settings);
         let [shortest, longest] = self.run_ups(body, hypothesis.run_up_turn, settings)?;
         let car = Self::car(body);
@@ -197,58 +195,4 @@ fn bisect(mut bad: f64, mut good: f64, clear: impl Fn(f64) -> bool) -> f64 {
         }
     }
     good
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    #[test]
-    fn the_inferred_body_meets_every_length_and_no_body_can_meet_the_lanes() {
-        let case = PublishedCase::new().unwrap();
-        let findings = case.findings(INFERRED_BODY, &INFERRED_HYPOTHESIS, &UTurnSettings::default()).unwrap();
-        for finding in &findings {
-            match finding.answer {
-                // the published lanes are the reverse: the slower wheel makes the wider turn, whatever the dimensions
-                Answer::MiddleLane => assert_eq!(finding.lane, Some(Lane::Number(2))),
-                Answer::OuterLane => assert_eq!(finding.lane, Some(Lane::Number(1))),
-                // four answers, three dimensions: 1 cm on lengths of 10 m and more
-                _ => assert!(finding.met(0.01), "{finding:?}"),
-            }
-        }
-    }
-
-    #[test]
-    fn a_slower_wheel_always_turns_wider() {
-        for wheelbase_m in [1.5, 2.1, 2.7] {
-            let body = BodyShape { wheelbase_m, ..INFERRED_BODY };
-            let width = |rate| -PublishedCase::track(body, 11.0, 6.0, rate, &UTurnSettings::default()).unwrap().end().x_m;
-            assert!(width(200.0) > width(400.0) + 1.0);
-        }
-    }
-
-    #[test]
-    fn the_published_pairs_share_their_yaw_rate_and_neither_their_lateral_acceleration() {
-        for (speed, curvature) in [(1.63, 0.205), (1.585, 0.21)] {
-            // the curvature has three digits: 0.0005 of 0.205
-            assert!((entry_speed_mps(curvature) / speed - 1.0_f64).abs() < 0.0025);
-        }
-        let lateral = [1.63_f64 * 1.63 * 0.205, 1.585 * 1.585 * 0.21];
-        assert!(lateral[0] / lateral[1] > 1.03, "3 % apart, where the digits allow 0.6 %");
-    }
-
-    #[test]
-    fn euler_stays_within_the_way_of_two_steps_of_the_higher_order() {
-        for (speed, rate) in [(0.7, 400.0), (3.4, 100.0), (6.0, 200.0), (6.0, 400.0)] {
-            let of = |method| {
-                PublishedCase::track(INFERRED_BODY, 11.0, speed, rate, &UTurnSettings { method, ..UTurnSettings::default() }).unwrap()
-            };
-            let (euler, higher) = (of(crate::guidance::u_turn::Method::Euler), of(crate::guidance::u_turn::Method::RungeKutta));
-            let (along_m, end_m) = crate::guidance::u_turn::largest_difference_m(&euler, &higher);
-            // each step uses the heading at its start: half a step late throughout, which over half a turn adds up to two steps' distance;
-            // 2 % for the terms of second order
-            assert!(along_m <= 1.02 * 2.0 * 0.01 * speed && end_m <= along_m + 1e-9, "{speed} m/s: {along_m} {end_m}");
-        }
-    }
 }
