@@ -138,7 +138,7 @@ fn a_series_of_a_topic_that_the_log_does_not_have_names_the_nearest() {
 #[test]
 fn a_topic_alone_that_is_more_than_one_value_asks_for_a_field() {
     let text = error("/imu/twist");
-    assert!(text.contains("a message of its own") && text.contains("header, twist"), "{text}");
+    assert!(text.contains("the message has fields: name one of them") && text.contains("header, twist"), "{text}");
 }
 
 #[test]

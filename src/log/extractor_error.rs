@@ -11,7 +11,7 @@ pub enum PlanError {
     NotAnArray { field: String },
     #[error("{field} is an array: pick one element, for example {field}[0]")]
     WholeArray { field: String },
-    #[error("{field} is a message: name one of its fields: {}", known.join(", "))]
+    #[error("{field} has fields: name one of them: {}", known.join(", "))]
     WholeMessage { field: String, known: Vec<String> },
     #[error("it picks several values; a signal needs one")]
     ManyValues,

@@ -162,7 +162,7 @@ mod tests {
             match &along.kind {
                 ManoeuvreKind::Polyline { points_m, .. } => {
                     assert_eq!(points_m, &points);
-                    assert!(along.what.starts_with("2 segments"), "{}", along.what);
+                    assert!(along.what.starts_with("2 given segments"), "{}", along.what);
                 }
                 _ => assert_eq!(along, manoeuvre),
             }
