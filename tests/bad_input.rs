@@ -111,21 +111,21 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
-fn an_empty_file_is_told() {
+fn an_empty_file_is_reported() {
     let folder = folder();
     std::fs::write(folder.path().join("empty.mcap"), b"").unwrap();
     expect(folder.path(), &["fit", "empty.mcap"], 1, &["empty.mcap", "empty"]);
 }
 
 #[test]
-fn a_file_that_is_no_log_is_told() {
+fn a_file_that_is_no_log_is_reported() {
     let folder = folder();
     std::fs::write(folder.path().join("notes.mcap"), b"these are my notes, not a log").unwrap();
     expect(folder.path(), &["fit", "notes.mcap"], 1, &["notes.mcap", "MCAP"]);
 }
 
 #[test]
-fn a_topic_that_the_log_does_not_have_is_told_with_what_it_has() {
+fn a_topic_that_the_log_does_not_have_is_reported_with_what_it_has() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
     std::fs::write(folder.path().join("signals.toml"), MAP.replace("/drive.speed", "/drvie.speed")).unwrap();
@@ -133,7 +133,7 @@ fn a_topic_that_the_log_does_not_have_is_told_with_what_it_has() {
 }
 
 #[test]
-fn a_field_that_the_messages_do_not_have_is_told() {
+fn a_field_that_the_messages_do_not_have_is_reported() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
     std::fs::write(folder.path().join("signals.toml"), MAP.replace("/drive.speed", "/drive.sped")).unwrap();
@@ -149,7 +149,7 @@ fn a_typo_in_the_signal_map_is_met_with_the_nearest_key() {
 }
 
 #[test]
-fn a_broken_message_in_the_middle_is_skipped_counted_and_told() {
+fn a_broken_message_in_the_middle_is_skipped_counted_and_reported() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
     let broken = |text: String, k: u64| if k == 700 { text[..9].to_owned() } else { text };
@@ -278,7 +278,7 @@ fn a_coarse_speed_without_dither_still_gives_the_table_and_anchors_nothing() {
 }
 
 #[test]
-fn a_log_without_any_torque_step_is_told() {
+fn a_log_without_any_torque_step_is_reported() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
     write_log(&folder.path().join("idle.mcap"), 0.9, 20.0, |t| (0.001 * (t * 999.0).sin(), 0.0, 90.0));
@@ -286,7 +286,7 @@ fn a_log_without_any_torque_step_is_told() {
 }
 
 #[test]
-fn runs_at_another_angle_are_told_with_the_angle_that_would_pass() {
+fn runs_at_another_angle_are_reported_with_the_angle_that_would_pass() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
     write_log(&folder.path().join("log.mcap"), 0.9, 36.0, |t| (campaign(t).0, campaign(t).1, 75.0));

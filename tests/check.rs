@@ -124,7 +124,7 @@ fn a_csv_alone_is_judged_but_for_what_only_the_json_tells() {
 }
 
 #[test]
-fn every_broken_rule_of_a_csv_is_told_with_its_line_and_cell() {
+fn every_broken_rule_of_a_csv_is_reported_with_its_line_and_cell() {
     let broken = |table: &str, from: &str, to: &str| {
         assert!(table.contains(from));
         report("mine.csv", &table.replacen(from, to, 1))
@@ -162,7 +162,7 @@ fn table_2_has_its_own_directions() {
 }
 
 #[test]
-fn gaps_of_the_range_are_told() {
+fn gaps_of_the_range_are_reported() {
     let found = report("mine.csv", &TABLE1.replace(",0,0.5,1\n", ",0.2,0.5,1\n"));
     expect(&found, &[("range_gap", None, None)]);
     assert_eq!(at(&found), "speed 0 to 0.2");
@@ -178,7 +178,7 @@ fn gaps_of_the_range_are_told() {
 }
 
 #[test]
-fn one_wrong_cell_of_a_whole_map_is_told_by_its_jumps_and_by_monotony() {
+fn one_wrong_cell_of_a_whole_map_is_reported_by_its_jumps_and_by_monotony() {
     let (_folder, maps) = copied();
     let (mut speeds, mut accels) = (Vec::new(), Vec::new());
     change_table2(&maps, |file| {
@@ -202,7 +202,7 @@ fn one_wrong_cell_of_a_whole_map_is_told_by_its_jumps_and_by_monotony() {
 }
 
 #[test]
-fn a_map_without_a_dead_band_is_told() {
+fn a_map_without_a_dead_band_is_reported() {
     let (_folder, maps) = copied();
     change_table2(&maps, |file| file.maps[1].dead_band.high_nm = 0.0);
     change_table1(&maps, |file| file.maps[0].breakaway.torque_nm = 0.0);

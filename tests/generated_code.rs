@@ -259,7 +259,7 @@ fn single_precision_stays_within_its_bound() {
 }
 
 #[test]
-fn the_self_test_tells_a_damaged_table() {
+fn the_self_test_shows_a_damaged_table() {
     let (folder, maps) = copied();
     assert_eq!(run(folder.path(), &["export", "--format", "c,rust"]).0, 0);
     let exported = maps.join("export");

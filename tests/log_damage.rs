@@ -152,7 +152,7 @@ fn a_flipped_byte_in_a_log_without_summary_loses_that_chunk_only() {
 }
 
 #[test]
-fn a_flipped_byte_in_an_unchunked_log_is_told_by_the_data_sections_checksum() {
+fn a_flipped_byte_in_an_unchunked_log_is_reported_by_the_data_sections_checksum() {
     let mut bytes = log(&Form { chunks: false, ..SOUND });
     let (at, length, _) = records(&bytes).into_iter().filter(|record| record.2 == 5).nth(100).unwrap();
     bytes[at + 9 + length - 8] ^= 1;
@@ -304,7 +304,7 @@ fn three_topics(summary: bool) -> Vec<u8> {
 }
 
 #[test]
-fn the_loss_of_a_chunk_is_told_by_place_bytes_and_topics_and_everything_behind_it_is_read() {
+fn the_loss_of_a_chunk_is_reported_by_place_bytes_and_topics_and_everything_behind_it_is_read() {
     type Defect = fn(&mut [u8], usize, usize);
     let defects: [(&str, Defect); 4] = [
         ("a claim of terabytes", |bytes, body, _| bytes[body + 16..body + 24].copy_from_slice(&(1_u64 << 42).to_le_bytes())),

@@ -118,7 +118,7 @@ fn the_presets_read_the_logs_that_they_are_made_for() {
 }
 
 #[test]
-fn a_survey_tells_topics_rates_and_signals() {
+fn a_survey_shows_topics_rates_and_signals() {
     let survey = survey(&file(ROS2.0), &Source::Detect, Depth::Everything, &|_| {}).unwrap();
     assert_eq!(survey.messages, Some(13_084));
     assert_eq!(survey.topics.len(), 8);

@@ -23,7 +23,7 @@ fn the_summary_names_topics_rates_and_signals() {
 }
 
 #[test]
-fn the_json_document_tells_what_was_read_and_lost() {
+fn the_json_document_shows_what_was_read_and_lost() {
     let document = json(&["--json", "--runs", "tests/data"]);
     let logs = document["logs"].as_array().unwrap();
     assert_eq!(logs.len(), 5);

@@ -101,7 +101,7 @@ fn series_names_of_json_mean_their_message_paths() {
 }
 
 #[test]
-fn the_origin_tells_the_path_and_the_name_that_it_was_given_by() {
+fn the_origin_shows_the_path_and_the_name_that_it_was_given_by() {
     let recording = drive("mini_ros2.zstd.mcap", &ROS2, Some(0)).unwrap();
     assert_eq!(recording.origins[0].path, ROS2[0].1);
     assert!(recording.origins[0].reason.contains("/joint_states/front_drive_joint/velocity"), "{}", recording.origins[0].reason);

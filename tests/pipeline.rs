@@ -98,7 +98,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 #[test]
-fn the_encoder_alone_tells_the_delays_and_the_table() {
+fn the_encoder_alone_shows_the_delays_and_the_table() {
     let (survey, fit) = messy_with(|track| Track { yaw_speed_mps: None, ..track });
     let own = fit.file.logs.iter().position(|l| *l == survey.track.source).unwrap();
     // the encoder reads 8 to 10 ms late, which nothing but the dead time can take up

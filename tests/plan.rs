@@ -124,7 +124,7 @@ fn cells_beyond_the_torques_of_the_table_weigh_as_those_at_its_end() {
 
 /// The runs as `record` drives them, the information as the estimator has it: so the model expects about what the fit then tells.
 #[test]
-fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_tells_of_them() {
+fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_shows_of_them() {
     for map in &TABLE1.maps {
         // near standstill, where the coarse lattice of these tests is too coarse, neither is held to the other
         let speeds = map.speed_mps.iter().copied().filter(|v| *v > 0.15).collect();
@@ -146,7 +146,7 @@ fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_tells_of_them
 }
 
 #[test]
-fn what_cannot_be_planned_is_told() {
+fn what_cannot_be_planned_is_reported() {
     let told = |file: &Table1File, settings: &PlanSettings| plan(file, settings).unwrap_err().to_string();
     assert!(told(&TABLE1, &wish(3.0)).contains("no run fits"));
     let braking_only = PlanSettings { torque_breaks_nm: Some(vec![-20.0, -4.0]), ..wish(20.0) };

@@ -43,7 +43,7 @@ fn edit(path: &Path, change: impl Fn(&mut Value)) {
 }
 
 #[test]
-fn the_demo_map_is_told_to_pass_on_one_page_below_3_mb_that_fetches_nothing() {
+fn the_demo_map_is_reported_to_pass_on_one_page_below_3_mb_that_fetches_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let maps = maps(folder.path());
     let (page, document) = report(&maps);
@@ -227,7 +227,7 @@ fn manoeuvres_and_the_plan_are_shown_with_the_tables_that_they_belong_to_and_onl
 }
 
 #[test]
-fn a_failed_verdict_is_told_first_with_its_reasons() {
+fn a_failed_verdict_is_reported_first_with_its_reasons() {
     let folder = tempfile::tempdir().unwrap();
     let maps = maps(folder.path());
     edit(&maps.join("verify.json"), |v| {

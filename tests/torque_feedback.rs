@@ -144,7 +144,7 @@ fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
 }
 
 #[test]
-fn a_first_order_drive_is_modelled_whether_it_tells_its_torque_or_not() {
+fn a_first_order_drive_is_modelled_whether_it_shows_its_torque_or_not() {
     let (recording, _) = recorded(None);
     let with = fitted(&recording, |_| ());
     let without = fitted(&recording, |track| track.feedback_nm = None);

@@ -73,7 +73,7 @@ fn every_command_of_the_tour_does_what_it_says() {
 }
 
 #[test]
-fn blocks_are_told_apart() {
+fn blocks_are_reported_apart() {
     let found = blocks("text\n```toml a.toml\nx = 1\n```\n```sh\npivot-cal fit a\n\npivot-cal invert\n```\n");
     let command = |text: &str| Block::Command(text.to_owned());
     assert_eq!(found, [Block::File("a.toml".into(), "x = 1\n".into()), command("pivot-cal fit a"), command("pivot-cal invert")]);

@@ -238,7 +238,7 @@ fn a_circumstance_that_the_map_does_not_know_of_is_felt() {
 }
 
 #[test]
-fn recorded_runs_are_replayed_through_the_plant_and_told_per_run() {
+fn recorded_runs_are_replayed_through_the_plant_and_reported_per_run() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(root.join("maps")).unwrap() {
@@ -283,7 +283,7 @@ fn an_edited_csv_is_refused_and_with_force_judged() {
 }
 
 #[test]
-fn what_is_missing_or_misspelt_is_told() {
+fn what_is_missing_or_misspelt_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let error = |arguments: &[&str]| String::from_utf8(command(folder.path(), arguments).code(1).get_output().stderr.clone()).unwrap();
     assert!(error(&[]).contains("table1.json"));

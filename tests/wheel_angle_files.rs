@@ -123,7 +123,7 @@ fn angles_are_selected_and_one_that_the_log_lacks_is_an_error_that_names_those_i
 }
 
 #[test]
-fn an_angle_with_too_little_data_is_left_out_and_told_and_the_others_are_fitted() {
+fn an_angle_with_too_little_data_is_left_out_and_reported_and_the_others_are_fitted() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let thin = "[[runs]]\nwheel_angle_deg = 45\ntorque_nm = [12, 20, 28]\nhold_s = 0.5\npause_s = 0.1\n";

@@ -200,7 +200,9 @@ fn surface(choice: &serde_json::Value) -> String {
     if choice.is_null() {
         return "physics form and all of a free surface: too few runs to leave any out".to_owned();
     }
-    let (Some(share), Some(z)) = (choice["surface_share"].as_f64(), choice["in_std_errs"].as_f64()) else { return "not told".to_owned() };
+    let (Some(share), Some(z)) = (choice["surface_share"].as_f64(), choice["in_std_errs"].as_f64()) else {
+        return "not reported".to_owned();
+    };
     let taken = if share > 0.0 {
         format!("physics form and {} % of a free surface", num(100.0 * share, 0))
     } else {

@@ -54,7 +54,7 @@ impl<'a> Graph<'a> {
 }
 
 /// A circle as text: each tie within it on a line of its own.
-pub(crate) fn told(circle: &BTreeSet<&str>, ties: &Ties) -> String {
+pub(crate) fn described(circle: &BTreeSet<&str>, ties: &Ties) -> String {
     let within = ties.iter().filter(|((from, to), _)| circle.contains(from.as_str()) && circle.contains(to.as_str()));
     let lines: Vec<_> = within.map(|((from, to), names)| tie(from, to, names)).collect();
     format!("a circle of {} files:\n{}", circle.len(), lines.join("\n"))

@@ -17,7 +17,7 @@ mod tree;
 mod use_tree;
 
 use arrows::{Arrows, arrows};
-use graph::{Graph, told};
+use graph::{Graph, described};
 use picture::{Picture, pictures};
 use scan::Defines;
 use std::collections::{BTreeMap, BTreeSet};
@@ -48,7 +48,7 @@ fn every_file_and_every_import_is_understood() {
 #[test]
 fn no_files_import_each_other_in_a_circle() {
     let ties = &PACKAGE.1.ties;
-    let circles: Vec<_> = Graph::new(ties).circles().iter().map(|circle| told(circle, ties)).collect();
+    let circles: Vec<_> = Graph::new(ties).circles().iter().map(|circle| described(circle, ties)).collect();
     assert!(circles.is_empty(), "{} circles\n{}", circles.len(), circles.join("\n"));
 }
 
@@ -57,13 +57,13 @@ fn rooms_import_only_rooms_on_lower_floors() {
     let pictures = drawn();
     assert!(pictures.iter().any(|picture| picture.inside.is_empty()), "docs/architecture.md draws no floors");
     let (tree, arrows) = &*PACKAGE;
-    let mut told = Vec::new();
+    let mut described = Vec::new();
     for picture in &pictures {
         let objections = floors::objections(picture, tree.lines.keys(), &arrows.ties);
         let place = if picture.inside.is_empty() { "Floors".to_owned() } else { format!("Inside {}", picture.inside) };
-        told.extend(objections.iter().map(|objection| format!("{place}: {objection}")));
+        described.extend(objections.iter().map(|objection| format!("{place}: {objection}")));
     }
-    assert!(told.is_empty(), "docs/architecture.md draws it otherwise:\n{}", told.join("\n"));
+    assert!(described.is_empty(), "docs/architecture.md draws it otherwise:\n{}", described.join("\n"));
 }
 
 #[test]
@@ -77,8 +77,8 @@ fn no_file_is_long_and_half_of_them_are_short() {
 #[test]
 fn every_type_name_is_defined_in_one_file_only() {
     let shared = shared_type_names();
-    let told: Vec<_> = shared.iter().map(|(name, files)| format!("  {name}: {}", told_files(files))).collect();
-    assert!(told.is_empty(), "{} names of types are defined in several files:\n{}", told.len(), told.join("\n"));
+    let described: Vec<_> = shared.iter().map(|(name, files)| format!("  {name}: {}", listed(files))).collect();
+    assert!(described.is_empty(), "{} names of types are defined in several files:\n{}", described.len(), described.join("\n"));
 }
 
 #[test]
@@ -124,6 +124,6 @@ fn shared_type_names() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
     files.into_iter().filter(|(name, files)| files.len() > 1 && !OF_EVERY_ROOM.contains(name)).collect()
 }
 
-fn told_files(files: &BTreeSet<&str>) -> String {
+fn listed(files: &BTreeSet<&str>) -> String {
     files.iter().copied().collect::<Vec<_>>().join(", ")
 }

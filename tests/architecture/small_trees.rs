@@ -23,8 +23,8 @@ fn ties(files: &[(&str, &str)]) -> Vec<String> {
     assert!(tree.faults.is_empty(), "{:?}", tree.faults);
     assert!(arrows.faults.is_empty(), "{:?}", arrows.faults);
     let short = |path: &str| path.trim_start_matches("src/").to_owned();
-    let told = |names: &std::collections::BTreeSet<String>| names.iter().cloned().collect::<Vec<_>>().join(" ");
-    arrows.ties.iter().map(|((from, to), names)| format!("{} > {}: {}", short(from), short(to), told(names))).collect()
+    let described = |names: &std::collections::BTreeSet<String>| names.iter().cloned().collect::<Vec<_>>().join(" ");
+    arrows.ties.iter().map(|((from, to), names)| format!("{} > {}: {}", short(from), short(to), described(names))).collect()
 }
 
 /// The ties of the module `a` to its sibling `b`, which holds `Thing`, `make` and the module `deep` with `Low`.
@@ -185,7 +185,7 @@ fn a_chain_is_measured() {
 }
 
 #[test]
-fn what_cannot_be_resolved_is_told() {
+fn what_cannot_be_resolved_is_reported() {
     let faults = |text| read(&[("lib.rs", "mod a;"), ("a.rs", text)]).1.faults;
     assert_eq!(faults("use crate::gone::Thing;"), ["src/a.rs: there is no crate::gone::Thing"]);
     assert_eq!(faults("fn f() { super::gone() }"), ["src/a.rs: there is no super::gone"]);
@@ -227,7 +227,7 @@ fn a_picture_is_read() {
 }
 
 #[test]
-fn imports_that_do_not_point_down_are_told() {
+fn imports_that_do_not_point_down_are_reported() {
     let files = [
         ("lib.rs", "mod a; mod b; mod c;"),
         ("a.rs", "use crate::b::b; pub fn a() {}"),
@@ -237,14 +237,14 @@ fn imports_that_do_not_point_down_are_told() {
         ("c/low.rs", "pub fn l() {}"),
     ];
     let (tree, arrows) = read(&files);
-    let told = |drawn: &str| {
+    let described = |drawn: &str| {
         let pictures = pictures(drawn).unwrap();
         objections(&pictures[0], tree.lines.keys(), &arrows.ties)
     };
-    assert!(told("## Floors\n```\na  x\nb  x\nc  x\n```\n").is_empty());
-    assert!(told("## Inside c\n```\nhigh  x\nlow   x\n```\n").is_empty());
+    assert!(described("## Floors\n```\na  x\nb  x\nc  x\n```\n").is_empty());
+    assert!(described("## Inside c\n```\nhigh  x\nlow   x\n```\n").is_empty());
     let wrong = ["\"d\" is drawn and not there", "a imports b, which is not below it:\n  src/a.rs → src/b.rs: b"];
-    assert_eq!(told("## Floors\n```\na b  x\nc d  x\n```\n"), wrong);
-    assert_eq!(told("## Inside c\n```\nlow  x\n```\n"), ["\"high\" is not drawn"]);
-    assert_eq!(told("## Inside c\n```\nlow  x\nhigh  x\n```\n").len(), 1);
+    assert_eq!(described("## Floors\n```\na b  x\nc d  x\n```\n"), wrong);
+    assert_eq!(described("## Inside c\n```\nlow  x\n```\n"), ["\"high\" is not drawn"]);
+    assert_eq!(described("## Inside c\n```\nlow  x\nhigh  x\n```\n").len(), 1);
 }
