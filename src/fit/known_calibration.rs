@@ -1,5 +1,6 @@
 //! Delays and encoder calibration known before a fit, from a fit of other runs of the same logs: the runs at other wheel angles.
 
+use crate::fit::drive::drive_model::DriveModel;
 use std::collections::BTreeMap;
 
 /// Values that the estimator holds instead of estimating them.
@@ -7,8 +8,8 @@ use std::collections::BTreeMap;
 pub struct KnownCalibration {
     /// Dead time [s] of logs, by their SHA-256.
     pub dead_time_s: BTreeMap<String, f64>,
-    /// Time constant of the drive's lag [s].
-    pub lag_s: Option<f64>,
+    /// The drive.
+    pub(crate) drive: Option<DriveModel>,
     /// The encoder's scale, and how much later it reads than the yaw rate [s].
     pub encoder: Option<(f64, f64)>,
 }

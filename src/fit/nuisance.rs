@@ -1,10 +1,12 @@
 //! Columns after those of the surface: shared ones, then one dead time per log.
 
-/// T_c.
-pub(crate) const LAG: usize = 0;
+use crate::fit::drive::drive_model::PARAMETERS;
+
+/// The first parameter of the drive; the others follow.
+pub(crate) const DRIVE: usize = 0;
 /// Relative change of the encoder's scale.
-pub(crate) const ENCODER_SCALE: usize = 1;
+pub(crate) const ENCODER_SCALE: usize = DRIVE + PARAMETERS;
 /// Change of the encoder's delay [s].
-pub(crate) const ENCODER_DELAY: usize = 2;
+pub(crate) const ENCODER_DELAY: usize = ENCODER_SCALE + 1;
 /// T_d of the first log.
-pub(crate) const DEAD_TIME: usize = 3;
+pub(crate) const DEAD_TIME: usize = ENCODER_DELAY + 1;

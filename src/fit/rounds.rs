@@ -13,6 +13,7 @@ pub(crate) mod convergence;
 pub(crate) mod cross_validation;
 mod delay_grid;
 mod delay_rounds;
+pub(crate) mod drive_choice;
 pub(crate) mod estimate;
 pub(crate) mod initial_guess;
 pub(crate) mod outliers;
@@ -25,14 +26,19 @@ use crate::campaign::Survey;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::state::State;
-use crate::fit::{FitSettings, Result};
+use crate::fit::{FitSettings, KnownCalibration, Result};
 
 /// Runs the estimator with the torque input that was chosen.
 ///
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
-    let mut state = State::new(surveys, choice, settings)?;
+    let kind = match (&settings.known, settings.drive) {
+        (Some(KnownCalibration { drive: Some(drive), .. }), _) => drive.kind,
+        (_, Some(kind)) => kind,
+        _ => drive_choice::choose(surveys, choice, settings)?.kind,
+    };
+    let mut state = State::new(surveys, choice, settings, kind)?;
     let sampled = delay_rounds::run(&mut state)?;
     surface_rounds::run(state, sampled)
 }

@@ -1,6 +1,7 @@
 //! Settings of the estimator.
 
 use crate::fit::KnownCalibration;
+use crate::fit::drive::drive_model::DriveKind;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
@@ -8,6 +9,9 @@ use serde::{Deserialize, Serialize};
 pub struct FitSettings {
     /// Dead time of the drive [s] when it is known; estimated otherwise.
     pub dead_time_s: Option<f64>,
+    /// The kind of drive when it is known; chosen by the data otherwise. Not a setting of a file.
+    #[serde(skip)]
+    pub(crate) drive: Option<DriveKind>,
     /// Time constant of the drive's lag [s] when it is known; estimated otherwise.
     pub lag_s: Option<f64>,
     /// Coefficients of the surface along speed. Default 20, on knots uniform in ln(1 + V/0.12): with 15 a wave of 0.6 m/s is out of reach
@@ -37,6 +41,7 @@ impl Default for FitSettings {
     fn default() -> Self {
         Self {
             dead_time_s: None,
+            drive: None,
             lag_s: None,
             speed_nodes: 20,
             torque_nodes: 17,

@@ -170,7 +170,7 @@ impl Model {
                 let root = pivoted_root(&gram.values, width, LEFT_OUT);
                 let touched = Mat::from_fn(width, q + DELAYS, |r, c| match (gram.columns[r] as usize).checked_sub(base) {
                     None if c < q => t[(gram.columns[r] as usize, c)],
-                    Some(nuisance::LAG) if c == q => 1.0,
+                    Some(nuisance::DRIVE) if c == q => 1.0,
                     Some(nuisance::DEAD_TIME) if c == q + 1 + log => 1.0,
                     _ => 0.0,
                 });
@@ -190,7 +190,7 @@ impl Model {
     /// Standard error of the delay of a nuisance column of the estimator [s]; 0 for the speed itself and for columns that are no delay.
     fn delay_std_s(&self, nuisance: usize) -> f64 {
         match nuisance {
-            nuisance::LAG => self.lag_std_s,
+            nuisance::DRIVE => self.lag_std_s,
             nuisance::DEAD_TIME => self.dead_time_std_s,
             _ => 0.0,
         }

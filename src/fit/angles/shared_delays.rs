@@ -5,6 +5,7 @@
 //! logs that no other angle shares.
 
 use crate::campaign::AngleGroup;
+use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::actuator::Delays;
@@ -61,8 +62,8 @@ impl Shared {
         for (log, pool) in others.dead_time_s {
             pooled.dead_time_s.entry(log).or_insert(pool);
         }
-        if pooled.lag_s.mean().is_none() {
-            pooled.lag_s = others.lag_s;
+        if pooled.drive.is_none() {
+            pooled.drive = others.drive;
         }
         Self { known: pooled.known(encoder), pooled, failed }
     }
@@ -87,11 +88,12 @@ impl Pool {
     }
 }
 
-/// Delays of the logs and the lag, pooled over the angles.
+/// Delays of the logs and the drive, pooled over the angles.
 #[derive(Debug, Default)]
 pub(crate) struct Pooled {
     dead_time_s: BTreeMap<String, Pool>,
-    lag_s: Pool,
+    /// The drive of the first angle, and the values of its parameters.
+    drive: Option<(DriveModel, [Pool; PARAMETERS])>,
 }
 
 impl Pooled {
@@ -102,15 +104,25 @@ impl Pooled {
         {
             self.dead_time_s.entry(log.survey.track.source.sha256.clone()).or_default().add(*dead_time_s, *std_err_s);
         }
-        self.lag_s.add(calibration.lag_s, estimate.calibration_errors.lag_s);
+        let (_, pools) = self.drive.get_or_insert((calibration.drive, [Pool::default(); PARAMETERS]));
+        for (pool, (value, std_err)) in pools.iter_mut().zip(calibration.drive.times_s.iter().zip(estimate.calibration_errors.drive_s)) {
+            pool.add(*value, std_err);
+        }
     }
 
     fn known(&self, encoder: Option<(f64, f64)>) -> KnownCalibration {
         KnownCalibration {
             dead_time_s: self.dead_time_s.iter().filter_map(|(log, pool)| Some((log.clone(), pool.mean()?.0))).collect(),
-            lag_s: self.lag_s.mean().map(|m| m.0),
+            drive: self.drive().map(|d| d.0),
             encoder,
         }
+    }
+
+    /// The drive, with the standard errors of its parameters [s].
+    fn drive(&self) -> Option<(DriveModel, [f64; PARAMETERS])> {
+        let (drive, pools) = self.drive?;
+        let means = pools.map(|p| p.mean().unwrap_or((0.0, 0.0)));
+        Some((drive.with(means.map(|m| m.0)), means.map(|m| m.1)))
     }
 
     /// Delays of `logs`. A log whose only angle could not be fitted gets those of the test angle's first log.
@@ -120,12 +132,12 @@ impl Pooled {
             own.unwrap_or((test.calibration.dead_time_s[0], test.calibration_errors.dead_time_s[0]))
         };
         let dead_times: Vec<(f64, f64)> = logs.iter().map(of_log).collect();
-        let (lag_s, lag_std_err_s) = self.lag_s.mean().unwrap_or((test.calibration.lag_s, test.calibration_errors.lag_s));
+        let (drive, drive_std_err_s) = self.drive().unwrap_or((test.calibration.drive, test.calibration_errors.drive_s));
         Delays {
             dead_time_s: dead_times.iter().map(|d| d.0).collect(),
             dead_time_std_err_s: dead_times.iter().map(|d| d.1).collect(),
-            lag_s,
-            lag_std_err_s,
+            drive,
+            drive_std_err_s,
         }
     }
 }

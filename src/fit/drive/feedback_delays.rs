@@ -120,7 +120,7 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
             let at = lagged.at(feedback.t_s[i] - dead);
             // Huber's weight: a drive that is not of first order, or a lost message, does not drag the fit
             let weight = (2.5 * scale / r.abs().max(1e-12)).min(1.0);
-            let j = [at.by_dead_time, if fixed_lag_s.is_some() { 0.0 } else { at.by_lag }];
+            let j = [at.by_dead_time, if fixed_lag_s.is_some() { 0.0 } else { at.by_drive[0] }];
             for p in 0..2 {
                 g[p] += weight * j[p] * r;
                 for q in 0..2 {

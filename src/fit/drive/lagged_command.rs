@@ -4,6 +4,7 @@
 //! u(t) = c + (u₀ − c)·e^(−s/T_c), with s the time since the change. The derivatives follow:
 //! ∂u/∂T_d = −u̇ and ∂u/∂T_c = w₀·e^(−s/T_c) + (u₀ − c)·e^(−s/T_c)·s/T_c².
 
+use crate::fit::drive::drive_model::PARAMETERS;
 use crate::signal::Series;
 
 /// The lagged command of one log, for look-ups at any time.
@@ -36,8 +37,25 @@ pub(crate) struct Torque {
     pub(crate) torque_nm: f64,
     /// ∂u/∂T_d [N·m/s].
     pub(crate) by_dead_time: f64,
-    /// ∂u/∂T_c [N·m/s].
-    pub(crate) by_lag: f64,
+    /// Derivatives by the parameters of the drive [N·m/s]; of a first-order lag, ∂u/∂T_c and zeros.
+    pub(crate) by_drive: [f64; PARAMETERS],
+}
+
+impl Torque {
+    /// A constant torque.
+    pub(crate) fn constant(torque_nm: f64) -> Self {
+        Self { torque_nm, by_dead_time: 0.0, by_drive: [0.0; PARAMETERS] }
+    }
+
+    /// In the frame of a gear, whose sign this is.
+    pub(crate) fn in_gear(self, sign: f64) -> Self {
+        Self { torque_nm: sign * self.torque_nm, by_dead_time: sign * self.by_dead_time, by_drive: self.by_drive.map(|d| sign * d) }
+    }
+
+    /// Whether delays and drive matter at this moment.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.by_dead_time != 0.0 || self.by_drive != [0.0; PARAMETERS]
+    }
 }
 
 impl LaggedCursor<'_> {
@@ -102,11 +120,11 @@ impl LaggedCommand {
             if lagged.command_nm.last() == Some(c) {
                 continue;
             }
-            let state = if lagged.change_s.is_empty() { Torque { torque_nm: *c, by_dead_time: 0.0, by_lag: 0.0 } } else { lagged.at(*t) };
+            let state = if lagged.change_s.is_empty() { Torque::constant(*c) } else { lagged.at(*t) };
             lagged.change_s.push(*t);
             lagged.command_nm.push(*c);
             lagged.torque_nm.push(state.torque_nm);
-            lagged.by_lag.push(state.by_lag);
+            lagged.by_lag.push(state.by_drive[0]);
             lagged.ln_away.push((state.torque_nm - c).abs().ln());
             lagged.largest_nm = lagged.largest_nm.max(c.abs());
         }
@@ -127,16 +145,17 @@ impl LaggedCommand {
     /// Effective torque at a time after `k` changes.
     fn after(&self, k: usize, t_s: f64) -> Torque {
         if k == 0 {
-            return Torque { torque_nm: self.command_nm.first().copied().unwrap_or(0.0), by_dead_time: 0.0, by_lag: 0.0 };
+            return Torque::constant(self.command_nm.first().copied().unwrap_or(0.0));
         }
         let (since, c, u0, w0) = (t_s - self.change_s[k - 1], self.command_nm[k - 1], self.torque_nm[k - 1], self.by_lag[k - 1]);
         // e⁻¹⁶ of a step, 10⁻⁷, is negligible
         if self.lag_s < LEAST_LAG_S || since > 16.0 * self.lag_s {
-            return Torque { torque_nm: c, by_dead_time: 0.0, by_lag: 0.0 };
+            return Torque::constant(c);
         }
         let decay = (-since / self.lag_s).exp();
         let away = (u0 - c) * decay;
-        Torque { torque_nm: c + away, by_dead_time: away / self.lag_s, by_lag: w0 * decay + away * since / (self.lag_s * self.lag_s) }
+        let by_lag = w0 * decay + away * since / (self.lag_s * self.lag_s);
+        Torque { torque_nm: c + away, by_dead_time: away / self.lag_s, by_drive: [by_lag, 0.0, 0.0] }
     }
 
     /// Largest torque commanded [N·m].
@@ -175,7 +194,7 @@ mod tests {
             let (lower, upper) = (LaggedCommand::new(&command(), 0.05 - h), LaggedCommand::new(&command(), 0.05 + h));
             let at = LaggedCommand::new(&command(), 0.05).at(t);
             let by_lag = (upper.at(t).torque_nm - lower.at(t).torque_nm) / (2.0 * h);
-            assert!((at.by_lag - by_lag).abs() < 1e-4 * (1.0 + by_lag.abs()), "{t}: {} {by_lag}", at.by_lag);
+            assert!((at.by_drive[0] - by_lag).abs() < 1e-4 * (1.0 + by_lag.abs()), "{t}: {} {by_lag}", at.by_drive[0]);
             let same = LaggedCommand::new(&command(), 0.05);
             let by_dead_time = (same.at(t - h).torque_nm - same.at(t + h).torque_nm) / (2.0 * h);
             assert!((at.by_dead_time - by_dead_time).abs() < 1e-4 * (1.0 + by_dead_time.abs()), "{t}");

@@ -78,11 +78,11 @@ impl MeasuredTorque {
     fn after(&self, k: usize, t_s: f64) -> Torque {
         if k == 0 || k == self.t_s.len() {
             let end = self.torque_nm.get(k.saturating_sub(1)).copied().unwrap_or(0.0);
-            return Torque { torque_nm: end, by_dead_time: 0.0, by_lag: 0.0 };
+            return Torque::constant(end);
         }
         let (t0, u0) = (self.t_s[k - 1], self.torque_nm[k - 1]);
         let slope = (self.torque_nm[k] - u0) / (self.t_s[k] - t0).max(1e-9);
-        Torque { torque_nm: u0 + slope * (t_s - t0), by_dead_time: -slope, by_lag: 0.0 }
+        Torque { by_dead_time: -slope, ..Torque::constant(u0 + slope * (t_s - t0)) }
     }
 
     /// Largest torque commanded [N·m].

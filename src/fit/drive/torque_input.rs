@@ -7,10 +7,12 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
+use crate::fit::drive::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
+use crate::fit::drive::sampled_torque::SampledTorque;
 use crate::fit::drive::settled_holds::{FeedbackReading, Settled, reading, settled};
 use crate::map::{ActuatorInput, InputSource, LogRef};
 use crate::signal::{Series, Track};
@@ -39,13 +41,14 @@ pub(crate) enum TorqueInput {
 }
 
 impl TorqueInput {
-    /// The effective torque of a log, given the changes of its command; the lag counts for the command only.
-    pub(crate) fn torque(self, track: &Track, changes: &Series, lag_s: f64) -> EffectiveTorque {
+    /// The effective torque of a log, given the changes of its command; the drive counts for the command only.
+    pub(crate) fn torque(self, track: &Track, changes: &Series, drive: &DriveModel) -> EffectiveTorque {
         match (self, &track.feedback_nm) {
             (Self::Feedback { late_s }, Some(feedback)) => {
                 EffectiveTorque::Measured(MeasuredTorque::new(&track.command_nm, feedback, late_s))
             }
-            _ => EffectiveTorque::Lagged(LaggedCommand::new(changes, lag_s)),
+            _ if drive.kind == DriveKind::FirstOrder => EffectiveTorque::Lagged(LaggedCommand::new(changes, drive.lag_s())),
+            _ => EffectiveTorque::Sampled(SampledTorque::new(changes, drive)),
         }
     }
 

@@ -4,6 +4,7 @@
 //! constant, and never across a reading.
 
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::{Share, Torque};
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -52,8 +53,7 @@ impl<'a> Course<'a> {
             let count = (length_s / longest_s).ceil().max(1.0);
             for k in 0..count as usize {
                 let fraction = (k as f64 + 0.5) / count;
-                let Torque { torque_nm, by_dead_time, by_lag } = cursor.at(from_s + fraction * length_s - dead_time_s);
-                let torque = Torque { torque_nm: sign * torque_nm, by_dead_time: sign * by_dead_time, by_lag: sign * by_lag };
+                let torque = cursor.at(from_s + fraction * length_s - dead_time_s).in_gear(sign);
                 steps.push(IntegrationStep { fraction, length_s: length_s / count, torque });
             }
             ends.push(steps.len() as u32);
@@ -89,17 +89,24 @@ impl<'a> Course<'a> {
 
     /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
     pub(crate) fn predicted(&self, speeds: &Speeds, surface: &LatticeSurface) -> Vec<f64> {
-        self.predicted_with(speeds, surface, [0.0, 0.0])
+        self.predicted_with(speeds, surface, [0.0; PARAMETERS], 0.0)
     }
 
-    /// The same with lag and dead time changed by so much [s].
-    pub(crate) fn predicted_with(&self, speeds: &Speeds, surface: &LatticeSurface, [lag_s, dead_time_s]: [f64; 2]) -> Vec<f64> {
+    /// The same with the parameters of the drive and the dead time changed by so much [s].
+    pub(crate) fn predicted_with(
+        &self,
+        speeds: &Speeds,
+        surface: &LatticeSurface,
+        drive_s: [f64; PARAMETERS],
+        dead_time_s: f64,
+    ) -> Vec<f64> {
         let mut sum = 0.0;
         (0..self.rows())
             .map(|row| {
                 for (v, step) in self.along(speeds, row) {
-                    let Torque { torque_nm, by_lag, by_dead_time } = step.torque;
-                    sum += step.length_s * surface.accel_mps2(v, torque_nm + lag_s * by_lag + dead_time_s * by_dead_time);
+                    let Torque { torque_nm, by_drive, by_dead_time } = step.torque;
+                    let by_drive: f64 = drive_s.iter().zip(by_drive).map(|(s, by)| s * by).sum();
+                    sum += step.length_s * surface.accel_mps2(v, torque_nm + by_drive + dead_time_s * by_dead_time);
                 }
                 sum
             })

@@ -2,6 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::TorqueInput;
@@ -39,9 +40,9 @@ pub(crate) struct LogData<'a> {
 }
 
 impl LogData<'_> {
-    /// The effective torque; the lag counts for a command only.
-    pub(crate) fn torque(&self, lag_s: f64) -> EffectiveTorque {
-        self.input.torque(&self.survey.track, &self.command, lag_s)
+    /// The effective torque; the drive counts for a command only.
+    pub(crate) fn torque(&self, drive: &DriveModel) -> EffectiveTorque {
+        self.input.torque(&self.survey.track, &self.command, drive)
     }
 
     /// Readings of encoder and yaw rate in an interval, in order of time and in the gear's frame.

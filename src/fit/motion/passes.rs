@@ -69,7 +69,8 @@ pub(crate) struct SegmentResult {
     /// Standard deviation of the speed that is expected at each reading [m/s].
     pub(crate) expected_std_mps: Vec<f64>,
     residual_mps: Vec<f64>,
-    white: Vec<f64>,
+    /// The residuals, whitened.
+    pub(crate) white: Vec<f64>,
     offset_mps2: f64,
 }
 

@@ -45,8 +45,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
     // the speed, then the nuisance columns
     let mut columns: Vec<u32> = vec![u32::MAX];
     if with_nuisance {
-        let shared = [nuisance::LAG, nuisance::ENCODER_SCALE, nuisance::ENCODER_DELAY].map(|c| (base + c) as u32);
-        columns.extend(shared);
+        columns.extend((0..nuisance::DEAD_TIME).map(|c| (base + c) as u32));
         columns.push((base + nuisance::DEAD_TIME + segment.log) as u32);
     }
     // the columns that each step of the integration touches
@@ -94,9 +93,11 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
                     }
                 }
                 // a constant torque has no delay
-                if with_nuisance && (step.torque.by_lag != 0.0 || step.torque.by_dead_time != 0.0) {
+                if with_nuisance && step.torque.is_moving() {
                     let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
-                    sums[1 + nuisance::LAG] += slope * step.torque.by_lag;
+                    for (sum, by) in sums[1 + nuisance::DRIVE..].iter_mut().zip(step.torque.by_drive) {
+                        *sum += slope * by;
+                    }
                     sums[1 + nuisance::DEAD_TIME] += slope * step.torque.by_dead_time;
                 }
             }
@@ -142,9 +143,11 @@ pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurfa
             for (column, share) in lattice.spot(v, step.torque.torque_nm).columns(lattice) {
                 score[column] += weight * share;
             }
-            if step.torque.by_lag != 0.0 || step.torque.by_dead_time != 0.0 {
+            if step.torque.is_moving() {
                 let slope = weight * surface.value_and_slope(v, step.torque.torque_nm).1;
-                score[base + nuisance::LAG] += slope * step.torque.by_lag;
+                for (score, by) in score[base + nuisance::DRIVE..].iter_mut().zip(step.torque.by_drive) {
+                    *score += slope * by;
+                }
                 score[base + nuisance::DEAD_TIME + segment.log] += slope * step.torque.by_dead_time;
             }
         }

@@ -135,7 +135,7 @@ impl OfLog<'_> {
             && self.log.input == TorqueInput::Command
         {
             let surface = so_far.surface(stretch.gear);
-            let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.lag_s);
+            let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.drive.mean_lag_s());
             self.log.timing.add_to(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
         }
         Segment { log: self.number, run, gear: stretch.gear, start_s, anchored: breakaway.is_some(), start_std_mps, readings }

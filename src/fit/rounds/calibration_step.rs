@@ -1,5 +1,6 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
+use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::regressors::Free;
 use crate::fit::nuisance;
@@ -10,6 +11,8 @@ use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
 
 /// Largest step of a delay in one round [s].
 const DELAY_STEP_S: f64 = 0.02;
+/// Largest step of a parameter of the drive in one round, if that is more: a share of it.
+const DRIVE_STEP: f64 = 0.2;
 /// Prior standard deviation of known values.
 const FIXED_STD: f64 = 1e-9;
 
@@ -23,9 +26,11 @@ impl State<'_> {
         let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw && free == Free::DelaysAndEncoder);
         let hold = |std: &mut f64| *std = FIXED_STD;
         let measured = self.logs.iter().any(|l| l.input != TorqueInput::Command);
-        if measured || self.settings.lag_s.is_some() || known.is_some_and(|k| k.lag_s.is_some()) {
-            hold(&mut prior[nuisance::LAG]);
+        for (std, time_s) in prior[nuisance::DRIVE..].iter_mut().zip(self.calibration.drive.times_s) {
+            *std = std.max(DRIVE_STEP * time_s);
         }
+        let free = if measured || self.drive_is_given() { 0 } else { self.calibration.drive.kind.parameters() };
+        prior[nuisance::DRIVE + free..nuisance::ENCODER_SCALE].iter_mut().for_each(hold);
         if known.is_some_and(|k| k.encoder.is_some()) {
             hold(&mut prior[nuisance::ENCODER_SCALE]);
             hold(&mut prior[nuisance::ENCODER_DELAY]);
@@ -38,23 +43,32 @@ impl State<'_> {
         prior
     }
 
+    /// Whether the drive's parameters are known from outside.
+    fn drive_is_given(&self) -> bool {
+        self.settings.lag_s.is_some() || self.settings.known.as_ref().is_some_and(|k| k.drive.is_some())
+    }
+
     /// Makes the step of delays and encoder calibration that `solution` asks for, and stores their standard errors. Returns the largest
     /// step of a delay over its standard error.
     pub(crate) fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
         let q = self.design.coefficients();
         let of = |k: usize| solution.beta[q + k];
-        let step = |k: usize| of(k).clamp(-DELAY_STEP_S, DELAY_STEP_S);
+        // a long ramp is not known to milliseconds
+        let drive = self.calibration.drive;
+        let most_s = |k: usize| if k < PARAMETERS { DELAY_STEP_S.max(DRIVE_STEP * drive.times_s[k]) } else { DELAY_STEP_S };
+        let step = |k: usize| of(k).clamp(-most_s(k), most_s(k));
         let before = self.calibration.clone();
-        let delays = std::iter::once(nuisance::LAG).chain((0..self.logs.len()).map(|k| nuisance::DEAD_TIME + k));
+        let delays = (nuisance::DRIVE..nuisance::ENCODER_SCALE).chain((0..self.logs.len()).map(|k| nuisance::DEAD_TIME + k));
         let damp = |(k, asked_s): (usize, f64)| DelayStep::damped(asked_s, self.last_steps.get(k));
         let steps: Vec<DelayStep> = delays.map(step).enumerate().map(damp).collect();
-        self.calibration.lag_s = (before.lag_s + steps[0].made_s).clamp(0.0, 0.3);
-        for (dead_time_s, step) in self.calibration.dead_time_s.iter_mut().zip(&steps[1..]) {
+        let times_s = std::array::from_fn(|p| before.drive.times_s[p] + steps[p].made_s);
+        self.calibration.drive = before.drive.with(times_s);
+        for (dead_time_s, step) in self.calibration.dead_time_s.iter_mut().zip(&steps[PARAMETERS..]) {
             *dead_time_s = (*dead_time_s + step.made_s).clamp(-0.1, 0.5);
         }
         self.last_steps = steps;
         let std_err = |k: usize| solution.covariance[(q + k, q + k)].max(0.0).sqrt();
-        self.calibration_errors.lag_s = std_err(nuisance::LAG);
+        self.calibration_errors.drive_s = std::array::from_fn(|p| std_err(nuisance::DRIVE + p));
         self.calibration_errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
         if free == Free::DelaysAndEncoder {
             self.calibration_errors.encoder_scale = std_err(nuisance::ENCODER_SCALE);
@@ -67,6 +81,8 @@ impl State<'_> {
         hold_known(&mut self.calibration, &self.logs, &self.settings);
         let (now, std_err) = (&self.calibration, &self.calibration_errors);
         let moved = before.dead_time_s.iter().zip(&now.dead_time_s).zip(&std_err.dead_time_s).map(|((a, b), error)| (b - a).abs() / error);
-        moved.fold((now.lag_s - before.lag_s).abs() / std_err.lag_s, f64::max)
+        let by_drive =
+            (0..now.drive.kind.parameters()).map(|p| (now.drive.times_s[p] - before.drive.times_s[p]).abs() / std_err.drive_s[p]);
+        moved.chain(by_drive).fold(0.0, f64::max)
     }
 }

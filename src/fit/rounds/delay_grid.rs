@@ -1,8 +1,9 @@
-//! A first look at dead time and lag: the profile likelihood of a small physical model over a coarse grid.
+//! A first look at dead time and drive: the profile likelihood of a small physical model over a coarse grid.
 //!
 //! A = c₀ + c₁·U + c₂·U⁺ + c₃·V + c₄·V² + c₅·e^(−(V/0.08)²), integrated and whitened like the full surface, solved for each pair of
-//! dead time (0 … 400 ms) and lag (0 … 200 ms). Each log has its own dead time; the lag is shared.
+//! dead time (0 … 400 ms) and drive. Each log has its own dead time; the drive is shared.
 
+use crate::fit::drive::drive_model::{DriveKind, DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::log_data::LogData;
@@ -12,10 +13,19 @@ use crate::fit::noise::whitening::whiten;
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 const COLUMNS: usize = 6;
-/// Lags tried [s].
+/// Lags of a first-order drive tried [s].
 const LAGS_S: [f64; 6] = [0.005, 0.03, 0.06, 0.1, 0.15, 0.2];
+/// Times tried in which a ramp crosses the reference torque [s], and the lag after it.
+const RAMPS_S: [f64; 7] = [0.06, 0.12, 0.25, 0.45, 0.8, 1.5, 3.0];
+const FIRST_LAG_S: f64 = 0.02;
+/// Second-order drives tried.
+const FREQUENCIES_HZ: [f64; 7] = [1.5, 2.3, 3.4, 5.0, 7.0, 10.0, 15.0];
+const DAMPINGS: [f64; 3] = [0.12, 0.3, 0.7];
+/// Factors by which parameters are refined, one after another.
+const REFINING: [f64; 5] = [1.3, 1.2, 1.12, 1.07, 1.04];
 /// Spacing of the dead times tried, first and second [s].
 const DEAD_TIME_STEPS_S: [f64; 2] = [0.02, 0.005];
 /// Range of dead times tried [s]: from the command, and from a feedback, which another clock may stamp too late.
@@ -31,9 +41,35 @@ pub(crate) struct GridLog<'a> {
     pub(crate) log: &'a LogData<'a>,
 }
 
-/// The best lag and the best dead time of each log; either may be given.
-pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<f64>, fixed_lag_s: Option<f64>) -> (Vec<f64>, f64) {
-    let lags: Vec<f64> = fixed_lag_s.map_or(LAGS_S.to_vec(), |l| vec![l]);
+/// The best of the drives tried.
+#[derive(Debug, Clone)]
+pub(crate) struct GridResult {
+    /// ‖y − Xc‖² of all logs.
+    pub(crate) deviance: f64,
+    pub(crate) drive: DriveModel,
+    /// Of each log [s].
+    pub(crate) dead_time_s: Vec<f64>,
+}
+
+/// The drives of a kind that are tried first; `reference_nm` is the largest torque.
+pub(crate) fn drives(kind: DriveKind, reference_nm: f64) -> Vec<DriveModel> {
+    let of = |times_s| DriveModel { kind, times_s: [0.0; PARAMETERS], reference_nm }.with(times_s);
+    match kind {
+        DriveKind::FirstOrder => LAGS_S.iter().map(|l| of([*l, 0.0, 0.0])).collect(),
+        DriveKind::RateLimit => RAMPS_S.iter().map(|r| of([*r, FIRST_LAG_S, 0.0])).collect(),
+        DriveKind::GrowingFalling | DriveKind::UpDown => {
+            let pairs = RAMPS_S.iter().flat_map(|a| RAMPS_S.iter().map(move |b| (*a, *b)));
+            pairs.map(|(a, b)| of([a, b, FIRST_LAG_S])).collect()
+        }
+        DriveKind::SecondOrder => {
+            let natural = FREQUENCIES_HZ.iter().map(|f| 1.0 / (TAU * f));
+            natural.flat_map(|t| DAMPINGS.iter().map(move |d| (t, *d))).map(|(t, d)| of([t, 2.0 * d * t, 0.0])).collect()
+        }
+    }
+}
+
+/// The best of `drives` and the best dead time of each log, which may be given; parameters that are not given are then refined.
+pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<f64>, drives: &[DriveModel]) -> GridResult {
     let measured = logs.iter().any(|l| l.log.input != TorqueInput::Command);
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
@@ -41,38 +77,46 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<
         Some(d) => vec![d],
         None => (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect(),
     };
-    let profile = |log: &GridLog, lagged: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
+    let profile = |log: &GridLog, torque: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
         dead_times
             .iter()
-            .map(|d| (residual(log, lagged, *d, noise), *d))
+            .map(|d| (residual(log, torque, *d, noise), *d))
             .fold((f64::INFINITY, 0.0), |best, tried| if tried.0 < best.0 { tried } else { best })
     };
-    let by_lag: Vec<(f64, f64, Vec<f64>)> = lags
-        .par_iter()
-        .map(|lag| {
-            let best: Vec<(f64, f64)> = logs.iter().map(|log| profile(log, &log.log.torque(*lag), &coarse)).collect();
-            (best.iter().map(|b| b.0).sum::<f64>(), *lag, best.iter().map(|b| b.1).collect())
-        })
-        .collect();
-    let (_, lag, dead_times) = by_lag
-        .into_iter()
-        .fold(None, |best: Option<(f64, f64, Vec<f64>)>, tried| match best {
-            Some(b) if b.0 <= tried.0 => Some(b),
-            _ => Some(tried),
-        })
-        .unwrap_or((0.0, 0.05, vec![0.05; logs.len()]));
-    if fixed_dead_time_s.is_some() {
-        return (dead_times, lag);
+    let of_drive = |drive: &DriveModel, dead_times: &dyn Fn(usize) -> Vec<f64>| -> GridResult {
+        let best: Vec<(f64, f64)> = logs.iter().enumerate().map(|(k, log)| profile(log, &log.log.torque(drive), &dead_times(k))).collect();
+        GridResult { deviance: best.iter().map(|b| b.0).sum(), drive: *drive, dead_time_s: best.iter().map(|b| b.1).collect() }
+    };
+    let better = |best: GridResult, tried: GridResult| if tried.deviance < best.deviance { tried } else { best };
+    let found: Vec<GridResult> = drives.par_iter().map(|drive| of_drive(drive, &|_| coarse.clone())).collect();
+    let start = found.into_iter().reduce(better);
+    let mut best = start.unwrap_or_else(|| of_drive(&DriveModel::first_order(0.05), &|_| coarse.clone()));
+    let near = |centre: &[f64], k: usize| -> Vec<f64> {
+        if fixed_dead_time_s.is_some() {
+            return vec![centre[k]];
+        }
+        (-4i32..=4).map(|n| (centre[k] + f64::from(n) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect()
+    };
+    if best.drive.kind != DriveKind::FirstOrder && drives.len() > 1 {
+        // a pattern search: each parameter in turn, longer and shorter by ever smaller factors
+        for factor in REFINING {
+            for parameter in 0..best.drive.kind.parameters() {
+                let centre = best.dead_time_s.clone();
+                let tried = [factor, 1.0 / factor].map(|factor| {
+                    let mut times_s = best.drive.times_s;
+                    times_s[parameter] *= factor;
+                    best.drive.with(times_s)
+                });
+                let tried: Vec<GridResult> = tried.par_iter().map(|drive| of_drive(drive, &|k| near(&centre, k))).collect();
+                best = tried.into_iter().fold(best, better);
+            }
+        }
     }
-    let fine = logs
-        .par_iter()
-        .zip(&dead_times)
-        .map(|(log, centre)| {
-            let tried: Vec<f64> = (-4i32..=4).map(|k| (centre + f64::from(k) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect();
-            profile(log, &log.log.torque(lag), &tried).1
-        })
-        .collect();
-    (fine, lag)
+    if fixed_dead_time_s.is_none() {
+        let centre = best.dead_time_s.clone();
+        best = of_drive(&best.drive, &|k| near(&centre, k));
+    }
+    best
 }
 
 /// ‖y − Xc‖² of the best small model for one log.

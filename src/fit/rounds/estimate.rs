@@ -1,6 +1,7 @@
 //! The estimate after the last round: surface, delays, speeds and noise.
 
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -19,8 +20,8 @@ use crate::map::{Gear, PerGear};
 pub(crate) struct CalibrationErrors {
     /// Standard error of each log's dead time [s].
     pub(crate) dead_time_s: Vec<f64>,
-    /// Standard error of the lag [s].
-    pub(crate) lag_s: f64,
+    /// Standard errors of the drive's parameters [s].
+    pub(crate) drive_s: [f64; PARAMETERS],
     /// Standard error of the encoder's scale.
     pub(crate) encoder_scale: f64,
 }
@@ -111,6 +112,6 @@ pub(crate) struct Estimate<'a> {
 impl Estimate<'_> {
     /// The effective torque of each log.
     pub(crate) fn torques(&self) -> Vec<EffectiveTorque> {
-        self.data.logs.iter().map(|log| log.torque(self.calibration.lag_s)).collect()
+        self.data.logs.iter().map(|log| log.torque(&self.calibration.drive)).collect()
     }
 }

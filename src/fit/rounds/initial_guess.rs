@@ -2,6 +2,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::TorqueChoice;
@@ -32,14 +33,16 @@ pub(crate) struct InitialGuess<'a> {
     pub(crate) calibration: Calibration,
     pub(crate) noise: Noise,
     pub(crate) lattice: Lattice,
+    /// Whitened squared error of the small model with the drive found.
+    pub(crate) deviance: f64,
 }
 
 impl<'a> InitialGuess<'a> {
-    /// Examines the surveys.
+    /// Examines the surveys, for a drive of a kind.
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, kind: DriveKind) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
@@ -51,7 +54,7 @@ impl<'a> InitialGuess<'a> {
         let mut calibration = first_calibration(surveys, choice);
         hold_known(&mut calibration, &logs, settings);
         let noise = first_noise(&grains);
-        let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(calibration.lag_s)).collect();
+        let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(&calibration.drive)).collect();
         let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
         let seconds: f64 = segments.iter().map(Segment::span_s).sum();
         if seconds < LEAST_MOTION_S {
@@ -68,15 +71,25 @@ impl<'a> InitialGuess<'a> {
                 }
             })
             .collect();
-        (calibration.dead_time_s, calibration.lag_s) = {
-            let fixed_lag_s = if choice.is_feedback() { Some(0.0) } else { settings.lag_s };
-            delay_grid::search(&views, &noise, settings.dead_time_s, fixed_lag_s)
-        };
+        let found = delay_grid::search(&views, &noise, settings.dead_time_s, &drives_to_try(surveys, choice, settings, kind));
+        (calibration.dead_time_s, calibration.drive) = (found.dead_time_s, found.drive);
         hold_known(&mut calibration, &logs, settings);
         let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
         let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
-        Ok(Self { logs, gears, has_yaw, calibration, noise, lattice })
+        Ok(Self { logs, gears, has_yaw, calibration, noise, lattice, deviance: found.deviance })
     }
+}
+
+/// The drives among which the coarse search chooses; a single one where it is known, or where the feedback already holds the drive.
+fn drives_to_try(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings, kind: DriveKind) -> Vec<DriveModel> {
+    if choice.is_feedback() {
+        return vec![DriveModel::first_order(0.0)];
+    }
+    if let Some(lag_s) = settings.lag_s {
+        return vec![DriveModel::first_order(lag_s)];
+    }
+    let commands = surveys.iter().flat_map(|s| &s.track.command_nm.value);
+    delay_grid::drives(kind, commands.fold(0.0f64, |m, v| m.max(v.abs())).max(1e-9))
 }
 
 /// Copies the delays and the encoder's calibration from runs at other wheel angles into `calibration`, whose logs are `logs`.
@@ -87,8 +100,8 @@ pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settin
             *dead_time_s = *known;
         }
     }
-    if let Some(lag_s) = known.lag_s {
-        calibration.lag_s = lag_s;
+    if let Some(drive) = known.drive {
+        calibration.drive = drive;
     }
     if let Some((scale, delay_s)) = known.encoder {
         calibration.encoder_scale = scale;
@@ -171,7 +184,7 @@ fn first_calibration(surveys: &[Survey], choice: &TorqueChoice) -> Calibration {
     let delay_s = if choice.is_feedback() { 0.0 } else { 0.05 };
     Calibration {
         dead_time_s: vec![delay_s; surveys.len()],
-        lag_s: delay_s,
+        drive: DriveModel::first_order(delay_s),
         encoder_scale: median_of(|a| a.scale, 1.0),
         encoder_delay_s: median_of(|a| a.delay_s, 0.0),
     }

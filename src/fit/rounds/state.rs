@@ -2,6 +2,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::drive_model::{DriveKind, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::motion::integration::Course;
@@ -58,12 +59,17 @@ impl<'a> State<'a> {
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
-        let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice } = InitialGuess::new(surveys, choice, settings)?;
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, kind: DriveKind) -> Result<Self> {
+        Ok(Self::from_guess(InitialGuess::new(surveys, choice, settings, kind)?, settings))
+    }
+
+    /// Before the first round, from a first guess.
+    pub(crate) fn from_guess(guess: InitialGuess<'a>, settings: &FitSettings) -> Self {
+        let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice, .. } = guess;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
-        let calibration_errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], lag_s: 0.0, encoder_scale: 0.0 };
-        Ok(Self {
+        let calibration_errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], drive_s: [0.0; PARAMETERS], encoder_scale: 0.0 };
+        Self {
             settings: settings.clone(),
             logs,
             gears,
@@ -77,7 +83,7 @@ impl<'a> State<'a> {
             penalties: Vec::new(),
             rounds: 0,
             last_steps: Vec::new(),
-        })
+        }
     }
 
     /// Whether a round has been made.
@@ -87,7 +93,7 @@ impl<'a> State<'a> {
 
     /// The effective torque of each log.
     pub(crate) fn torques(&self) -> Vec<EffectiveTorque> {
-        self.logs.iter().map(|l| l.torque(self.calibration.lag_s)).collect()
+        self.logs.iter().map(|l| l.torque(&self.calibration.drive)).collect()
     }
 
     /// A pass with the surface and the noise as they are.

@@ -2,6 +2,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
+use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
@@ -17,8 +18,9 @@ const WEAK_S: f64 = 0.01;
 pub(crate) struct Delays {
     pub(crate) dead_time_s: Vec<f64>,
     pub(crate) dead_time_std_err_s: Vec<f64>,
-    pub(crate) lag_s: f64,
-    pub(crate) lag_std_err_s: f64,
+    pub(crate) drive: DriveModel,
+    /// Standard errors of the drive's parameters [s].
+    pub(crate) drive_std_err_s: [f64; PARAMETERS],
 }
 
 impl From<&Estimate<'_>> for Delays {
@@ -26,8 +28,8 @@ impl From<&Estimate<'_>> for Delays {
         Self {
             dead_time_s: estimate.calibration.dead_time_s.clone(),
             dead_time_std_err_s: estimate.calibration_errors.dead_time_s.clone(),
-            lag_s: estimate.calibration.lag_s,
-            lag_std_err_s: estimate.calibration_errors.lag_s,
+            drive: estimate.calibration.drive,
+            drive_std_err_s: estimate.calibration_errors.drive_s,
         }
     }
 }
@@ -93,7 +95,7 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoic
         let squares: f64 = choice.all_delays().map(|f| (f.misfit() * f.lag_std_err_s).powi(2)).sum();
         (lag_s, spread.max(squares.sqrt() / choice.all_delays().len() as f64))
     } else {
-        (found.lag_s, found.lag_std_err_s)
+        (found.drive.mean_lag_s(), found.drive.mean_lag_std_err_s(found.drive_std_err_s))
     };
     Actuator {
         dead_time: estimate(mean, spread.max(of_errors), given),

@@ -46,8 +46,14 @@ type DelayGram = [[f64; WIDTH]; WIDTH];
 /// The likelihood around the estimate; `None` if no data show delays.
 pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let logs: Vec<LikelihoodLog> = (0..estimate.data.logs.len()).map(|k| view(estimate, k)).collect();
-    let found_lag_s = estimate.calibration.lag_s;
-    let std_err_s = estimate.calibration_errors.dead_time_s.iter().copied().fold(estimate.calibration_errors.lag_s, f64::max);
+    let drive = &estimate.calibration.drive;
+    let found_lag_s = drive.mean_lag_s();
+    let std_err_s = estimate
+        .calibration_errors
+        .dead_time_s
+        .iter()
+        .copied()
+        .fold(drive.mean_lag_std_err_s(estimate.calibration_errors.drive_s), f64::max);
     let half_width_s = (HALF_WIDTH_STD_ERRS * std_err_s).clamp(HALF_WIDTH_S.0, HALF_WIDTH_S.1);
     let shifts: Vec<f64> = (-PAIRS..=PAIRS).map(|k| f64::from(k) * half_width_s / f64::from(PAIRS)).collect();
     let measured = estimate.data.logs.iter().any(|l| l.input != TorqueInput::Command);
@@ -59,7 +65,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
         .map(|(lag_s, shift_s)| {
             let mut sum = [[0.0; WIDTH]; WIDTH];
             for log in &logs {
-                let lagged = log.data.torque(*lag_s);
+                let lagged = log.data.torque(&drive.later(*lag_s - found_lag_s));
                 add(&mut sum, &gram(estimate, log, &lagged, log.dead_time_s + shift_s));
             }
             deviance(&sum)
@@ -72,7 +78,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let rows = values.chunks(shifts.len()).map(|row| row.iter().map(|v| round(v - best, 1e2)).collect()).collect();
     let per_log = logs.iter().zip(&estimate.data.logs).map(|(log, data)| {
         let dead_time_s: Vec<f64> = (0..=(LONGEST_S / STEP_S).round() as i32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
-        let lagged = log.data.torque(found_lag_s);
+        let lagged = log.data.torque(drive);
         let late_s = log.data.input.late_s();
         let values: Vec<f64> = dead_time_s.par_iter().map(|d| deviance(&gram(estimate, log, &lagged, *d - late_s))).collect();
         let best = values.iter().copied().fold(f64::INFINITY, f64::min);

@@ -221,7 +221,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
         let encoder = &log.survey.track.encoder_mps;
         // both in the order of time, and the last to begin is the last to end
         let (cuts, transients) = (&log.cuts.intervals, &estimate.data.transients[k]);
-        let torque = estimate.data.logs[k].torque(estimate.calibration.lag_s);
+        let torque = estimate.data.logs[k].torque(&estimate.calibration.drive);
         let stops = stops(estimate, k);
         let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
         for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == SampleVerdict::Used) {
