@@ -3,6 +3,7 @@
 
 pub(crate) mod kalman;
 pub(crate) mod model;
+pub(crate) mod quantisation;
 #[cfg(test)]
 pub(crate) mod simulated;
 pub(crate) mod whitening;

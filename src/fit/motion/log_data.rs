@@ -33,8 +33,8 @@ pub(crate) struct LogData<'a> {
     /// Outliers among the yaw readings.
     pub(crate) yaw_outliers: Vec<bool>,
     pub(crate) cuts: Cuts,
-    /// Whether a start from rest may be taken as v = 0 at breakaway.
-    pub(crate) may_anchor: bool,
+    /// Steps of each speed source that are coarse: larger than its noise [m/s]; 0 for a fine one.
+    pub(crate) coarse_mps: [f64; 2],
     /// Which of the survey's stretches are used.
     pub(crate) chosen: Vec<bool>,
 }

@@ -43,18 +43,22 @@ fn merge(readings: &[Reading], mut cursor: TorqueCursor, dead_time_s: f64, preci
         }
         let group = readings[from..].iter().take_while(|r| r.t_s <= last_s);
         let (mut weights, mut time, mut speed, mut of) = (0.0, 0.0, 0.0, [0u8; 2]);
-        let mut shaken_mps_2 = 0.0;
+        let (mut shaken_mps_2, mut coarse) = (0.0, false);
         for reading in group {
             let source = usize::from(reading.source);
-            weights += precision[source];
-            time += precision[source] * (reading.t_s - first.t_s);
-            speed += precision[source] * (reading.speed_mps - first.speed_mps);
+            let own = reading.own_variance_mps_2 > 0.0;
+            coarse |= own;
+            let precision = if own { 1.0 / reading.own_variance_mps_2 } else { precision[source] };
+            weights += precision;
+            time += precision * (reading.t_s - first.t_s);
+            speed += precision * (reading.speed_mps - first.speed_mps);
             shaken_mps_2 += reading.shaken_mps_2;
             of[source] = of[source].saturating_add(1);
             from += 1;
         }
         let (t_s, speed_mps) = (first.t_s + time / weights, first.speed_mps + speed / weights);
-        merged.push(Reading { t_s, speed_mps, of, shaken_mps_2, ..first });
+        let own_variance_mps_2 = if coarse { 1.0 / weights } else { 0.0 };
+        merged.push(Reading { t_s, speed_mps, of, shaken_mps_2, own_variance_mps_2, ..first });
     }
     merged
 }

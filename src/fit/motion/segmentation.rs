@@ -38,6 +38,10 @@ const ANCHOR_MPS: f64 = 3e-3;
 /// Standard deviation of the time at which a step takes effect, beyond the log's dead time: jitter and sampling [s].
 const STEP_TIMING_S: f64 = 2e-3;
 
+/// Longest time from breakaway to the first sign of motion [s], and how much longer it takes with coarse steps.
+const LONGEST_UNSEEN_S: f64 = 0.4;
+const MORE_UNSEEN_S: f64 = 1.0;
+
 /// The segments of all logs.
 ///
 /// The results so far determine when a resting wheel breaks away and when it comes to rest. Without them starts are not anchored, and stops
@@ -112,12 +116,15 @@ impl OfLog<'_> {
     /// time is unknown.
     fn breakaway(&self, stretch: &Stretch, gaps: &[(f64, f64)], cursor: &mut TorqueCursor) -> Option<StartFromRest> {
         let surface = self.so_far?.surface(stretch.gear);
-        if !stretch.from_rest || !self.log.may_anchor {
+        if !stretch.from_rest {
             return None;
         }
         let threshold = surface.zero_torque_nm(0.002).unwrap_or(0.0).max(0.0);
         let mut torque = |t: f64| stretch.gear.sign() * cursor.at(t - self.dead_time_s()).torque_nm;
-        let t_s = first_crossing(stretch.from_s - 0.4, stretch.from_s + 0.15, threshold, &mut torque)?;
+        // a speed in coarse steps shows motion late
+        let [coarse_mps, _] = self.log.coarse_mps;
+        let before_s = LONGEST_UNSEEN_S + if coarse_mps > 0.01 { MORE_UNSEEN_S } else { 0.0 };
+        let t_s = first_crossing(stretch.from_s - before_s, stretch.from_s + 0.15, threshold, &mut torque)?;
         let believable = near(gaps, t_s, t_s).is_empty()
             && self.log.mean_speed(stretch.gear, t_s, self.calibration).is_none_or(|v| v < BELIEVABLE_START_MPS);
         believable.then(|| {

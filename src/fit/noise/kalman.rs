@@ -19,6 +19,17 @@ pub(crate) struct Gains {
     predicted: [f64; 3],
 }
 
+/// How a step moves the state: v by `drift`·d + `dt`·b, d by the factor `decay`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StepAhead {
+    /// Integral of d over the step [s].
+    pub(crate) drift: f64,
+    /// The step [s].
+    pub(crate) dt: f64,
+    /// Decay of d over the step.
+    pub(crate) decay: f64,
+}
+
 type Covariance = [[f64; 3]; 3];
 
 fn start_covariance(noise: &Noise, start_std_mps: f64) -> Covariance {
@@ -81,12 +92,28 @@ impl<'a> Recursion<'a> {
 
     /// Steps to the next reading and takes it in.
     pub(crate) fn next(&mut self, reading: &Reading) -> Gains {
+        let StepAhead { drift, dt, decay } = self.ahead(reading);
+        let predicted = self.covariance[0];
+        let (gain, over_s) = self.take(reading);
+        Gains { drift, dt, decay, gain, over_s, predicted }
+    }
+
+    /// Steps to the next reading without taking it in.
+    pub(crate) fn ahead(&mut self, reading: &Reading) -> StepAhead {
         let dt = (reading.t_s - self.last_s).max(0.0);
         self.last_s = reading.t_s;
         let (drift, decay) = predict(&mut self.covariance, self.noise, dt, reading);
-        let predicted = self.covariance[0];
-        let (gain, over_s) = measure(&mut self.covariance, reading.variance(self.precisions));
-        Gains { drift, dt, decay, gain, over_s, predicted }
+        StepAhead { drift, dt, decay }
+    }
+
+    /// Takes in the reading stepped to; returns (gain, 1/S).
+    pub(crate) fn take(&mut self, reading: &Reading) -> ([f64; 3], f64) {
+        measure(&mut self.covariance, reading.variance(self.precisions))
+    }
+
+    /// Variance of the speed as it stands [m²/s²].
+    pub(crate) fn speed_variance(&self) -> f64 {
+        self.covariance[0][0]
     }
 }
 

@@ -45,17 +45,22 @@ pub(crate) struct Reading {
     pub(crate) of: [u8; 2],
     /// Variance that the uncertain time of steps adds to the speed since the reading before [m²/s²].
     pub(crate) shaken_mps_2: f64,
+    /// Its own variance [m²/s²], where it stands for a reading in coarse steps (`noise::quantisation`); 0 for that of its source.
+    pub(crate) own_variance_mps_2: f64,
 }
 
 impl Reading {
     /// One reading of one source.
     pub(crate) fn single(t_s: f64, speed_mps: f64, source: u8, sample: u32) -> Self {
         let of = if source == 0 { [1, 0] } else { [0, 1] };
-        Self { t_s, speed_mps, source, sample, of, shaken_mps_2: 0.0 }
+        Self { t_s, speed_mps, source, sample, of, shaken_mps_2: 0.0, own_variance_mps_2: 0.0 }
     }
 
     /// Its variance [m²/s²], given 1/σ² of a reading of each speed source.
     pub(crate) fn variance(&self, precisions: [f64; 2]) -> f64 {
+        if self.own_variance_mps_2 > 0.0 {
+            return self.own_variance_mps_2;
+        }
         1.0 / (f64::from(self.of[0]) * precisions[0] + f64::from(self.of[1]) * precisions[1])
     }
 }

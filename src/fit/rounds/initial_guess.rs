@@ -18,8 +18,10 @@ use crate::map::Gear;
 use crate::signal::{Series, noise_std, quantum};
 use rayon::prelude::*;
 
-/// Quantum of speed above which a start cannot be anchored: the first reading after it is late and biased [m/s].
-const COARSE_QUANTUM_MPS: f64 = 0.01;
+/// Steps of speed below this are fine [m/s]: over a few readings any motion crosses them.
+const COARSE_QUANTUM_MPS: f64 = 0.004;
+/// Noise of this share of a step makes readings as good as continuous.
+const DITHERED: f64 = 0.2;
 /// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
 const SLOW_HZ: f64 = 10.0;
 /// Least time in motion for a fit [s].
@@ -126,6 +128,11 @@ impl Grain {
     fn of(series: &Series) -> Self {
         Self { noise_mps: noise_std(&series.value), quantum_mps: quantum(&series.value) }
     }
+
+    /// The step of readings whose noise it hides [m/s]; 0 where noise makes them as good as continuous.
+    fn coarse_mps(&self) -> f64 {
+        if self.noise_mps > DITHERED * self.quantum_mps || self.quantum_mps < COARSE_QUANTUM_MPS { 0.0 } else { self.quantum_mps }
+    }
 }
 
 /// The same for the speed sources of one log.
@@ -142,9 +149,7 @@ impl Grains {
 
 fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> LogData<'a> {
     let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
-    let Grain { noise_mps, quantum_mps } = grains.encoder;
-    let dithered = noise_mps > 0.2 * quantum_mps;
-    let may_anchor = survey.track.yaw_speed_mps.is_some() || quantum_mps < COARSE_QUANTUM_MPS || dithered;
+    let coarse_mps = [grains.encoder.coarse_mps(), grains.yaw.as_ref().map_or(0.0, Grain::coarse_mps)];
     LogData {
         survey,
         command: changes(&survey.track.command_nm),
@@ -152,7 +157,7 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> L
         yaw_outliers: yaw_outliers.unwrap_or_default(),
         timing: StepTiming::new(&survey.track.command_nm),
         cuts: Cuts::default(),
-        may_anchor,
+        coarse_mps,
         chosen: vec![true; survey.stretches.len()],
     }
 }

@@ -83,8 +83,11 @@ fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<Stri
             ));
         }
     }
-    if let Some(low) = estimate.data.logs.iter().find(|l| !l.may_anchor) {
-        remarks.push(format!("{}: speed is too coarse to show when a start from rest begins", low.survey.track.source.file));
+    if let Some(coarse) = estimate.data.logs.iter().find(|l| l.coarse_mps[0] > 0.0) {
+        remarks.push(format!(
+            "{}: the speed comes in steps of {:.3} m/s without noise: each reading counts as an interval",
+            coarse.survey.track.source.file, coarse.coarse_mps[0]
+        ));
     }
     remarks
 }
