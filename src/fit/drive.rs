@@ -3,9 +3,12 @@
 pub(crate) mod drive_model;
 pub(crate) mod effective_torque;
 pub(crate) mod feedback_delays;
+pub(crate) mod feedback_scale;
 pub(crate) mod lagged_command;
 pub(crate) mod measured_torque;
 pub(crate) mod sampled_torque;
 pub(crate) mod settled_holds;
 pub(crate) mod step_timing;
 pub(crate) mod torque_input;
+pub(crate) mod torque_limit;
+pub(crate) mod undelivered;

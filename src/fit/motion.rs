@@ -1,5 +1,6 @@
 //! Along the runs: segments of readings, the integral of the surface along them, whitened residuals and regressors, and the noise's likelihood.
 
+pub(crate) mod coarse_readings;
 pub(crate) mod expected_stop;
 pub(crate) mod integration;
 pub(crate) mod log_data;

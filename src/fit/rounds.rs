@@ -33,12 +33,11 @@ use crate::fit::{FitSettings, KnownCalibration, Result};
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
-    let kind = match (&settings.known, settings.drive) {
-        (Some(KnownCalibration { drive: Some(drive), .. }), _) => drive.kind,
-        (_, Some(kind)) => kind,
-        _ => drive_choice::choose(surveys, choice, settings)?.kind,
+    let drive = match &settings.known {
+        Some(KnownCalibration { drive: Some(drive), .. }) => *drive,
+        _ => drive_choice::choose(surveys, choice, settings)?.drive,
     };
-    let mut state = State::new(surveys, choice, settings, kind)?;
+    let mut state = State::new(surveys, choice, settings, &[drive])?;
     let sampled = delay_rounds::run(&mut state)?;
     surface_rounds::run(state, sampled)
 }

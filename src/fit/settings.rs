@@ -4,14 +4,38 @@ use crate::fit::KnownCalibration;
 use crate::fit::drive::drive_model::DriveKind;
 use serde::{Deserialize, Serialize};
 
+/// Families of drives between the torque command and the torque at the wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriveFamily {
+    /// A first-order lag.
+    FirstOrder,
+    /// A rate limit, with one slope or with two.
+    RateLimit,
+    /// A second-order lag, which may oscillate.
+    SecondOrder,
+    /// Whatever the drive is: the torque feedback is the torque.
+    Feedback,
+}
+
+impl DriveFamily {
+    /// The kinds of this family, the simplest first.
+    pub(crate) fn kinds(self) -> Vec<DriveKind> {
+        match self {
+            Self::FirstOrder | Self::Feedback => vec![DriveKind::FirstOrder],
+            Self::RateLimit => vec![DriveKind::RateLimit, DriveKind::GrowingFalling, DriveKind::UpDown],
+            Self::SecondOrder => vec![DriveKind::SecondOrder],
+        }
+    }
+}
+
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitSettings {
     /// Dead time of the drive [s] when it is known; estimated otherwise.
     pub dead_time_s: Option<f64>,
-    /// The kind of drive when it is known; chosen by the data otherwise. Not a setting of a file.
-    #[serde(skip)]
-    pub(crate) drive: Option<DriveKind>,
+    /// The family of the drive when it is known; chosen by the data otherwise.
+    pub drive: Option<DriveFamily>,
     /// Time constant of the drive's lag [s] when it is known; estimated otherwise.
     pub lag_s: Option<f64>,
     /// Coefficients of the surface along speed. Default 20, on knots uniform in ln(1 + V/0.12): with 15 a wave of 0.6 m/s is out of reach

@@ -258,7 +258,7 @@ impl<'a> SimulatedWay<'a> {
 
     /// The stretches that the fit would use: moving, without the time after a step.
     fn parts(&self) -> Vec<DrivenPart> {
-        let lagged = EffectiveTorque::Lagged(LaggedCommand::new(&self.command, self.vehicle.lag_s));
+        let lagged = EffectiveTorque::lagged(LaggedCommand::new(&self.command, self.vehicle.lag_s));
         let moved = |r: &&(f64, f64)| r.1 > 0.0;
         let Some(first_s) = self.readings.iter().find(moved).map(|r| r.0 - READING_S) else { return Vec::new() };
         let dead = self.vehicle.dead_time_s;

@@ -105,8 +105,8 @@ impl Pooled {
             self.dead_time_s.entry(log.survey.track.source.sha256.clone()).or_default().add(*dead_time_s, *std_err_s);
         }
         let (_, pools) = self.drive.get_or_insert((calibration.drive, [Pool::default(); PARAMETERS]));
-        for (pool, (value, std_err)) in pools.iter_mut().zip(calibration.drive.times_s.iter().zip(estimate.calibration_errors.drive_s)) {
-            pool.add(*value, std_err);
+        for (pool, (value, std_err)) in pools.iter_mut().zip(calibration.drive.parameters().into_iter().zip(estimate.calibration_errors.drive_s)) {
+            pool.add(value, std_err);
         }
     }
 
@@ -122,7 +122,8 @@ impl Pooled {
     fn drive(&self) -> Option<(DriveModel, [f64; PARAMETERS])> {
         let (drive, pools) = self.drive?;
         let means = pools.map(|p| p.mean().unwrap_or((0.0, 0.0)));
-        Some((drive.with(means.map(|m| m.0)), means.map(|m| m.1)))
+        let own = drive.parameters();
+        Some((drive.moved(std::array::from_fn(|p| means[p].0 - own[p])), means.map(|m| m.1)))
     }
 
     /// Delays of `logs`. A log whose only angle could not be fitted gets those of the test angle's first log.

@@ -8,10 +8,13 @@
 //!   falls, or one up and one down;
 //! - second order: T₀²·ü + T₁·u̇ + u = c, with ω₀ = 1/T₀ and damping ζ = T₁/(2·T₀).
 
+use crate::fit::drive::torque_limit::TorqueLimit;
 use std::f64::consts::TAU;
 
-/// Most parameters of a drive.
-pub(crate) const PARAMETERS: usize = 3;
+/// Most parameters of a drive: three times, and the logarithm of its limit.
+pub(crate) const PARAMETERS: usize = 4;
+/// Number of the limit's parameter.
+pub(crate) const LIMIT: usize = 3;
 /// Longest lag [s].
 const LONGEST_LAG_S: f64 = 0.3;
 /// Shortest and longest time in which a ramp crosses the reference torque [s].
@@ -37,8 +40,11 @@ pub(crate) enum DriveKind {
 }
 
 impl DriveKind {
-    /// Number of its parameters.
-    pub(crate) fn parameters(self) -> usize {
+    /// Every kind, in the order in which they are tried.
+    pub(crate) const ALL: [Self; 5] = [Self::FirstOrder, Self::SecondOrder, Self::RateLimit, Self::GrowingFalling, Self::UpDown];
+
+    /// Number of its times.
+    fn parameters(self) -> usize {
         match self {
             Self::FirstOrder => 1,
             Self::RateLimit | Self::SecondOrder => 2,
@@ -51,20 +57,45 @@ impl DriveKind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DriveModel {
     pub(crate) kind: DriveKind,
-    /// Its parameters [s]; those beyond the kind's own are 0.
-    pub(crate) times_s: [f64; PARAMETERS],
+    /// Its times [s]; those beyond the kind's own are 0.
+    pub(crate) times_s: [f64; 3],
     /// u_ref, the torque whose ramps take T_r [N·m].
     pub(crate) reference_nm: f64,
+    /// What the drive does not deliver.
+    pub(crate) limit: TorqueLimit,
 }
 
 impl DriveModel {
     /// A first-order lag [s].
     pub(crate) fn first_order(lag_s: f64) -> Self {
-        Self { kind: DriveKind::FirstOrder, times_s: [lag_s, 0.0, 0.0], reference_nm: 1.0 }
+        Self::of_kind(DriveKind::FirstOrder, 1.0).with([lag_s, 0.0, 0.0])
     }
 
-    /// The same drive with other parameters, each within its bounds.
-    pub(crate) fn with(self, times_s: [f64; PARAMETERS]) -> Self {
+    /// A drive of a kind with its shortest times, without a limit; ramps cross `reference_nm`.
+    pub(crate) fn of_kind(kind: DriveKind, reference_nm: f64) -> Self {
+        Self { kind, times_s: [0.0; 3], reference_nm, limit: TorqueLimit::None }.with([0.0; 3])
+    }
+
+    /// Its parameters: the times [s], and the logarithm of the limit.
+    pub(crate) fn parameters(&self) -> [f64; PARAMETERS] {
+        let [a, b, c] = self.times_s;
+        [a, b, c, self.limit.logarithm()]
+    }
+
+    /// Which of the parameters it has.
+    pub(crate) fn has(&self) -> [bool; PARAMETERS] {
+        let times = self.kind.parameters();
+        std::array::from_fn(|p| if p == LIMIT { self.limit != TorqueLimit::None } else { p < times })
+    }
+
+    /// The same drive after a step of its parameters, each within its bounds.
+    pub(crate) fn moved(self, [a, b, c, limit]: [f64; PARAMETERS]) -> Self {
+        let [a0, b0, c0] = self.times_s;
+        Self { limit: self.limit.scaled(limit.exp()), ..self.with([a0 + a, b0 + b, c0 + c]) }
+    }
+
+    /// The same drive with other times, each within its bounds.
+    pub(crate) fn with(self, times_s: [f64; 3]) -> Self {
         let [a, b, c] = times_s;
         let (lag, ramp) = (|t: f64| t.clamp(0.0, LONGEST_LAG_S), |t: f64| t.clamp(RAMP_S.0, RAMP_S.1));
         let times_s = match self.kind {
@@ -91,7 +122,7 @@ impl DriveModel {
     }
 
     /// Standard error of that mean lag by those of the parameters [s].
-    pub(crate) fn mean_lag_std_err_s(&self, [a, b, c]: [f64; PARAMETERS]) -> f64 {
+    pub(crate) fn mean_lag_std_err_s(&self, [a, b, c, _]: [f64; PARAMETERS]) -> f64 {
         match self.kind {
             DriveKind::FirstOrder => a,
             DriveKind::RateLimit => (0.5 * a).hypot(b),
@@ -144,7 +175,7 @@ mod tests {
 
     #[test]
     fn parameters_stay_within_their_bounds_and_convert_to_the_usual_figures() {
-        let drive = DriveModel { kind: DriveKind::SecondOrder, times_s: [0.0; 3], reference_nm: 20.0 };
+        let drive = DriveModel::of_kind(DriveKind::SecondOrder, 20.0);
         let resonant = drive.with([1.0 / (TAU * 6.0), 0.4 / (TAU * 6.0), 1.0]);
         let (hz, damping) = resonant.frequency_hz_and_damping().unwrap_or((0.0, 0.0));
         assert!((hz - 6.0).abs() < 1e-9 && (damping - 0.2).abs() < 1e-9 && resonant.times_s[2] == 0.0);

@@ -1,18 +1,28 @@
 //! The effective torque of one log from either source: the command through dead time and a drive, or the drive's own feedback.
 
+use crate::fit::drive::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive::lagged_command::{LaggedCommand, LaggedCursor, Share, Torque};
 use crate::fit::drive::measured_torque::{MeasuredCursor, MeasuredTorque};
 use crate::fit::drive::sampled_torque::{SampledCursor, SampledTorque};
+use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::signal::Series;
 
-/// The effective torque of one log, for look-ups at any time minus the dead time.
+/// Source of an effective torque.
 #[derive(Debug, Clone)]
-pub(crate) enum EffectiveTorque {
+enum TorqueSource {
     /// The command through a first-order lag.
     Lagged(LaggedCommand),
     /// The command through another drive.
     Sampled(SampledTorque),
     /// The torque feedback.
     Measured(MeasuredTorque),
+}
+
+/// The effective torque of one log, for look-ups at any time minus the dead time, before the drive's limit.
+#[derive(Debug, Clone)]
+pub(crate) struct EffectiveTorque {
+    source: TorqueSource,
+    limit: TorqueLimit,
 }
 
 /// A position in an effective torque that moves along with time: a look-up near the last one needs no search.
@@ -47,47 +57,72 @@ impl TorqueCursor<'_> {
 }
 
 impl EffectiveTorque {
+    /// The command through a first-order lag.
+    pub(crate) fn lagged(command: LaggedCommand) -> Self {
+        Self { source: TorqueSource::Lagged(command), limit: TorqueLimit::None }
+    }
+
+    /// The changes of a command through a drive.
+    pub(crate) fn through(changes: &Series, drive: &DriveModel) -> Self {
+        let source = if drive.kind == DriveKind::FirstOrder {
+            TorqueSource::Lagged(LaggedCommand::new(changes, drive.lag_s()))
+        } else {
+            TorqueSource::Sampled(SampledTorque::new(changes, drive))
+        };
+        Self { source, limit: drive.limit }
+    }
+
+    /// The torque feedback, which holds whatever the drive does.
+    pub(crate) fn measured(feedback: MeasuredTorque) -> Self {
+        Self { source: TorqueSource::Measured(feedback), limit: TorqueLimit::None }
+    }
+
+    /// What of the torque is not delivered.
+    pub(crate) fn limit(&self) -> TorqueLimit {
+        self.limit
+    }
+
     /// Effective torque at `t_s`. The dead time is already subtracted: pass t − T_d.
     pub(crate) fn at(&self, t_s: f64) -> Torque {
-        match self {
-            Self::Lagged(lagged) => lagged.at(t_s),
-            Self::Sampled(sampled) => sampled.at(t_s),
-            Self::Measured(measured) => measured.at(t_s),
+        match &self.source {
+            TorqueSource::Lagged(lagged) => lagged.at(t_s),
+            TorqueSource::Sampled(sampled) => sampled.at(t_s),
+            TorqueSource::Measured(measured) => measured.at(t_s),
         }
     }
 
     /// A cursor at the beginning.
     pub(crate) fn cursor(&self) -> TorqueCursor<'_> {
-        match self {
-            Self::Lagged(lagged) => TorqueCursor::Lagged(lagged.cursor()),
-            Self::Sampled(sampled) => TorqueCursor::Sampled(sampled.cursor()),
-            Self::Measured(measured) => TorqueCursor::Measured(measured.cursor()),
+        match &self.source {
+            TorqueSource::Lagged(lagged) => TorqueCursor::Lagged(lagged.cursor()),
+            TorqueSource::Sampled(sampled) => TorqueCursor::Sampled(sampled.cursor()),
+            TorqueSource::Measured(measured) => TorqueCursor::Measured(measured.cursor()),
         }
     }
 
     /// Largest torque commanded [N·m].
     pub(crate) fn largest_nm(&self) -> f64 {
-        match self {
-            Self::Lagged(lagged) => lagged.largest_nm(),
-            Self::Sampled(sampled) => sampled.largest_nm(),
-            Self::Measured(measured) => measured.largest_nm(),
+        match &self.source {
+            TorqueSource::Lagged(lagged) => lagged.largest_nm(),
+            TorqueSource::Sampled(sampled) => sampled.largest_nm(),
+            TorqueSource::Measured(measured) => measured.largest_nm(),
         }
     }
 
     /// Times at which a change of the command by more than `least_nm` begins to act, without the dead time [s].
     pub(crate) fn steps(&self, least_nm: f64) -> Vec<f64> {
-        match self {
-            Self::Lagged(lagged) => lagged.steps(least_nm),
-            Self::Sampled(sampled) => sampled.steps(least_nm),
-            Self::Measured(measured) => measured.steps(least_nm),
+        match &self.source {
+            TorqueSource::Lagged(lagged) => lagged.steps(least_nm),
+            TorqueSource::Sampled(sampled) => sampled.steps(least_nm),
+            TorqueSource::Measured(measured) => measured.steps(least_nm),
         }
     }
 
     /// Where the torque is unknown [s], in order: gaps of the feedback.
     pub(crate) fn gaps(&self) -> &[(f64, f64)] {
-        match self {
-            Self::Lagged(_) | Self::Sampled(_) => &[],
-            Self::Measured(measured) => measured.gaps(),
+        match &self.source {
+            TorqueSource::Lagged(_) | TorqueSource::Sampled(_) => &[],
+            TorqueSource::Measured(measured) => measured.gaps(),
         }
     }
 }

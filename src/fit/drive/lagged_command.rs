@@ -155,7 +155,7 @@ impl LaggedCommand {
         let decay = (-since / self.lag_s).exp();
         let away = (u0 - c) * decay;
         let by_lag = w0 * decay + away * since / (self.lag_s * self.lag_s);
-        Torque { torque_nm: c + away, by_dead_time: away / self.lag_s, by_drive: [by_lag, 0.0, 0.0] }
+        Torque { torque_nm: c + away, by_dead_time: away / self.lag_s, by_drive: [by_lag, 0.0, 0.0, 0.0] }
     }
 
     /// Largest torque commanded [N·m].

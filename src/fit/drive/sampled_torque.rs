@@ -64,7 +64,7 @@ impl SampledTorque {
         let t_s = sample_times(command, drive);
         let torque_nm = response(command, drive, &t_s);
         let mut by_drive = vec![[0.0; PARAMETERS]; t_s.len()];
-        for parameter in 0..drive.kind.parameters() {
+        for parameter in (0..drive.times_s.len()).filter(|p| drive.has()[*p]) {
             let by = (DIFFERENCE.0 * drive.times_s[parameter]).max(DIFFERENCE.1);
             let shifted = |by: f64| {
                 let mut times_s = drive.times_s;
@@ -263,7 +263,7 @@ mod tests {
     }
 
     fn drive(kind: DriveKind, times_s: [f64; 3]) -> DriveModel {
-        DriveModel { kind, times_s: [0.0; 3], reference_nm: 20.0 }.with(times_s)
+        DriveModel::of_kind(kind, 20.0).with(times_s)
     }
 
     /// Integrated in steps of 20 µs.

@@ -6,23 +6,21 @@
 //! change them unnoticed.
 
 use crate::campaign::Survey;
-use crate::fit::FitSettings;
-use crate::fit::drive::drive_model::{DriveKind, DriveModel};
+use crate::fit::{DriveFamily, FitSettings};
+use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
-use crate::fit::drive::lagged_command::LaggedCommand;
+use crate::fit::drive::feedback_scale::FeedbackScale;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
-use crate::fit::drive::sampled_torque::SampledTorque;
-use crate::fit::drive::settled_holds::{FeedbackReading, Settled, reading, settled};
+use crate::fit::drive::undelivered::{Undelivered, undelivered};
 use crate::map::{ActuatorInput, InputSource, LogRef};
 use crate::signal::{Series, Track};
 use std::collections::BTreeMap;
 
-/// Largest departure of the feedback from the command where the drive has settled: of the scale, and of the offset as a share of the
-/// largest torque.
-const AGREES: f64 = 0.02;
-/// Largest share of the settled holds whose feedback may be off.
-const MOST_OFF: f64 = 0.1;
+/// Largest departure of a feedback's scale from 1: more is another torque, or a current.
+const AGREES: f64 = 0.03;
+/// Largest offset of a feedback, as a share of the largest torque.
+const MOST_OFFSET: f64 = 0.05;
 /// A feedback with a longer time between readings cannot follow the drive after a step [s].
 const LONGEST_PERIOD_S: f64 = 0.05;
 /// Largest share of the usable time that gaps of the feedback may take.
@@ -37,6 +35,8 @@ pub(crate) enum TorqueInput {
     Feedback {
         /// Dead time between command and feedback [s].
         late_s: f64,
+        /// Its scale and offset, which are taken out.
+        scale: FeedbackScale,
     },
 }
 
@@ -44,11 +44,11 @@ impl TorqueInput {
     /// The effective torque of a log, given the changes of its command; the drive counts for the command only.
     pub(crate) fn torque(self, track: &Track, changes: &Series, drive: &DriveModel) -> EffectiveTorque {
         match (self, &track.feedback_nm) {
-            (Self::Feedback { late_s }, Some(feedback)) => {
-                EffectiveTorque::Measured(MeasuredTorque::new(&track.command_nm, feedback, late_s))
+            (Self::Feedback { late_s, scale }, Some(feedback)) => {
+                let corrected = scale.corrected(feedback).unwrap_or_else(|| feedback.clone());
+                EffectiveTorque::measured(MeasuredTorque::new(&track.command_nm, &corrected, late_s))
             }
-            _ if drive.kind == DriveKind::FirstOrder => EffectiveTorque::Lagged(LaggedCommand::new(changes, drive.lag_s())),
-            _ => EffectiveTorque::Sampled(SampledTorque::new(changes, drive)),
+            _ => EffectiveTorque::through(changes, drive),
         }
     }
 
@@ -56,7 +56,7 @@ impl TorqueInput {
     pub(crate) fn late_s(self) -> f64 {
         match self {
             Self::Command => 0.0,
-            Self::Feedback { late_s } => late_s,
+            Self::Feedback { late_s, .. } => late_s,
         }
     }
 }
@@ -70,6 +70,10 @@ pub(crate) struct TorqueChoice {
     /// Ratio of the drive's residual after steps to that elsewhere.
     ratio: f64,
     delays: BTreeMap<LogRef, FeedbackDelays>,
+    /// How each log's feedback reads, where it is the command's torque.
+    scales: BTreeMap<LogRef, FeedbackScale>,
+    /// Where each log's feedback lacks the torque that was asked for.
+    undelivered: BTreeMap<LogRef, Vec<Undelivered>>,
 }
 
 impl TorqueChoice {
@@ -77,38 +81,58 @@ impl TorqueChoice {
     pub(crate) fn new<'s>(surveys: impl IntoIterator<Item = &'s Survey>, settings: &FitSettings) -> Self {
         let surveys: Vec<&Survey> = surveys.into_iter().collect();
         let tracks: BTreeMap<&LogRef, &Track> = surveys.iter().map(|s| (&s.track.source, &s.track)).collect();
-        let found = |track: &Track| delays(&track.command_nm, track.feedback_nm.as_ref()?, settings.lag_s);
-        let delays: BTreeMap<LogRef, FeedbackDelays> =
-            tracks.iter().filter_map(|(log, track)| Some(((*log).clone(), found(track)?))).collect();
+        let read = |track: &Track| FeedbackScale::of(&track.command_nm, track.feedback_nm.as_ref()?);
+        let all: BTreeMap<LogRef, FeedbackScale> = tracks.iter().filter_map(|(log, track)| Some(((*log).clone(), read(track)?))).collect();
+        let disagreement = disagreement(all.values().copied(), largest_nm(&tracks));
+        // a feedback of something else than the command's torque says nothing
+        let scales = if disagreement.is_some() { BTreeMap::new() } else { all };
+        let corrected: BTreeMap<&LogRef, Series> =
+            scales.iter().filter_map(|(log, scale)| Some((log, scale.corrected(tracks[log].feedback_nm.as_ref()?)?))).collect();
+        let found = |log: &LogRef| delays(&tracks[log].command_nm, &corrected[log], settings.lag_s);
+        let delays: BTreeMap<LogRef, FeedbackDelays> = scales.keys().filter_map(|log| Some((log.clone(), found(log)?))).collect();
+        let undelivered = delays
+            .iter()
+            .map(|(log, d)| (log.clone(), undelivered(&tracks[log].command_nm, &corrected[log], (d.dead_time_s, d.lag_s))))
+            .collect();
         let ratio = after_step_ratio(delays.values());
         let explained = lag_explains(delays.values());
-        let disagreement = (!delays.is_empty()).then(|| disagreement(&tracks, &delays));
-        let (feedback, reason) = match disagreement {
-            None => (false, None),
+        let objection = || objection(&surveys, &delays);
+        let (feedback, reason) = match (disagreement, settings.drive) {
             // an ordinary drive: nothing to say, unless its feedback is not what it seems
-            Some(disagreement) if explained => (false, disagreement.flatten().map(|how| format!("the feedback {how}"))),
-            Some(_) if settings.lag_s.is_some() || settings.dead_time_s.is_some() => {
+            (Some(how), _) => (false, Some(format!("the feedback {how}: it is not the command's torque, and sets nothing"))),
+            (None, Some(DriveFamily::Feedback)) => match objection() {
+                Some(reason) => (false, Some(format!("the feedback was asked for, but {reason}"))),
+                None => (true, Some("as asked for".to_owned())),
+            },
+            (None, Some(_)) => (false, None),
+            (None, None) if delays.is_empty() || explained => (false, None),
+            (None, None) if settings.lag_s.is_some() || settings.dead_time_s.is_some() => {
                 (false, Some("dead time or lag are given, and the feedback does not follow them".to_owned()))
             }
-            Some(disagreement) => {
-                let objection = objection(&surveys, &delays);
-                let objection =
-                    objection.or_else(|| disagreement.unwrap_or_else(|| Some("has too few settled holds to compare".to_owned())));
-                match objection {
-                    Some(reason) => (false, Some(format!("the feedback does not follow a first-order lag, but {reason}"))),
-                    None => (true, Some("it does not follow the command through a first-order lag".to_owned())),
-                }
-            }
+            (None, None) => match objection() {
+                Some(reason) => (false, Some(format!("the feedback does not follow a first-order lag, but {reason}"))),
+                None => (true, Some("it does not follow the command through a first-order lag".to_owned())),
+            },
         };
-        Self { feedback, reason, ratio, delays }
+        Self { feedback, reason, ratio, delays, scales, undelivered }
     }
 
     /// Source of a log's effective torque.
     pub(crate) fn of(&self, log: &LogRef) -> TorqueInput {
-        match self.delays.get(log).filter(|_| self.feedback) {
-            Some(found) => TorqueInput::Feedback { late_s: found.dead_time_s },
-            None => TorqueInput::Command,
+        match (self.delays.get(log), self.scales.get(log)) {
+            (Some(found), Some(scale)) if self.feedback => TorqueInput::Feedback { late_s: found.dead_time_s, scale: *scale },
+            _ => TorqueInput::Command,
         }
+    }
+
+    /// Where a log's drive did not deliver the torque that was asked for, by its feedback.
+    pub(crate) fn undelivered(&self, log: &LogRef) -> &[Undelivered] {
+        self.undelivered.get(log).map_or(&[], Vec::as_slice)
+    }
+
+    /// The same choice with the command as the input.
+    pub(crate) fn with_command(&self) -> Self {
+        Self { feedback: false, ..self.clone() }
     }
 
     /// Whether the feedback is the input.
@@ -138,7 +162,7 @@ impl TorqueChoice {
         Some(if self.feedback {
             format!(
                 "the torque feedback is the fit's input: {reason} (residual {:.1} times as large in the 0.3 s after a step as where the drive \
-                 has settled), and it agrees with the command there; dead time and lag are those of the nearest first-order drive",
+                 has settled), and it agrees with the command there, its scale and offset taken out; dead time and lag are those of the nearest first-order drive",
                 self.ratio
             )
         } else {
@@ -168,29 +192,23 @@ fn objection(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> 
     (missing_s > MOST_MISSING * usable_s).then(|| format!("is missing in {:.0} % of the usable time", 100.0 * missing_s / usable_s))
 }
 
-/// How the feedback differs from the command where the drive has settled. The inner `None`: it does not. The outer `None`: no data.
-#[allow(clippy::option_option)] // agreement and ignorance are not the same
-fn disagreement(tracks: &BTreeMap<&LogRef, &Track>, delays: &BTreeMap<LogRef, FeedbackDelays>) -> Option<Option<String>> {
-    let mut holds: Vec<Settled> = Vec::new();
-    let mut largest_nm = 0.0f64;
-    for (log, track) in tracks {
-        let (Some(feedback), Some(found)) = (&track.feedback_nm, delays.get(*log)) else { continue };
-        largest_nm = track.command_nm.value.iter().fold(largest_nm, |m, v| m.max(v.abs()));
-        holds.extend(settled(&track.command_nm, feedback, (-found.dead_time_s).max(0.0)));
-    }
-    let FeedbackReading { scale, offset_nm, share_off, missed } = reading(&holds, largest_nm)?;
+/// The largest torque commanded [N·m].
+fn largest_nm(tracks: &BTreeMap<&LogRef, &Track>) -> f64 {
+    tracks.values().flat_map(|t| &t.command_nm.value).fold(0.0f64, |m, v| m.max(v.abs()))
+}
+
+/// How the feedback differs from the command's torque, if it does in any log.
+fn disagreement(mut scales: impl Iterator<Item = FeedbackScale>, largest_nm: f64) -> Option<String> {
     let side = |value: f64| if value > 0.0 { "high" } else { "low" };
-    Some(if scale < 0.0 {
-        Some("has the other sign than the command".to_owned())
-    } else if (scale - 1.0).abs() > AGREES {
-        Some(format!("reads {:.0} % {}", 100.0 * (scale - 1.0).abs(), side(scale - 1.0)))
-    } else if offset_nm.abs() > AGREES * largest_nm {
-        Some(format!("reads {:.1} N·m {}", offset_nm.abs(), side(offset_nm)))
-    } else if let Some((command_nm, feedback_nm)) = missed {
-        Some(format!("settles at {feedback_nm:.1} instead of {command_nm:.1} N·m"))
-    } else if share_off > MOST_OFF {
-        Some(format!("does not settle at the command in {:.0} % of the holds", 100.0 * share_off))
-    } else {
-        None
+    scales.find_map(|FeedbackScale { scale, offset_nm }| {
+        if scale < 0.0 {
+            Some("has the other sign than the command".to_owned())
+        } else if (scale - 1.0).abs() > AGREES {
+            Some(format!("reads {:.0} % {}", 100.0 * (scale - 1.0).abs(), side(scale - 1.0)))
+        } else if offset_nm.abs() > MOST_OFFSET * largest_nm {
+            Some(format!("reads {:.1} N·m {}", offset_nm.abs(), side(offset_nm)))
+        } else {
+            None
+        }
     })
 }

@@ -7,6 +7,7 @@ use crate::fit::calibration::Calibration;
 use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::{Share, Torque};
+use crate::fit::drive::torque_limit::TorqueLimit;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
 use crate::fit::surface::lattice::LatticeSurface;
@@ -35,6 +36,7 @@ pub(crate) struct Course<'a> {
     steps: Vec<IntegrationStep>,
     /// Number of steps up to and including each reading.
     ends: Vec<u32>,
+    limit: TorqueLimit,
 }
 
 impl<'a> Course<'a> {
@@ -59,7 +61,7 @@ impl<'a> Course<'a> {
             ends.push(steps.len() as u32);
             from_s = reading.t_s.max(from_s);
         }
-        Self { segment, steps, ends }
+        Self { segment, steps, ends, limit: lagged.limit() }
     }
 
     /// Number of readings.
@@ -73,9 +75,9 @@ impl<'a> Course<'a> {
         &self.steps[from..self.ends[row] as usize]
     }
 
-    /// The steps that lead to a reading, each with its speed [m/s]: linear from the filtered speed at the reading before to the expected
-    /// speed at this one, 0 at an anchored start, never negative.
-    pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, &'b IntegrationStep)> + 'b {
+    /// The steps that lead to a reading, each with its speed [m/s] and the torque that is delivered at it: linear from the filtered speed at
+    /// the reading before to the expected speed at this one, 0 at an anchored start, never negative.
+    pub(crate) fn along<'b>(&'b self, speeds: &'b Speeds, row: usize) -> impl Iterator<Item = (f64, IntegrationStep)> + 'b {
         let from = if row > 0 {
             speeds.after[row - 1]
         } else if self.segment.anchored {
@@ -84,7 +86,10 @@ impl<'a> Course<'a> {
             speeds.before[0]
         };
         let rise = speeds.before[row] - from;
-        self.steps(row).iter().map(move |step| ((from + step.fraction * rise).max(0.0), step))
+        self.steps(row).iter().map(move |step| {
+            let speed_mps = (from + step.fraction * rise).max(0.0);
+            (speed_mps, IntegrationStep { torque: self.limit.delivered(speed_mps, step.torque), ..*step })
+        })
     }
 
     /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
@@ -92,12 +97,12 @@ impl<'a> Course<'a> {
         self.predicted_with(speeds, surface, [0.0; PARAMETERS], 0.0)
     }
 
-    /// The same with the parameters of the drive and the dead time changed by so much [s].
+    /// The same with the parameters of the drive and the dead time [s] changed by so much.
     pub(crate) fn predicted_with(
         &self,
         speeds: &Speeds,
         surface: &LatticeSurface,
-        drive_s: [f64; PARAMETERS],
+        drive: [f64; PARAMETERS],
         dead_time_s: f64,
     ) -> Vec<f64> {
         let mut sum = 0.0;
@@ -105,7 +110,7 @@ impl<'a> Course<'a> {
             .map(|row| {
                 for (v, step) in self.along(speeds, row) {
                     let Torque { torque_nm, by_drive, by_dead_time } = step.torque;
-                    let by_drive: f64 = drive_s.iter().zip(by_drive).map(|(s, by)| s * by).sum();
+                    let by_drive: f64 = drive.iter().zip(by_drive).map(|(s, by)| s * by).sum();
                     sum += step.length_s * surface.accel_mps2(v, torque_nm + by_drive + dead_time_s * by_dead_time);
                 }
                 sum

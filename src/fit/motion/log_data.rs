@@ -28,6 +28,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) command: Series,
     /// Source of its effective torque.
     pub(crate) input: TorqueInput,
+    /// Where the drive did not deliver the torque that was asked for, on the command's clock [s].
+    pub(crate) undelivered_s: Vec<(f64, f64)>,
     /// Timing errors of the steps of its command.
     pub(crate) timing: StepTiming,
     /// Outliers among the yaw readings.

@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn readings_merge_to_their_weighted_mean_but_not_while_the_torque_moves() {
         let command = Series { t_s: vec![0.0, 1.0], value: vec![0.0, 20.0] };
-        let lagged = EffectiveTorque::Lagged(LaggedCommand::new(&command, 0.05));
+        let lagged = EffectiveTorque::lagged(LaggedCommand::new(&command, 0.05));
         let readings: Vec<Reading> =
             (0..200u32).map(|k| Reading::single(0.01 * f64::from(k), 0.3 * f64::from(k), u8::from(k % 2 == 1), k)).collect();
         let merged = merge(&readings, lagged.cursor(), 0.1, [1.0, 3.0]);

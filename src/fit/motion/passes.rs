@@ -197,7 +197,7 @@ mod tests {
     }
 
     fn torque(torque_nm: f64) -> EffectiveTorque {
-        EffectiveTorque::Lagged(LaggedCommand::new(&Series { t_s: vec![0.0], value: vec![torque_nm] }, 0.0))
+        EffectiveTorque::lagged(LaggedCommand::new(&Series { t_s: vec![0.0], value: vec![torque_nm] }, 0.0))
     }
 
     fn segment(readings_mps: &[f64], anchored: bool) -> Segment {

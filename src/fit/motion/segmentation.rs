@@ -102,10 +102,12 @@ impl OfLog<'_> {
         intervals
     }
 
-    /// Where the effective torque is unknown, on the clock of the readings.
+    /// Where the effective torque is unknown or was not delivered, on the clock of the readings, with starts and ends that rise.
     fn gaps(&self) -> Vec<(f64, f64)> {
         let dead_time_s = self.dead_time_s();
-        self.lagged.gaps().iter().map(|gap| (gap.0 + dead_time_s, gap.1 + dead_time_s)).collect()
+        // a feedback has gaps, a command has torque that was not delivered: never both
+        let unknown = self.lagged.gaps().iter().chain(&self.log.undelivered_s);
+        unknown.map(|gap| (gap.0 + dead_time_s, gap.1 + dead_time_s)).collect()
     }
 
     fn dead_time_s(&self) -> f64 {

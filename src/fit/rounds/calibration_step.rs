@@ -1,6 +1,6 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
-use crate::fit::drive::drive_model::PARAMETERS;
+use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::regressors::Free;
 use crate::fit::nuisance;
@@ -13,8 +13,15 @@ use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
 const DELAY_STEP_S: f64 = 0.02;
 /// Largest step of a parameter of the drive in one round, if that is more: a share of it.
 const DRIVE_STEP: f64 = 0.2;
+/// Largest step of the logarithm of a limit in one round.
+const LIMIT_STEP: f64 = 0.05;
 /// Prior standard deviation of known values.
 const FIXED_STD: f64 = 1e-9;
+
+/// Largest step of a parameter of the drive in one round.
+fn most_drive_step(drive: &DriveModel, parameter: usize) -> f64 {
+    if parameter == LIMIT { LIMIT_STEP } else { DELAY_STEP_S.max(DRIVE_STEP * drive.times_s[parameter]) }
+}
 
 impl State<'_> {
     /// Prior standard deviations of the nuisance columns; values known from outside do not move.
@@ -26,11 +33,15 @@ impl State<'_> {
         let mut prior = nuisance_prior_std(self.logs.len(), self.has_yaw && free == Free::DelaysAndEncoder);
         let hold = |std: &mut f64| *std = FIXED_STD;
         let measured = self.logs.iter().any(|l| l.input != TorqueInput::Command);
-        for (std, time_s) in prior[nuisance::DRIVE..].iter_mut().zip(self.calibration.drive.times_s) {
-            *std = std.max(DRIVE_STEP * time_s);
+        let drive = &self.calibration.drive;
+        for (p, has) in drive.has().into_iter().enumerate() {
+            let std = &mut prior[nuisance::DRIVE + p];
+            *std = std.max(most_drive_step(drive, p));
+            // a limit is not a part of what is given
+            if !has || measured || (p != LIMIT && self.drive_is_given()) {
+                hold(std);
+            }
         }
-        let free = if measured || self.drive_is_given() { 0 } else { self.calibration.drive.kind.parameters() };
-        prior[nuisance::DRIVE + free..nuisance::ENCODER_SCALE].iter_mut().for_each(hold);
         if known.is_some_and(|k| k.encoder.is_some()) {
             hold(&mut prior[nuisance::ENCODER_SCALE]);
             hold(&mut prior[nuisance::ENCODER_DELAY]);
@@ -55,14 +66,13 @@ impl State<'_> {
         let of = |k: usize| solution.beta[q + k];
         // a long ramp is not known to milliseconds
         let drive = self.calibration.drive;
-        let most_s = |k: usize| if k < PARAMETERS { DELAY_STEP_S.max(DRIVE_STEP * drive.times_s[k]) } else { DELAY_STEP_S };
+        let most_s = |k: usize| if k < PARAMETERS { most_drive_step(&drive, k) } else { DELAY_STEP_S };
         let step = |k: usize| of(k).clamp(-most_s(k), most_s(k));
         let before = self.calibration.clone();
         let delays = (nuisance::DRIVE..nuisance::ENCODER_SCALE).chain((0..self.logs.len()).map(|k| nuisance::DEAD_TIME + k));
         let damp = |(k, asked_s): (usize, f64)| DelayStep::damped(asked_s, self.last_steps.get(k));
         let steps: Vec<DelayStep> = delays.map(step).enumerate().map(damp).collect();
-        let times_s = std::array::from_fn(|p| before.drive.times_s[p] + steps[p].made_s);
-        self.calibration.drive = before.drive.with(times_s);
+        self.calibration.drive = before.drive.moved(std::array::from_fn(|p| steps[p].made_s));
         for (dead_time_s, step) in self.calibration.dead_time_s.iter_mut().zip(&steps[PARAMETERS..]) {
             *dead_time_s = (*dead_time_s + step.made_s).clamp(-0.1, 0.5);
         }
@@ -81,8 +91,8 @@ impl State<'_> {
         hold_known(&mut self.calibration, &self.logs, &self.settings);
         let (now, std_err) = (&self.calibration, &self.calibration_errors);
         let moved = before.dead_time_s.iter().zip(&now.dead_time_s).zip(&std_err.dead_time_s).map(|((a, b), error)| (b - a).abs() / error);
-        let by_drive =
-            (0..now.drive.kind.parameters()).map(|p| (now.drive.times_s[p] - before.drive.times_s[p]).abs() / std_err.drive_s[p]);
+        let (from, to, has) = (before.drive.parameters(), now.drive.parameters(), now.drive.has());
+        let by_drive = (0..PARAMETERS).filter(|p| has[*p]).map(|p| (to[p] - from[p]).abs() / std_err.drive_s[p]);
         moved.chain(by_drive).fold(0.0, f64::max)
     }
 }

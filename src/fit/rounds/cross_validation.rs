@@ -158,8 +158,8 @@ fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
         .map(|((course, speed), fold)| {
             let segment = course.segment;
             let predicted = |Fitted { surfaces, delays_s }: &Fitted| {
-                let drive_s = std::array::from_fn(|p| delays_s[nuisance::DRIVE + p]);
-                course.predicted_with(speed, surface_of(surfaces, segment), drive_s, delays_s[nuisance::DEAD_TIME + segment.log])
+                let drive = std::array::from_fn(|p| delays_s[nuisance::DRIVE + p]);
+                course.predicted_with(speed, surface_of(surfaces, segment), drive, delays_s[nuisance::DEAD_TIME + segment.log])
             };
             let Without { physics, surface } = &without[*fold];
             let (physics, surface) = (predicted(physics), predicted(surface));

@@ -3,9 +3,10 @@
 //! A = c₀ + c₁·U + c₂·U⁺ + c₃·V + c₄·V² + c₅·e^(−(V/0.08)²), integrated and whitened like the full surface, solved for each pair of
 //! dead time (0 … 400 ms) and drive. Each log has its own dead time; the drive is shared.
 
-use crate::fit::drive::drive_model::{DriveKind, DriveModel, PARAMETERS};
+use crate::fit::drive::drive_model::{DriveKind, DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueInput;
+use crate::fit::drive::torque_limit::TorqueLimit;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::model::Noise;
@@ -24,6 +25,8 @@ const FIRST_LAG_S: f64 = 0.02;
 /// Second-order drives tried.
 const FREQUENCIES_HZ: [f64; 7] = [1.5, 2.3, 3.4, 5.0, 7.0, 10.0, 15.0];
 const DAMPINGS: [f64; 3] = [0.12, 0.3, 0.7];
+/// Limits tried, as a share of the largest torque or power.
+const LIMITS: [f64; 8] = [0.97, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 /// Factors by which parameters are refined, one after another.
 const REFINING: [f64; 5] = [1.3, 1.2, 1.12, 1.07, 1.04];
 /// Spacing of the dead times tried, first and second [s].
@@ -53,7 +56,7 @@ pub(crate) struct GridResult {
 
 /// The drives of a kind that are tried first; `reference_nm` is the largest torque.
 pub(crate) fn drives(kind: DriveKind, reference_nm: f64) -> Vec<DriveModel> {
-    let of = |times_s| DriveModel { kind, times_s: [0.0; PARAMETERS], reference_nm }.with(times_s);
+    let of = |times_s| DriveModel::of_kind(kind, reference_nm).with(times_s);
     match kind {
         DriveKind::FirstOrder => LAGS_S.iter().map(|l| of([*l, 0.0, 0.0])).collect(),
         DriveKind::RateLimit => RAMPS_S.iter().map(|r| of([*r, FIRST_LAG_S, 0.0])).collect(),
@@ -66,6 +69,11 @@ pub(crate) fn drives(kind: DriveKind, reference_nm: f64) -> Vec<DriveModel> {
             natural.flat_map(|t| DAMPINGS.iter().map(move |d| (t, *d))).map(|(t, d)| of([t, 2.0 * d * t, 0.0])).collect()
         }
     }
+}
+
+/// A drive with limits below the largest torque or power [N·m or N·m·m/s] of the campaign.
+pub(crate) fn limited(drive: DriveModel, largest: TorqueLimit) -> Vec<DriveModel> {
+    LIMITS.iter().map(|share| DriveModel { limit: largest.scaled(*share), ..drive }).collect()
 }
 
 /// The best of `drives` and the best dead time of each log, which may be given; parameters that are not given are then refined.
@@ -97,15 +105,17 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<
         }
         (-4i32..=4).map(|n| (centre[k] + f64::from(n) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect()
     };
-    if best.drive.kind != DriveKind::FirstOrder && drives.len() > 1 {
+    let plain = best.drive.kind == DriveKind::FirstOrder && best.drive.limit == TorqueLimit::None;
+    if !plain && drives.len() > 1 {
         // a pattern search: each parameter in turn, longer and shorter by ever smaller factors
         for factor in REFINING {
-            for parameter in 0..best.drive.kind.parameters() {
-                let centre = best.dead_time_s.clone();
-                let tried = [factor, 1.0 / factor].map(|factor| {
-                    let mut times_s = best.drive.times_s;
-                    times_s[parameter] *= factor;
-                    best.drive.with(times_s)
+            let has = best.drive.has();
+            for parameter in (0..PARAMETERS).filter(|p| has[*p]) {
+                let (centre, drive) = (best.dead_time_s.clone(), best.drive);
+                let tried = [factor, 1.0 / factor].map(|factor: f64| {
+                    let mut step = [0.0; PARAMETERS];
+                    step[parameter] = if parameter == LIMIT { factor.ln() } else { drive.times_s[parameter] * (factor - 1.0) };
+                    drive.moved(step)
                 });
                 let tried: Vec<GridResult> = tried.par_iter().map(|drive| of_drive(drive, &|k| near(&centre, k))).collect();
                 best = tried.into_iter().fold(best, better);
@@ -124,6 +134,7 @@ fn residual(log: &GridLog, lagged: &EffectiveTorque, dead_time_s: f64, noise: &N
     const WIDTH: usize = COLUMNS + 1;
     let mut gram = [[0.0f64; WIDTH]; WIDTH];
     let mut used = 0;
+    let limit = lagged.limit();
     for (segment, speed_mps) in log.segments.iter().zip(&log.speed_mps) {
         if used > ENOUGH_READINGS {
             break;
@@ -138,7 +149,7 @@ fn residual(log: &GridLog, lagged: &EffectiveTorque, dead_time_s: f64, noise: &N
             let from = if row > 0 { segment.readings[row - 1].t_s } else { segment.start_s };
             let dt = reading.t_s - from;
             let v = (if row > 0 { 0.5 * (speed_mps[row] + speed_mps[row - 1]) } else { speed_mps[row] }).max(0.0);
-            let u = sign * cursor.at(0.5 * (from + reading.t_s) - dead_time_s).torque_nm;
+            let u = limit.delivered_nm(v, sign * cursor.at(0.5 * (from + reading.t_s) - dead_time_s).torque_nm);
             let near = v / 0.08;
             for (sum, column) in sums.iter_mut().zip([1.0, u, u.max(0.0), v, v * v, (-near * near).exp()]) {
                 *sum += dt * column;

@@ -1,25 +1,28 @@
 //! Which kind of drive lies between command and torque: the data choose, by the prediction of runs that were left out.
 //!
-//! First the coarse search (`delay_grid`) with a small physical model: kinds that explain the data no better than a first-order lag are
-//! dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each fold with the surface fitted without them. The
+//! First the coarse search (`delay_grid`) with a small physical model: kinds that explain the data no better than a first-order lag, and
+//! limits of torque and power that explain no more, are dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each fold with the surface fitted without them. The
 //! score of a run is its −2·ln L under the noise of that fit, with single innovations bounded, so that a push or a slip counts alike for all
 //! drives. A first-order lag stays unless another kind is better by several standard errors of the paired differences between runs.
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::drive_model::DriveKind;
+use crate::fit::drive::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueChoice;
-use crate::fit::motion::integration::courses;
+use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::motion::coarse_readings::replace_coarse;
+use crate::fit::motion::integration::{Course, courses, surface_of};
 use crate::fit::motion::passes::{along_one, wide_speed};
 use crate::fit::motion::regressors::Free;
 use crate::fit::motion::segment::Segment;
-use crate::fit::motion::segmentation::all_segments;
+use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::rounds::cross_validation::{self, HeldOut};
+use crate::fit::rounds::delay_grid;
 use crate::fit::rounds::delay_rounds;
-use crate::fit::rounds::initial_guess::InitialGuess;
+use crate::fit::rounds::initial_guess::{InitialGuess, largest_nm, largest_power};
 use crate::fit::rounds::state::State;
-use crate::fit::{FitSettings, Result};
+use crate::fit::{DriveFamily, FitSettings, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -32,62 +35,69 @@ const PER_RUN: f64 = 1.0;
 /// Bound of a squared innovation in its variance.
 const MOST_SQUARED: f64 = 16.0;
 
-/// A kind of drive with the score of every run: log and run, −2·ln L.
+/// A drive with the score of every run: log and run, −2·ln L.
 #[derive(Debug, Clone)]
-pub(crate) struct ScoredDrive {
-    pub(crate) kind: DriveKind,
+struct ScoredDrive {
+    drive: DriveModel,
     scores: BTreeMap<(usize, usize), f64>,
 }
 
 /// The choice, with what was weighed.
 #[derive(Debug, Clone)]
 pub(crate) struct DriveChoice {
-    pub(crate) kind: DriveKind,
-    /// The other kinds that were fitted: by how much each is worse, with its standard error over the runs (−2·ln L).
-    pub(crate) others: Vec<(DriveKind, f64, f64)>,
+    /// As found on a sample of the data.
+    pub(crate) drive: DriveModel,
+    /// The other drives that were fitted: by how much each is worse, with its standard error over the runs (−2·ln L).
+    pub(crate) others: Vec<(DriveModel, f64, f64)>,
 }
 
-/// Chooses the kind of drive.
+/// Chooses the drive: its kind, and whether it has a limit.
 ///
 /// # Errors
 /// As of the fit itself, for a first-order lag.
 pub(crate) fn choose(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<DriveChoice> {
-    let only = |kind| DriveChoice { kind, others: Vec::new() };
+    let guess = |drives: &[DriveModel]| InitialGuess::new(surveys, choice, settings, drives);
+    let of_kind = |kind| delay_grid::drives(kind, largest_nm(surveys));
+    let kinds = settings.drive.map_or_else(|| DriveKind::ALL.to_vec(), DriveFamily::kinds);
+    let first = guess(&of_kind(kinds[0]))?;
+    let only = |drive| DriveChoice { drive, others: Vec::new() };
     if choice.is_feedback() || settings.lag_s.is_some() {
-        return Ok(only(DriveKind::FirstOrder));
+        return Ok(only(first.calibration.drive));
     }
-    let guess = |kind| InitialGuess::new(surveys, choice, settings, kind);
-    let first = guess(DriveKind::FirstOrder)?;
-    let least = (first.deviance - WORTH_A_FIT.0).min(first.deviance * (1.0 - WORTH_A_FIT.1));
-    let promising = |kinds: &[DriveKind]| -> Vec<InitialGuess> {
-        kinds.iter().filter_map(|kind| guess(*kind).ok()).filter(|g| g.deviance < least).collect()
-    };
-    let mut others = promising(&[DriveKind::RateLimit, DriveKind::SecondOrder]);
-    if let Some(one_slope) = others.iter().find(|g| g.calibration.drive.kind == DriveKind::RateLimit).map(|g| g.deviance) {
-        let two_slopes = promising(&[DriveKind::GrowingFalling, DriveKind::UpDown]);
-        others.extend(two_slopes.into_iter().filter(|g| g.deviance < one_slope - WORTH_A_FIT.0));
+    let better_than = |deviance: f64| (deviance - WORTH_A_FIT.0).min(deviance * (1.0 - WORTH_A_FIT.1));
+    let promising = |drives: &[DriveModel], deviance: f64| guess(drives).ok().filter(|g| g.deviance < better_than(deviance));
+    let mut best = first.deviance;
+    let mut tried = vec![first];
+    for kind in &kinds[1..] {
+        // two slopes where one is better than a lag
+        let two_slopes = matches!(kind, DriveKind::GrowingFalling | DriveKind::UpDown);
+        if two_slopes && !tried.iter().any(|g| g.calibration.drive.kind == DriveKind::RateLimit) {
+            continue;
+        }
+        tried.extend(promising(&of_kind(*kind), if two_slopes { best } else { tried[0].deviance }));
+        best = tried.iter().map(|g| g.deviance).fold(best, f64::min);
     }
-    if others.is_empty() {
-        return Ok(only(DriveKind::FirstOrder));
+    let unlimited = tried.iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map_or(tried[0].calibration.drive, |g| g.calibration.drive);
+    for largest in [TorqueLimit::Power(largest_power(surveys)), TorqueLimit::Torque(largest_nm(surveys))] {
+        tried.extend(promising(&delay_grid::limited(unlimited, largest), best));
     }
-    let scored: Vec<ScoredDrive> =
-        std::iter::once(first).chain(others).filter_map(|guess| scored(State::from_guess(guess, settings)).ok()).collect();
-    let Some(simple) = scored.first().filter(|s| s.kind == DriveKind::FirstOrder) else { return Ok(only(DriveKind::FirstOrder)) };
-    let best = scored[1..].iter().filter(|other| is_better(other, simple)).fold(simple, |best, other| {
-        let (lower, _) = difference(best, other);
-        if lower > 0.0 { other } else { best }
-    });
-    let rest = scored.iter().filter(|s| s.kind != best.kind).map(|s| {
+    if tried.len() == 1 {
+        return Ok(only(tried[0].calibration.drive));
+    }
+    let scored: Vec<ScoredDrive> = tried.into_iter().filter_map(|guess| scored(State::from_guess(guess, settings)).ok()).collect();
+    let Some(simple) = scored.first() else { return Ok(only(unlimited)) };
+    let best = scored[1..].iter().fold(simple, |best, other| if is_better(other, best) { other } else { best });
+    let rest = scored.iter().filter(|s| s.drive != best.drive).map(|s| {
         let (worse, std_err) = difference(s, best);
-        (s.kind, worse, std_err)
+        (s.drive, worse, std_err)
     });
-    Ok(DriveChoice { kind: best.kind, others: rest.collect() })
+    Ok(DriveChoice { drive: best.drive, others: rest.collect() })
 }
 
-/// Whether a drive is clearly better than a simpler one.
-fn is_better(drive: &ScoredDrive, simple: &ScoredDrive) -> bool {
-    let (lower, std_err) = difference(simple, drive);
-    lower > CLEARLY * std_err && lower > PER_RUN * simple.scores.len() as f64
+/// Whether a drive is clearly better than one that was tried before.
+fn is_better(drive: &ScoredDrive, before: &ScoredDrive) -> bool {
+    let (lower, std_err) = difference(before, drive);
+    lower > CLEARLY * std_err && lower > PER_RUN * before.scores.len() as f64
 }
 
 /// By how much the second predicts better than the first, over the runs that both predict, with its standard error.
@@ -101,7 +111,6 @@ fn difference(first: &ScoredDrive, second: &ScoredDrive) -> (f64, f64) {
 /// Fits a sample, and scores every run by the surface without its fold.
 fn scored(mut state: State) -> Result<ScoredDrive> {
     delay_rounds::run(&mut state)?;
-    let kind = state.calibration.drive.kind;
     let data = state.data(false);
     let torques = state.torques();
     let courses = courses(&data.merged, &torques, &state.calibration);
@@ -126,7 +135,9 @@ fn scored(mut state: State) -> Result<ScoredDrive> {
         log.cuts = crate::fit::motion::log_data::Cuts::default();
     }
     let plain = Calibration { encoder_scale: state.calibration.encoder_scale, ..state.calibration.clone() };
-    let segments = all_segments(&state.logs, &plain, &torques, None, &vec![Vec::new(); state.logs.len()]);
+    let mut segments = all_segments(&state.logs, &plain, &torques, None, &vec![Vec::new(); state.logs.len()]);
+    let so_far = SoFar { surfaces: &state.surfaces, noise: &state.noise };
+    replace_coarse(&mut segments, &state.logs, &plain, &torques, so_far);
     let score = |segment: &Segment| -> Option<((usize, usize), f64)> {
         let run = (segment.log, segment.run);
         let surfaces = match &validation {
@@ -140,13 +151,13 @@ fn scored(mut state: State) -> Result<ScoredDrive> {
     for (run, score) in parts.into_iter().flatten() {
         *scores.entry(run).or_insert(0.0) += score;
     }
-    Ok(ScoredDrive { kind, scores })
+    Ok(ScoredDrive { drive: state.calibration.drive, scores })
 }
 
 /// −2·ln L of a segment with bounded innovations.
 fn run_score(segment: &Segment, torques: &[EffectiveTorque], state: &State, surfaces: &cross_validation::Surfaces) -> f64 {
-    let course = crate::fit::motion::integration::Course::new(segment, &torques[segment.log], state.calibration.dead_time_s[segment.log]);
-    let surface = crate::fit::motion::integration::surface_of(surfaces, segment);
+    let course = Course::new(segment, &torques[segment.log], state.calibration.dead_time_s[segment.log]);
+    let surface = surface_of(surfaces, segment);
     let mut speeds = wide_speed(segment).into();
     for _ in 0..2 {
         speeds = along_one(&course, surface, &state.noise, &speeds).speeds;

@@ -20,7 +20,7 @@ use crate::map::{Gear, PerGear};
 pub(crate) struct CalibrationErrors {
     /// Standard error of each log's dead time [s].
     pub(crate) dead_time_s: Vec<f64>,
-    /// Standard errors of the drive's parameters [s].
+    /// Standard errors of the drive's parameters: times [s], and the limit's logarithm.
     pub(crate) drive_s: [f64; PARAMETERS],
     /// Standard error of the encoder's scale.
     pub(crate) encoder_scale: f64,

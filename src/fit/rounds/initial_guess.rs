@@ -1,11 +1,11 @@
 //! Before the first round: the logs' signals, first guesses of calibration and noise, dead time and lag from a coarse search, the lattice.
 
-use crate::campaign::Survey;
+use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::drive_model::{DriveKind, DriveModel};
+use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
-use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::drive::torque_input::{TorqueChoice, TorqueInput};
 use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
@@ -40,11 +40,11 @@ pub(crate) struct InitialGuess<'a> {
 }
 
 impl<'a> InitialGuess<'a> {
-    /// Examines the surveys, for a drive of a kind.
+    /// Examines the surveys, with the best of some drives; a known lag and a feedback leave no choice.
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, kind: DriveKind) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
@@ -73,7 +73,7 @@ impl<'a> InitialGuess<'a> {
                 }
             })
             .collect();
-        let found = delay_grid::search(&views, &noise, settings.dead_time_s, &drives_to_try(surveys, choice, settings, kind));
+        let found = delay_grid::search(&views, &noise, settings.dead_time_s, &drives_to_try(choice, settings, drives));
         (calibration.dead_time_s, calibration.drive) = (found.dead_time_s, found.drive);
         hold_known(&mut calibration, &logs, settings);
         let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
@@ -83,15 +83,28 @@ impl<'a> InitialGuess<'a> {
 }
 
 /// The drives among which the coarse search chooses; a single one where it is known, or where the feedback already holds the drive.
-fn drives_to_try(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings, kind: DriveKind) -> Vec<DriveModel> {
-    if choice.is_feedback() {
-        return vec![DriveModel::first_order(0.0)];
+fn drives_to_try(choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> Vec<DriveModel> {
+    match settings.lag_s {
+        _ if choice.is_feedback() => vec![DriveModel::first_order(0.0)],
+        Some(lag_s) => vec![DriveModel::first_order(lag_s)],
+        None => drives.to_vec(),
     }
-    if let Some(lag_s) = settings.lag_s {
-        return vec![DriveModel::first_order(lag_s)];
-    }
+}
+
+/// The largest torque of the commands [N·m].
+pub(crate) fn largest_nm(surveys: &[Survey]) -> f64 {
     let commands = surveys.iter().flat_map(|s| &s.track.command_nm.value);
-    delay_grid::drives(kind, commands.fold(0.0f64, |m, v| m.max(v.abs())).max(1e-9))
+    commands.fold(0.0f64, |m, v| m.max(v.abs())).max(1e-9)
+}
+
+/// The largest driving torque times speed of the samples in use [N·m·m/s].
+pub(crate) fn largest_power(surveys: &[Survey]) -> f64 {
+    let of = |survey: &Survey| {
+        let (encoder, mut command) = (&survey.track.encoder_mps, survey.track.command_nm.cursor());
+        let used = (0..encoder.len()).filter(|k| survey.verdicts[*k] == SampleVerdict::Used);
+        used.map(|k| command.held(encoder.t_s[k]).unwrap_or(0.0) * encoder.value[k]).fold(0.0f64, f64::max)
+    };
+    surveys.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Copies the delays and the encoder's calibration from runs at other wheel angles into `calibration`, whose logs are `logs`.
@@ -155,11 +168,19 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> L
         command: changes(&survey.track.command_nm),
         input: choice.of(&survey.track.source),
         yaw_outliers: yaw_outliers.unwrap_or_default(),
+        undelivered_s: undelivered_s(choice, survey),
         timing: StepTiming::new(&survey.track.command_nm),
         cuts: Cuts::default(),
         coarse_mps,
         chosen: vec![true; survey.stretches.len()],
     }
+}
+
+/// Where the drive did not deliver, for a command as the input: a feedback holds what was delivered.
+fn undelivered_s(choice: &TorqueChoice, survey: &Survey) -> Vec<(f64, f64)> {
+    let input = choice.of(&survey.track.source);
+    let found = if input == TorqueInput::Command { choice.undelivered(&survey.track.source) } else { &[] };
+    found.iter().map(|u| (u.from_s, u.to_s)).collect()
 }
 
 /// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.

@@ -3,6 +3,7 @@
 use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::motion::coarse_readings::replace_coarse;
 use crate::fit::motion::integration::courses;
 use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::Pass;
@@ -49,7 +50,8 @@ impl Judge<'_> {
         let chosen: Vec<Vec<bool>> = logs.iter().map(|l| l.chosen.clone()).collect();
         let so_far = SoFar { surfaces: self.surfaces, noise: self.noise };
         for pass in 0..PASSES {
-            let segments = all_segments(logs, self.calibration, self.lagged, Some(so_far), self.transients);
+            let mut segments = all_segments(logs, self.calibration, self.lagged, Some(so_far), self.transients);
+            replace_coarse(&mut segments, logs, self.calibration, self.lagged, SoFar { noise: &calm, ..so_far });
             let courses = courses(&segments, self.lagged, self.calibration);
             let white = Pass { courses: &courses, surfaces: self.surfaces, noise: &calm }.along(None).white;
             let whole = pass + 1 == PASSES;

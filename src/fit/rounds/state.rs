@@ -2,19 +2,19 @@
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::drive_model::{DriveKind, PARAMETERS};
+use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueChoice;
-use crate::fit::motion::integration::{Course, surface_of};
+use crate::fit::motion::coarse_readings::replace_coarse;
+use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::merging::merged;
 use crate::fit::motion::noise_likelihood;
-use crate::fit::motion::passes::{Pass, PassResult, along_one, wide_speed, wide_speeds};
+use crate::fit::motion::passes::{Pass, PassResult, wide_speeds};
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::{SoFar, all_segments};
 use crate::fit::noise::model::Noise;
-use crate::fit::noise::quantisation::replace_coarse;
 use crate::fit::rounds::convergence::DelayStep;
 use crate::fit::rounds::estimate::CalibrationErrors;
 use crate::fit::rounds::initial_guess::InitialGuess;
@@ -24,10 +24,6 @@ use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::fit::{FitSettings, Result};
 use crate::map::{Gear, PerGear};
-use rayon::prelude::*;
-
-/// Rounds between the speeds of a segment and the intervals of its coarse readings.
-const INTERVAL_ROUNDS: usize = 3;
 
 /// The state from one round to the next.
 pub(crate) struct State<'a> {
@@ -60,12 +56,12 @@ pub(crate) struct RoundData {
 }
 
 impl<'a> State<'a> {
-    /// Before the first round.
+    /// Before the first round, with the best of some drives.
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, kind: DriveKind) -> Result<Self> {
-        Ok(Self::from_guess(InitialGuess::new(surveys, choice, settings, kind)?, settings))
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> Result<Self> {
+        Ok(Self::from_guess(InitialGuess::new(surveys, choice, settings, drives)?, settings))
     }
 
     /// Before the first round, from a first guess.
@@ -116,34 +112,11 @@ impl<'a> State<'a> {
         };
         let so_far = self.has_surface().then_some(SoFar { surfaces: &self.surfaces, noise: &self.noise });
         let mut segments = all_segments(&self.logs, &self.calibration, &torques, so_far, &transients);
-        if self.has_surface() {
-            self.replace_coarse(&mut segments, &torques);
+        if let Some(so_far) = so_far {
+            replace_coarse(&mut segments, &self.logs, &self.calibration, &torques, so_far);
         }
         let merged = merged(&segments, &torques, &self.calibration, &self.noise);
         RoundData { transients, segments, merged }
-    }
-
-    /// Readings in coarse steps as the intervals that they are, by the surface as it is.
-    fn replace_coarse(&self, segments: &mut [Segment], torques: &[EffectiveTorque]) {
-        segments.par_iter_mut().filter(|s| self.logs[s.log].coarse_mps != [0.0; 2]).for_each(|segment| {
-            let surface = surface_of(&self.surfaces, segment);
-            let plain = segment.clone();
-            let course = Course::new(&plain, &torques[segment.log], self.calibration.dead_time_s[segment.log]);
-            let steps_mps = {
-                let [encoder, yaw] = self.logs[segment.log].coarse_mps;
-                [encoder / self.calibration.encoder_scale, yaw]
-            };
-            let start = (segment.start_s, segment.start_std(&self.noise));
-            let mut speeds: Speeds = wide_speed(&plain).into();
-            // the speeds at which the surface is looked up follow the readings, and these the speeds
-            for _ in 0..INTERVAL_ROUNDS {
-                segment.readings.clone_from(&plain.readings);
-                let predicted = course.predicted(&speeds, surface);
-                replace_coarse(&mut segment.readings, &predicted, steps_mps, start, &self.noise);
-                let now = Course::new(segment, &torques[segment.log], self.calibration.dead_time_s[segment.log]);
-                speeds = along_one(&now, surface, &self.noise, &speeds).speeds;
-            }
-        });
     }
 
     /// The moments after steps of the effective torque.

@@ -19,7 +19,7 @@ pub(crate) struct Delays {
     pub(crate) dead_time_s: Vec<f64>,
     pub(crate) dead_time_std_err_s: Vec<f64>,
     pub(crate) drive: DriveModel,
-    /// Standard errors of the drive's parameters [s].
+    /// Standard errors of the drive's parameters: times [s], and the limit's logarithm.
     pub(crate) drive_std_err_s: [f64; PARAMETERS],
 }
 

@@ -34,7 +34,8 @@ pub(crate) fn used_samples(estimate: &Estimate) -> Vec<UsedSample> {
         let mut cursor = lagged[segment.log].cursor();
         for (reading, v) in segment.readings.iter().zip(smoothed).filter(|(r, _)| r.source == 0) {
             let torque = cursor.at(reading.t_s - estimate.calibration.dead_time_s[segment.log]).torque_nm;
-            samples.push(UsedSample { gear: segment.gear, speed_mps: *v, torque_nm: segment.gear.sign() * torque });
+            let torque_nm = lagged[segment.log].limit().delivered_nm(*v, segment.gear.sign() * torque);
+            samples.push(UsedSample { gear: segment.gear, speed_mps: *v, torque_nm });
         }
     }
     samples
@@ -98,8 +99,9 @@ pub(crate) fn accel_map(
     let speed = settings.speed_breaks_mps.clone().unwrap_or_else(|| speed_breaks(&own));
     let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
     let surface = estimate.model.surface(gear);
+    let limit = estimate.calibration.drive.limit;
     let grid = |torques: &[f64], speeds: &[f64]| -> Vec<Vec<f64>> {
-        torques.iter().map(|u| speeds.iter().map(|v| round9(surface.accel_mps2(*v, *u))).collect()).collect()
+        torques.iter().map(|u| speeds.iter().map(|v| round9(surface.accel_mps2(*v, limit.delivered_nm(*v, *u)))).collect()).collect()
     };
     let accel = grid(&torque, &speed);
     let table = AccelTable::new(Axis::new("speed_mps", speed.clone())?, Axis::new("torque_nm", torque.clone())?, accel.concat())?;
@@ -118,7 +120,7 @@ pub(crate) fn accel_map(
     }
     let measured: Vec<Vec<bool>> = count.iter().map(|row| row.iter().map(|c| *c >= MEASURED_SAMPLES).collect()).collect();
     let status = statuses(&measured);
-    let points: Vec<(f64, f64)> = torque.iter().flat_map(|u| speed.iter().map(|v| (*v, *u))).collect();
+    let points: Vec<(f64, f64)> = torque.iter().flat_map(|u| speed.iter().map(|v| (*v, limit.delivered_nm(*v, *u)))).collect();
     let errors = uncertainty.std_errs_mps2(estimate, gear, &points);
     let std_err: Vec<Vec<f64>> = errors.chunks(speed.len()).map(|row| row.iter().map(|e| round6(*e)).collect()).collect();
     let confidence =
@@ -223,6 +225,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
         let (cuts, transients) = (&log.cuts.intervals, &estimate.data.transients[k]);
         let torque = estimate.data.logs[k].torque(&estimate.calibration.drive);
         let stops = stops(estimate, k);
+        let undelivered = |t: f64| log.undelivered_s.iter().any(|gap| t >= gap.0 && t <= gap.1);
         let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
         for (i, verdict) in all[k].iter_mut().enumerate().filter(|(_, v)| **v == SampleVerdict::Used) {
             let t = encoder.t_s[i] - estimate.calibration.encoder_delay_s;
@@ -233,6 +236,8 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
                 reason
             } else if spike {
                 SampleVerdict::Outlier
+            } else if undelivered(t - estimate.calibration.dead_time_s[k]) {
+                SampleVerdict::TorqueLimited
             } else if missing(t - estimate.calibration.dead_time_s[k]) {
                 SampleVerdict::Gap
             } else if transient {

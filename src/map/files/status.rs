@@ -167,6 +167,8 @@ pub enum SampleVerdict {
     Slip,
     /// Something pushes or holds the vehicle: it does not move as its torque says.
     Push,
+    /// The drive did not deliver the torque that was asked for: a governor, a power limit, a drive that derates.
+    TorqueLimited,
     /// Coming to rest: motion cannot be distinguished from rest.
     Stopping,
     /// A usable stretch too short for an acceleration.
@@ -175,7 +177,7 @@ pub enum SampleVerdict {
 
 impl SampleVerdict {
     /// Every verdict, in the order of the ledger.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Used,
         Self::Transient,
         Self::AtRest,
@@ -189,6 +191,7 @@ impl SampleVerdict {
         Self::Outlier,
         Self::Slip,
         Self::Push,
+        Self::TorqueLimited,
         Self::Stopping,
         Self::TooShort,
     ];
@@ -210,6 +213,7 @@ impl FixedText for SampleVerdict {
         (Self::Outlier, "outlier"),
         (Self::Slip, "slip"),
         (Self::Push, "push"),
+        (Self::TorqueLimited, "torque limited"),
         (Self::Stopping, "coming to rest"),
         (Self::TooShort, "stretch too short"),
     ];

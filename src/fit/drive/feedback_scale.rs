@@ -1,0 +1,120 @@
+//! Scale and offset of a torque feedback against the command: feedback = scale·command + offset where the drive delivers what is asked for.
+//!
+//! A limited torque, a governor or a stalled drive bend a line through all readings, and may hold for most of them. So the scale is the mode
+//! of the ratios of single readings, which delivered torques share and others do not (half-sample mode: Bickel & Frühwirth 2006, *On a fast,
+//! robust estimator of the mode*), and the offset is the median at no command.
+
+use crate::signal::{Series, median};
+
+/// A reading counts from this time after the last change of the command on [s].
+const SETTLED_S: f64 = 0.3;
+/// Commands below this share of the largest are none.
+const NONE: f64 = 0.01;
+/// Commands above this share of the largest show the scale.
+const LARGE: f64 = 0.2;
+/// Fewest readings of either kind.
+const FEWEST: usize = 20;
+/// Ratios within this of one…
+const NEAR_ONE: f64 = 0.03;
+/// …are the scale when they are this share of all.
+const SHARE_NEAR_ONE: f64 = 0.2;
+/// More ratios than this do not sharpen the mode.
+const ENOUGH: usize = 20_000;
+
+/// How a feedback reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FeedbackScale {
+    /// Feedback over command.
+    pub(crate) scale: f64,
+    /// Feedback at zero command [N·m].
+    pub(crate) offset_nm: f64,
+}
+
+impl FeedbackScale {
+    /// From a command and its feedback; `None` without enough readings at large commands.
+    pub(crate) fn of(command: &Series, feedback: &Series) -> Option<Self> {
+        let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let (mut none, mut large) = (Vec::new(), Vec::new());
+        let (mut k, mut changed_s) = (0, f64::NEG_INFINITY);
+        for (t, f) in feedback.t_s.iter().zip(&feedback.value) {
+            while k + 1 < command.len() && command.t_s[k + 1] <= *t {
+                k += 1;
+                if command.value[k] != command.value[k - 1] {
+                    changed_s = command.t_s[k];
+                }
+            }
+            let asked_nm = command.value.get(k).copied().unwrap_or(0.0);
+            if *t - changed_s < SETTLED_S {
+                continue;
+            }
+            if asked_nm.abs() <= NONE * largest {
+                none.push(*f);
+            } else if asked_nm.abs() > LARGE * largest {
+                large.push((asked_nm, *f));
+            }
+        }
+        if large.len() < FEWEST {
+            return None;
+        }
+        let offset_nm = if none.len() < FEWEST { 0.0 } else { median(&none) };
+        let stride = large.len().div_ceil(ENOUGH);
+        let ratios: Vec<f64> = large.iter().step_by(stride).map(|(asked, f)| (f - offset_nm) / asked).collect();
+        let near_one: Vec<f64> = ratios.iter().copied().filter(|r| (r - 1.0).abs() < NEAR_ONE).collect();
+        let agrees = near_one.len() as f64 > SHARE_NEAR_ONE * ratios.len() as f64;
+        let scale = if agrees { median(&near_one) } else { half_sample_mode(ratios) };
+        Some(Self { scale, offset_nm })
+    }
+
+    /// The torque that a reading stands for [N·m].
+    pub(crate) fn torque_nm(&self, reading_nm: f64) -> f64 {
+        (reading_nm - self.offset_nm) / self.scale
+    }
+
+    /// The feedback as the torque that it stands for; `None` where the scale says nothing.
+    pub(crate) fn corrected(&self, feedback: &Series) -> Option<Series> {
+        (self.scale.abs() > 1e-3)
+            .then(|| Series { t_s: feedback.t_s.clone(), value: feedback.value.iter().map(|f| self.torque_nm(*f)).collect() })
+    }
+}
+
+/// The mode: the densest half, of it the densest half, and so on.
+fn half_sample_mode(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let mut range = &values[..];
+    while range.len() > 2 {
+        let half = range.len().div_ceil(2);
+        let widths = (0..=range.len() - half).map(|k| (range[k + half - 1] - range[k], k));
+        let densest = widths.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |w| w.1);
+        range = &range[densest..densest + half];
+    }
+    0.5 * (range[0] + range[range.len() - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Holds of 2 s at some torques, with noise that repeats.
+    fn driven(read: impl Fn(f64) -> f64) -> (Series, Series) {
+        let t_s: Vec<f64> = (0..4000).map(|k| f64::from(k) * 0.02).collect();
+        let levels = [0.0, 12.0, 0.0, 20.0, 0.0, 32.0, 0.0, 40.0];
+        let command: Vec<f64> = t_s.iter().map(|t| levels[(t / 2.0) as usize % 8]).collect();
+        let noise = |k: usize| 0.2 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
+        let feedback = command.iter().enumerate().map(|(k, c)| read(*c) + noise(k)).collect();
+        (Series { t_s: t_s.clone(), value: command }, Series { t_s, value: feedback })
+    }
+
+    #[test]
+    fn scale_and_offset_are_found_although_half_of_the_torques_are_not_delivered() {
+        for (scale, offset) in [(1.0, 0.08), (0.8, -0.3), (0.31, 0.0), (-1.0, 0.1)] {
+            let (command, feedback) = driven(|u| scale * u.min(21.0) + offset);
+            let found = FeedbackScale::of(&command, &feedback).unwrap();
+            assert!((found.scale - scale).abs() < 0.02 * f64::abs(scale), "{scale}: {found:?}");
+            assert!((found.offset_nm - offset).abs() < 0.05, "{offset}: {found:?}");
+        }
+        let (command, feedback) = driven(|u| 0.5 * u);
+        let corrected = FeedbackScale::of(&command, &feedback).unwrap().corrected(&feedback).unwrap();
+        assert!(corrected.value.iter().zip(&command.value).all(|(f, c)| (f - c).abs() < 1.5));
+    }
+}
