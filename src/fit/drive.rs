@@ -1,5 +1,6 @@
 //! Which torque acts on the wheel: the command through dead time and lag, or the torque feedback.
 
+pub(crate) mod campaign_drift;
 pub(crate) mod drive_model;
 pub(crate) mod effective_torque;
 pub(crate) mod feedback_delays;

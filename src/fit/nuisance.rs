@@ -8,5 +8,9 @@ pub(crate) const DRIVE: usize = 0;
 pub(crate) const ENCODER_SCALE: usize = DRIVE + PARAMETERS;
 /// Change of the encoder's delay [s].
 pub(crate) const ENCODER_DELAY: usize = ENCODER_SCALE + 1;
+/// Change of the acceleration from the middle to the end of the campaign [m/s²].
+pub(crate) const DRIFT_ACCEL: usize = ENCODER_DELAY + 1;
+/// Relative change of the torque from the middle to the end of the campaign.
+pub(crate) const DRIFT_TORQUE: usize = DRIFT_ACCEL + 1;
 /// T_d of the first log.
-pub(crate) const DEAD_TIME: usize = ENCODER_DELAY + 1;
+pub(crate) const DEAD_TIME: usize = DRIFT_TORQUE + 1;

@@ -1,5 +1,6 @@
 //! The effective torque of one log from either source: the command through dead time and a drive, or the drive's own feedback.
 
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive::lagged_command::{LaggedCommand, LaggedCursor, Share, Torque};
 use crate::fit::drive::measured_torque::{MeasuredCursor, MeasuredTorque};
@@ -23,6 +24,7 @@ enum TorqueSource {
 pub(crate) struct EffectiveTorque {
     source: TorqueSource,
     limit: TorqueLimit,
+    drift: CampaignDrift,
 }
 
 /// A position in an effective torque that moves along with time: a look-up near the last one needs no search.
@@ -59,7 +61,7 @@ impl TorqueCursor<'_> {
 impl EffectiveTorque {
     /// The command through a first-order lag.
     pub(crate) fn lagged(command: LaggedCommand) -> Self {
-        Self { source: TorqueSource::Lagged(command), limit: TorqueLimit::None }
+        Self { source: TorqueSource::Lagged(command), limit: TorqueLimit::None, drift: CampaignDrift::default() }
     }
 
     /// The changes of a command through a drive.
@@ -69,12 +71,22 @@ impl EffectiveTorque {
         } else {
             TorqueSource::Sampled(SampledTorque::new(changes, drive))
         };
-        Self { source, limit: drive.limit }
+        Self { source, limit: drive.limit, drift: CampaignDrift::default() }
     }
 
     /// The torque feedback, which holds whatever the drive does.
     pub(crate) fn measured(feedback: MeasuredTorque) -> Self {
-        Self { source: TorqueSource::Measured(feedback), limit: TorqueLimit::None }
+        Self { source: TorqueSource::Measured(feedback), limit: TorqueLimit::None, drift: CampaignDrift::default() }
+    }
+
+    /// The same with what changes during the campaign.
+    pub(crate) fn drifting(self, drift: CampaignDrift) -> Self {
+        Self { drift, ..self }
+    }
+
+    /// What changes during the campaign.
+    pub(crate) fn drift(&self) -> CampaignDrift {
+        self.drift
     }
 
     /// What of the torque is not delivered.

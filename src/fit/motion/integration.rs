@@ -4,12 +4,14 @@
 //! constant, and never across a reading.
 
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::{Share, Torque};
 use crate::fit::drive::torque_limit::TorqueLimit;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
+use crate::fit::nuisance;
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::PerGear;
 use rayon::prelude::*;
@@ -37,6 +39,8 @@ pub(crate) struct Course<'a> {
     /// Number of steps up to and including each reading.
     ends: Vec<u32>,
     limit: TorqueLimit,
+    /// What has changed by this time of the campaign.
+    drift: CampaignDrift,
 }
 
 impl<'a> Course<'a> {
@@ -61,7 +65,12 @@ impl<'a> Course<'a> {
             ends.push(steps.len() as u32);
             from_s = reading.t_s.max(from_s);
         }
-        Self { segment, steps, ends, limit: lagged.limit() }
+        Self { segment, steps, ends, limit: lagged.limit(), drift: lagged.drift().at(segment.progress) }
+    }
+
+    /// By how much the acceleration has changed by this time of the campaign [m/s²].
+    pub(crate) fn drift_mps2(&self) -> f64 {
+        self.drift.accel_mps2
     }
 
     /// Number of readings.
@@ -88,30 +97,33 @@ impl<'a> Course<'a> {
         let rise = speeds.before[row] - from;
         self.steps(row).iter().map(move |step| {
             let speed_mps = (from + step.fraction * rise).max(0.0);
-            (speed_mps, IntegrationStep { torque: self.limit.delivered(speed_mps, step.torque), ..*step })
+            let mut torque = self.limit.delivered(speed_mps, step.torque);
+            torque.torque_nm *= 1.0 + self.drift.torque_share;
+            (speed_mps, IntegrationStep { torque, ..*step })
         })
     }
 
     /// The speed that a surface predicts at each reading, from 0 at the segment's start [m/s].
     pub(crate) fn predicted(&self, speeds: &Speeds, surface: &LatticeSurface) -> Vec<f64> {
-        self.predicted_with(speeds, surface, [0.0; PARAMETERS], 0.0)
+        self.predicted_with(speeds, surface, &[])
     }
 
-    /// The same with the parameters of the drive and the dead time [s] changed by so much.
-    pub(crate) fn predicted_with(
-        &self,
-        speeds: &Speeds,
-        surface: &LatticeSurface,
-        drive: [f64; PARAMETERS],
-        dead_time_s: f64,
-    ) -> Vec<f64> {
+    /// The same after changes of the nuisance values (`nuisance`), in their order; those of the encoder are not a part of the prediction.
+    pub(crate) fn predicted_with(&self, speeds: &Speeds, surface: &LatticeSurface, changes: &[f64]) -> Vec<f64> {
+        let change = |k: usize| changes.get(k).copied().unwrap_or(0.0);
+        let drive: [f64; PARAMETERS] = std::array::from_fn(|p| change(nuisance::DRIVE + p));
+        let dead_time_s = change(nuisance::DEAD_TIME + self.segment.log);
+        let progress = self.segment.progress;
+        let drift_mps2 = self.drift.accel_mps2 + progress * change(nuisance::DRIFT_ACCEL);
+        let torque_share = progress * change(nuisance::DRIFT_TORQUE);
         let mut sum = 0.0;
         (0..self.rows())
             .map(|row| {
                 for (v, step) in self.along(speeds, row) {
                     let Torque { torque_nm, by_drive, by_dead_time } = step.torque;
-                    let by_drive: f64 = drive.iter().zip(by_drive).map(|(s, by)| s * by).sum();
-                    sum += step.length_s * surface.accel_mps2(v, torque_nm + by_drive + dead_time_s * by_dead_time);
+                    let by_drive: f64 = drive.iter().zip(by_drive).map(|(change, by)| change * by).sum();
+                    let torque_nm = torque_nm * (1.0 + torque_share) + by_drive + dead_time_s * by_dead_time;
+                    sum += step.length_s * (surface.accel_mps2(v, torque_nm) + drift_mps2);
                 }
                 sum
             })

@@ -2,6 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
@@ -37,14 +38,16 @@ pub(crate) struct LogData<'a> {
     pub(crate) cuts: Cuts,
     /// Steps of each speed source that are coarse: larger than its noise [m/s]; 0 for a fine one.
     pub(crate) coarse_mps: [f64; 2],
+    /// Where each of the survey's stretches lies in the campaign, −1 to 1.
+    pub(crate) progress: Vec<f64>,
     /// Which of the survey's stretches are used.
     pub(crate) chosen: Vec<bool>,
 }
 
 impl LogData<'_> {
     /// The effective torque; the drive counts for a command only.
-    pub(crate) fn torque(&self, drive: &DriveModel) -> EffectiveTorque {
-        self.input.torque(&self.survey.track, &self.command, drive)
+    pub(crate) fn torque(&self, drive: &DriveModel, drift: CampaignDrift) -> EffectiveTorque {
+        self.input.torque(&self.survey.track, &self.command, drive).drifting(drift)
     }
 
     /// Readings of encoder and yaw rate in an interval, in order of time and in the gear's frame.

@@ -16,8 +16,10 @@ use crate::fit::surface::lattice::{LatticeSurface, Spot};
 pub(crate) enum Free {
     /// The surface alone.
     Surface,
-    /// Dead times and lag too.
+    /// Dead times and drive too.
     Delays,
+    /// What changes during the campaign as well.
+    DelaysAndDrift,
     /// The encoder's scale and delay as well. Readings must not be merged then: the difference between two speed sources at one moment
     /// calibrates the encoder.
     DelaysAndEncoder,
@@ -80,6 +82,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
     let mut sums = vec![0.0; columns.len()];
     let mut panel: Vec<f64> = Vec::with_capacity(PANEL_ROWS * columns.len());
     let mut gram = LocalGram::new(columns);
+    let mut drifted_mps = 0.0;
     let mut spots = spots.iter();
     for (from, width) in (0..course.rows()).step_by(PANEL_ROWS).zip(widths) {
         panel.clear();
@@ -92,9 +95,16 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
                         sums[*place as usize] += by_speed * by_torque;
                     }
                 }
+                drifted_mps += step.length_s * course.drift_mps2();
+                if free == Free::DelaysAndDrift {
+                    sums[1 + nuisance::DRIFT_ACCEL] += step.length_s * segment.progress;
+                }
                 // a constant torque has no delay
-                if with_nuisance && step.torque.is_moving() {
+                if with_nuisance && (free == Free::DelaysAndDrift || step.torque.is_moving()) {
                     let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
+                    if free == Free::DelaysAndDrift {
+                        sums[1 + nuisance::DRIFT_TORQUE] += slope * step.torque.torque_nm * segment.progress;
+                    }
                     for (sum, by) in sums[1 + nuisance::DRIVE..].iter_mut().zip(step.torque.by_drive) {
                         *sum += slope * by;
                     }
@@ -102,7 +112,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
                 }
             }
             let reading = segment.readings[row];
-            sums[0] = reading.speed_mps;
+            sums[0] = reading.speed_mps - drifted_mps;
             if free == Free::DelaysAndEncoder {
                 let [scale, delay] = if reading.source == 0 {
                     let v = speeds.before[row].max(0.0);
@@ -122,9 +132,9 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
     gram
 }
 
-/// The score Xᵀe of one segment, e its whitened `residual` and X the whitened columns of surface and delays, added to `score` over those
-/// columns; the encoder's stay as they are. X is not formed: transposed whitening turns e into a weight per step.
-pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, score: &mut [f64]) {
+/// The score Xᵀe of one segment, e its whitened `residual` and X the whitened columns of surface and delays, added to `score` over the
+/// columns that are free; the encoder's stay as they are. X is not formed: transposed whitening turns e into a weight per step.
+pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurface, noise: &Noise, free: Free, score: &mut [f64]) {
     let segment = course.segment;
     let lattice = &surface.lattice;
     let base = lattice.columns();
@@ -143,8 +153,14 @@ pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurfa
             for (column, share) in lattice.spot(v, step.torque.torque_nm).columns(lattice) {
                 score[column] += weight * share;
             }
-            if step.torque.is_moving() {
+            if free == Free::DelaysAndDrift {
+                score[base + nuisance::DRIFT_ACCEL] += weight * segment.progress;
+            }
+            if free == Free::DelaysAndDrift || step.torque.is_moving() {
                 let slope = weight * surface.value_and_slope(v, step.torque.torque_nm).1;
+                if free == Free::DelaysAndDrift {
+                    score[base + nuisance::DRIFT_TORQUE] += slope * step.torque.torque_nm * segment.progress;
+                }
                 for (score, by) in score[base + nuisance::DRIVE..].iter_mut().zip(step.torque.by_drive) {
                     *score += slope * by;
                 }

@@ -11,6 +11,8 @@ pub(crate) struct Segment {
     /// Index of the stretch in the log's survey: the unit that is left out in cross-validation, and resampled in the sandwich.
     pub(crate) run: usize,
     pub(crate) gear: Gear,
+    /// Where the run lies in the campaign: −1 at its beginning, 1 at its end.
+    pub(crate) progress: f64,
     /// Where integration starts [s].
     pub(crate) start_s: f64,
     /// Whether the speed is 0 at the start.

@@ -1,5 +1,6 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::regressors::Free;
@@ -15,6 +16,10 @@ const DELAY_STEP_S: f64 = 0.02;
 const DRIVE_STEP: f64 = 0.2;
 /// Largest step of the logarithm of a limit in one round.
 const LIMIT_STEP: f64 = 0.05;
+/// Prior standard deviation of the changes during a campaign [m/s², share].
+const MOST_DRIFT: f64 = 0.2;
+/// Such a change counts from this many standard errors on.
+const CLEAR_DRIFT: f64 = 4.0;
 /// Prior standard deviation of known values.
 const FIXED_STD: f64 = 1e-9;
 
@@ -42,6 +47,9 @@ impl State<'_> {
                 hold(std);
             }
         }
+        for (k, drifts) in [nuisance::DRIFT_ACCEL, nuisance::DRIFT_TORQUE].into_iter().zip(self.drifts) {
+            prior[k] = if drifts && free == Free::DelaysAndDrift { MOST_DRIFT } else { FIXED_STD };
+        }
         if known.is_some_and(|k| k.encoder.is_some()) {
             hold(&mut prior[nuisance::ENCODER_SCALE]);
             hold(&mut prior[nuisance::ENCODER_DELAY]);
@@ -52,6 +60,22 @@ impl State<'_> {
             }
         }
         prior
+    }
+
+    /// Goes on estimating the changes during the campaign that are clear, and takes the others for none. Returns what is free from now on.
+    pub(crate) fn keep_clear_drifts(&mut self) -> Free {
+        let (found, std_err) = (self.calibration.drift, self.calibration_errors.drift);
+        self.drifts = [
+            found.accel_mps2.abs() > CLEAR_DRIFT * std_err.accel_mps2,
+            found.torque_share.abs() > CLEAR_DRIFT * std_err.torque_share,
+        ];
+        if !self.drifts[0] {
+            self.calibration.drift.accel_mps2 = 0.0;
+        }
+        if !self.drifts[1] {
+            self.calibration.drift.torque_share = 0.0;
+        }
+        if self.drifts == [false; 2] { Free::Delays } else { Free::DelaysAndDrift }
     }
 
     /// Whether the drive's parameters are known from outside.
@@ -77,9 +101,14 @@ impl State<'_> {
             *dead_time_s = (*dead_time_s + step.made_s).clamp(-0.1, 0.5);
         }
         self.last_steps = steps;
+        let drift = &mut self.calibration.drift;
+        drift.accel_mps2 += of(nuisance::DRIFT_ACCEL);
+        drift.torque_share += of(nuisance::DRIFT_TORQUE);
         let std_err = |k: usize| solution.covariance[(q + k, q + k)].max(0.0).sqrt();
         self.calibration_errors.drive_s = std::array::from_fn(|p| std_err(nuisance::DRIVE + p));
         self.calibration_errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
+        self.calibration_errors.drift =
+            CampaignDrift { accel_mps2: std_err(nuisance::DRIFT_ACCEL), torque_share: std_err(nuisance::DRIFT_TORQUE) };
         if free == Free::DelaysAndEncoder {
             self.calibration_errors.encoder_scale = std_err(nuisance::ENCODER_SCALE);
             if self.has_yaw {

@@ -16,7 +16,6 @@ use crate::fit::motion::integration::{Course, surface_of};
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::noise::model::Noise;
 use crate::fit::noise::whitening::whiten;
-use crate::fit::nuisance;
 use crate::fit::rounds::sampling::scramble;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};
@@ -157,10 +156,8 @@ fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
         .zip(held_out.fold)
         .map(|((course, speed), fold)| {
             let segment = course.segment;
-            let predicted = |Fitted { surfaces, delays_s }: &Fitted| {
-                let drive = std::array::from_fn(|p| delays_s[nuisance::DRIVE + p]);
-                course.predicted_with(speed, surface_of(surfaces, segment), drive, delays_s[nuisance::DEAD_TIME + segment.log])
-            };
+            let predicted =
+                |Fitted { surfaces, delays_s }: &Fitted| course.predicted_with(speed, surface_of(surfaces, segment), delays_s);
             let Without { physics, surface } = &without[*fold];
             let (physics, surface) = (predicted(physics), predicted(surface));
             let mut rows: Vec<f64> = Vec::with_capacity(2 * physics.len());

@@ -3,6 +3,7 @@
 //! A = c₀ + c₁·U + c₂·U⁺ + c₃·V + c₄·V² + c₅·e^(−(V/0.08)²), integrated and whitened like the full surface, solved for each pair of
 //! dead time (0 … 400 ms) and drive. Each log has its own dead time; the drive is shared.
 
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::{DriveKind, DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueInput;
@@ -92,7 +93,7 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<
             .fold((f64::INFINITY, 0.0), |best, tried| if tried.0 < best.0 { tried } else { best })
     };
     let of_drive = |drive: &DriveModel, dead_times: &dyn Fn(usize) -> Vec<f64>| -> GridResult {
-        let best: Vec<(f64, f64)> = logs.iter().enumerate().map(|(k, log)| profile(log, &log.log.torque(drive), &dead_times(k))).collect();
+        let best: Vec<(f64, f64)> = logs.iter().enumerate().map(|(k, log)| profile(log, &log.log.torque(drive, CampaignDrift::default()), &dead_times(k))).collect();
         GridResult { deviance: best.iter().map(|b| b.0).sum(), drive: *drive, dead_time_s: best.iter().map(|b| b.1).collect() }
     };
     let better = |best: GridResult, tried: GridResult| if tried.deviance < best.deviance { tried } else { best };

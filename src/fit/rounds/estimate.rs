@@ -1,10 +1,12 @@
 //! The estimate after the last round: surface, delays, speeds and noise.
 
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
+use crate::fit::motion::regressors::Free;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::model::Noise;
 use crate::fit::rounds::cross_validation::Validation;
@@ -22,6 +24,8 @@ pub(crate) struct CalibrationErrors {
     pub(crate) dead_time_s: Vec<f64>,
     /// Standard errors of the drive's parameters: times [s], and the limit's logarithm.
     pub(crate) drive_s: [f64; PARAMETERS],
+    /// Standard errors of the changes during the campaign.
+    pub(crate) drift: CampaignDrift,
     /// Standard error of the encoder's scale.
     pub(crate) encoder_scale: f64,
 }
@@ -99,6 +103,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) data: EstimateData<'a>,
     pub(crate) model: SurfaceModel,
     pub(crate) calibration: Calibration,
+    /// What was estimated with the surface.
+    pub(crate) free: Free,
     pub(crate) calibration_errors: CalibrationErrors,
     pub(crate) noise: Noise,
     /// Parameters of the noise that lie at a bound.
@@ -112,6 +118,6 @@ pub(crate) struct Estimate<'a> {
 impl Estimate<'_> {
     /// The effective torque of each log.
     pub(crate) fn torques(&self) -> Vec<EffectiveTorque> {
-        self.data.logs.iter().map(|log| log.torque(&self.calibration.drive)).collect()
+        self.data.logs.iter().map(|log| log.torque(&self.calibration.drive, self.calibration.drift)).collect()
     }
 }

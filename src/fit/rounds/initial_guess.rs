@@ -2,6 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::campaign_drift::{CampaignDrift, progress};
 use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
@@ -51,12 +52,12 @@ impl<'a> InitialGuess<'a> {
             return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
         }
         let grains: Vec<Grains> = surveys.iter().map(Grains::of).collect();
-        let logs: Vec<LogData> = surveys.iter().zip(&grains).map(|(s, g)| log_data(s, g, choice)).collect();
+        let logs: Vec<LogData> = surveys.iter().zip(&grains).zip(progress(surveys)).map(|((s, g), p)| log_data(s, g, p, choice)).collect();
         let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
         let mut calibration = first_calibration(surveys, choice);
         hold_known(&mut calibration, &logs, settings);
         let noise = first_noise(&grains);
-        let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(&calibration.drive)).collect();
+        let lagged: Vec<EffectiveTorque> = logs.iter().map(|l| l.torque(&calibration.drive, calibration.drift)).collect();
         let segments = all_segments(&logs, &calibration, &lagged, None, &vec![Vec::new(); logs.len()]);
         let seconds: f64 = segments.iter().map(Segment::span_s).sum();
         if seconds < LEAST_MOTION_S {
@@ -160,7 +161,7 @@ impl Grains {
     }
 }
 
-fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> LogData<'a> {
+fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<f64>, choice: &TorqueChoice) -> LogData<'a> {
     let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
     let coarse_mps = [grains.encoder.coarse_mps(), grains.yaw.as_ref().map_or(0.0, Grain::coarse_mps)];
     LogData {
@@ -172,6 +173,7 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> L
         timing: StepTiming::new(&survey.track.command_nm),
         cuts: Cuts::default(),
         coarse_mps,
+        progress,
         chosen: vec![true; survey.stretches.len()],
     }
 }
@@ -211,6 +213,7 @@ fn first_calibration(surveys: &[Survey], choice: &TorqueChoice) -> Calibration {
     Calibration {
         dead_time_s: vec![delay_s; surveys.len()],
         drive: DriveModel::first_order(delay_s),
+        drift: CampaignDrift::default(),
         encoder_scale: median_of(|a| a.scale, 1.0),
         encoder_delay_s: median_of(|a| a.delay_s, 0.0),
     }

@@ -2,6 +2,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
+use crate::fit::drive::campaign_drift::CampaignDrift;
 use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueChoice;
@@ -40,6 +41,8 @@ pub(crate) struct State<'a> {
     /// Forward, reverse; zero before the first round.
     pub(crate) surfaces: PerGear<LatticeSurface>,
     pub(crate) penalties: Vec<f64>,
+    /// Whether the changes of acceleration and of torque during the campaign are estimated.
+    pub(crate) drifts: [bool; 2],
     /// Rounds so far.
     pub(crate) rounds: usize,
     /// The last step of the lag and of each dead time.
@@ -69,7 +72,7 @@ impl<'a> State<'a> {
         let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice, .. } = guess;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
-        let calibration_errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], drive_s: [0.0; PARAMETERS], encoder_scale: 0.0 };
+        let calibration_errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], drive_s: [0.0; PARAMETERS], drift: CampaignDrift::default(), encoder_scale: 0.0 };
         Self {
             settings: settings.clone(),
             logs,
@@ -82,6 +85,7 @@ impl<'a> State<'a> {
             design,
             surfaces: PerGear { forward: zero.clone(), reverse: zero },
             penalties: Vec::new(),
+            drifts: [false; 2],
             rounds: 0,
             last_steps: Vec::new(),
         }
@@ -94,7 +98,7 @@ impl<'a> State<'a> {
 
     /// The effective torque of each log.
     pub(crate) fn torques(&self) -> Vec<EffectiveTorque> {
-        self.logs.iter().map(|l| l.torque(&self.calibration.drive)).collect()
+        self.logs.iter().map(|l| l.torque(&self.calibration.drive, self.calibration.drift)).collect()
     }
 
     /// A pass with the surface and the noise as they are.

@@ -43,14 +43,17 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
     let mut speeds = None;
     let mut convergence = Convergence::default();
     let most = state.settings.iterations[1].max(2);
+    let mut free = Free::DelaysAndDrift;
+    state.drifts = [true; 2];
     for round in 1.. {
         let torques = state.torques();
         let courses = courses(&data.merged, &torques, &state.calibration);
         let along = speeds.take().unwrap_or_else(|| state.speeds(&courses));
-        let mut found = state.round(&courses, &along, Free::Delays, true)?;
+        let mut found = state.round(&courses, &along, free, true)?;
         let converged = convergence.reached(Moved { surface_mps2: found.moved_mps2, delays: found.stepped });
         if round == 1 {
             state.update_noise(&data.merged, &found.pass, WELL_EXPLAINED);
+            free = state.keep_clear_drifts();
             // the better surface judges the cuts again, which moves the starts from rest a little as well; then they stay
             if !sampled || state.logs.iter().any(|l| l.cuts != Cuts::default()) {
                 drop(courses);
@@ -61,9 +64,9 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
                 continue;
             }
         } else if converged || round >= most {
-            let last = final_round(&mut state, &courses, &along, found)?;
+            let last = final_round(&mut state, &courses, &along, free, found)?;
             drop(courses);
-            return Ok(estimate(state, data, last, converged));
+            return Ok(estimate(state, data, last, free, converged));
         }
         // half steps converge where speeds and surface follow each other
         let mut next = std::mem::take(&mut found.pass.speeds);
@@ -76,16 +79,16 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
 }
 
 /// Cross-validates, and uses as much of the surface as the runs left out ask for.
-fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], found: RoundResult) -> Result<FinalRound> {
+fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], free: Free, found: RoundResult) -> Result<FinalRound> {
     let RoundResult { solution, system, folds, fold, mut pass, .. } = found;
-    let prior = state.nuisance_prior(Free::Delays);
+    let prior = state.nuisance_prior(free);
     let held_out = HeldOut { fold: &fold, folds: &folds, whole: &system, prior: &prior, courses, speeds, noise: &state.noise };
     let validation = cross_validation::validate(&state.design, &state.surfaces.forward.lattice, &state.gears, &held_out);
     let share = validation.as_ref().map_or(1.0, |v| v.comparison.surface_share);
     let stacked = Stacked::new(&system, solution, &state.design.blocks, share, &prior).ok_or(Error::Singular)?;
     if share < 1.0 {
         state.surfaces = state.surfaces_of(&stacked.solution);
-        state.calibrate(&stacked.solution, Free::Delays);
+        state.calibrate(&stacked.solution, free);
         let torques = state.torques();
         let courses = courses_again(courses, &torques, &state.calibration);
         pass = state.pass(&courses).along(Some(speeds));
@@ -94,7 +97,7 @@ fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], found: 
 }
 
 /// The estimate, with every single reading compared with it.
-fn estimate(state: State, data: RoundData, last: FinalRound, converged: bool) -> Estimate {
+fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converged: bool) -> Estimate {
     let RoundData { transients, segments, merged } = data;
     let FinalRound { stacked, system, lookups, validation } = last;
     let speeds: Vec<Speeds> =
@@ -112,6 +115,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, converged: bool) ->
         data: EstimateData { logs: state.logs, gears: state.gears, has_yaw: state.has_yaw, segments, transients },
         model: SurfaceModel { design: state.design, surfaces: state.surfaces, stacked, system },
         calibration: state.calibration,
+        free,
         calibration_errors: state.calibration_errors,
         noise: state.noise,
         noise_bounds: state.noise_bounds,

@@ -65,7 +65,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
         .map(|(lag_s, shift_s)| {
             let mut sum = [[0.0; WIDTH]; WIDTH];
             for log in &logs {
-                let lagged = log.data.torque(&drive.later(*lag_s - found_lag_s));
+                let lagged = log.data.torque(&drive.later(*lag_s - found_lag_s), estimate.calibration.drift);
                 add(&mut sum, &gram(estimate, log, &lagged, log.dead_time_s + shift_s));
             }
             deviance(&sum)
@@ -78,7 +78,7 @@ pub(crate) fn delay_likelihood(estimate: &Estimate) -> Option<DelayLikelihood> {
     let rows = values.chunks(shifts.len()).map(|row| row.iter().map(|v| round(v - best, 1e2)).collect()).collect();
     let per_log = logs.iter().zip(&estimate.data.logs).map(|(log, data)| {
         let dead_time_s: Vec<f64> = (0..=(LONGEST_S / STEP_S).round() as i32).map(|k| round(f64::from(k) * STEP_S, 1e3)).collect();
-        let lagged = log.data.torque(drive);
+        let lagged = log.data.torque(drive, estimate.calibration.drift);
         let late_s = log.data.input.late_s();
         let values: Vec<f64> = dead_time_s.par_iter().map(|d| deviance(&gram(estimate, log, &lagged, *d - late_s))).collect();
         let best = values.iter().copied().fold(f64::INFINITY, f64::min);

@@ -125,14 +125,18 @@ pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
         let surface = judge(estimate, k);
         let mut cursor = lagged[segment.log].cursor();
         let mut torque = |t: f64| segment.gear.sign() * cursor.at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
+        let (limit, drift) = (lagged[segment.log].limit(), lagged[segment.log].drift().at(segment.progress));
+        let accel_mps2 = |v: f64, asked_nm: f64| {
+            surface.accel_mps2(v, (1.0 + drift.torque_share) * limit.delivered_nm(v, asked_nm)) + drift.accel_mps2
+        };
         let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
         let mut t = segment.start_s;
         for reading in &segment.readings {
             let steps = ((reading.t_s - t) / LONGEST_STEP_S).ceil().max(1.0);
             let dt = (reading.t_s - t).max(0.0) / steps;
             for _ in 0..steps as usize {
-                let half = v + 0.5 * dt * surface.accel_mps2(v, torque(t));
-                v = (v + dt * surface.accel_mps2(half, torque(t + 0.5 * dt))).max(0.0);
+                let half = v + 0.5 * dt * accel_mps2(v, torque(t));
+                v = (v + dt * accel_mps2(half, torque(t + 0.5 * dt))).max(0.0);
                 t += dt;
             }
             compared.push(Compared { log: segment.log, t_s: reading.t_s, recorded: reading.speed_mps, simulated: v, offset: *offset });

@@ -120,7 +120,7 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
 /// Regression of a log's whitened residuals on the surface's prediction and on a constant acceleration. The noise is bounded as for the
 /// cuts: it already contains the difference between the logs, which would pass for chance.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
-    let lagged = estimate.data.logs[log].torque(&estimate.calibration.drive);
+    let lagged = estimate.data.logs[log].torque(&estimate.calibration.drive, estimate.calibration.drift);
     let noise = calm(&estimate.noise, estimate.model.surface(estimate.data.gears[0]));
     // normal equations of (prediction, time, residual)
     let mut n = [[0.0; 3]; 3];

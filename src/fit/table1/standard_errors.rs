@@ -7,7 +7,7 @@
 //! models*). If only a share w of the surface's deviations is used, 1 − w of their square stands for the doubt between form and surface.
 
 use crate::fit::motion::integration::courses;
-use crate::fit::motion::regressors::{Free, add_score};
+use crate::fit::motion::regressors::add_score;
 use crate::fit::rounds::estimate::Estimate;
 use crate::map::Gear;
 use faer::Mat;
@@ -66,7 +66,7 @@ fn meat(estimate: &Estimate) -> Mat<f64> {
     let (segments, speeds) = (&estimate.paths.merged, &estimate.paths.lookups);
     let courses = courses(segments, &lagged, &estimate.calibration);
     let base = estimate.model.surfaces.forward.lattice.columns();
-    let (q, nuisances) = (estimate.model.design.coefficients(), Free::Delays.nuisances(estimate.data.logs.len()));
+    let (q, nuisances) = (estimate.model.design.coefficients(), estimate.free.nuisances(estimate.data.logs.len()));
     let mut meat: Mat<f64> = Mat::zeros(q + nuisances, q + nuisances);
     for gear in &estimate.data.gears {
         let mut runs: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
@@ -79,7 +79,7 @@ fn meat(estimate: &Estimate) -> Mat<f64> {
             .map(|run| {
                 let mut score = vec![0.0; base + nuisances];
                 for &k in run {
-                    add_score(&courses[k], &speeds[k], estimate.model.surface(*gear), &estimate.noise, &mut score);
+                    add_score(&courses[k], &speeds[k], estimate.model.surface(*gear), &estimate.noise, estimate.free, &mut score);
                 }
                 score
             })

@@ -223,7 +223,7 @@ pub(crate) fn verdicts(estimate: &Estimate) -> Vec<Vec<SampleVerdict>> {
         let encoder = &log.survey.track.encoder_mps;
         // both in the order of time, and the last to begin is the last to end
         let (cuts, transients) = (&log.cuts.intervals, &estimate.data.transients[k]);
-        let torque = estimate.data.logs[k].torque(&estimate.calibration.drive);
+        let torque = estimate.data.logs[k].torque(&estimate.calibration.drive, estimate.calibration.drift);
         let stops = stops(estimate, k);
         let undelivered = |t: f64| log.undelivered_s.iter().any(|gap| t >= gap.0 && t <= gap.1);
         let missing = |t: f64| torque.gaps().iter().any(|gap| t >= gap.0 && t <= gap.1);
