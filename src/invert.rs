@@ -5,6 +5,7 @@
 //! them.
 
 mod breaks;
+mod delivered_torque;
 mod error;
 mod inverse;
 mod optimal;

@@ -11,7 +11,7 @@ mod vehicle;
 
 pub use error::{Error, Result};
 pub(crate) use files::expect_format;
-pub use files::{
+pub use files::{CampaignChange, ComparedDrive, DriveFamily, DriveLimit, IdentifiedDrive, LimitKind, 
     AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DeadBand, DeadTimeLikelihood, DelayEstimate, DelayLikelihood, DelayStatus,
     FIT_TRACES_FORMAT, FORMAT_VERSION, FineSurface, FitTraces, FixedText, FolderError, GridPoint, InputSource, LATERAL_TABLE_FORMAT,
     LateralCurve, LateralEntry, LateralMean, LateralTableFile, LedgerRow, LogActuator, LogRef, MapFolder, Mismatch, PlanEntry, PlanFile,

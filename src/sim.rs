@@ -18,6 +18,7 @@ mod plant;
 mod pose;
 mod random;
 mod replay;
+mod second_order;
 mod sensor_settings;
 mod sensor_timing;
 mod sensors;

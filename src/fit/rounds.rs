@@ -24,6 +24,7 @@ mod surface_rounds;
 
 use crate::campaign::Survey;
 use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::rounds::drive_choice::DriveChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::state::State;
 use crate::fit::{FitSettings, KnownCalibration, Result};
@@ -33,11 +34,12 @@ use crate::fit::{FitSettings, KnownCalibration, Result};
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
-    let drive = match &settings.known {
-        Some(KnownCalibration { drive: Some(drive), .. }) => *drive,
-        _ => drive_choice::choose(surveys, choice, settings)?.drive,
+    let chosen = match &settings.known {
+        Some(KnownCalibration { drive: Some(drive), .. }) => DriveChoice { drive: *drive, others: Vec::new() },
+        _ => drive_choice::choose(surveys, choice, settings)?,
     };
-    let mut state = State::new(surveys, choice, settings, &[drive])?;
+    let mut state = State::new(surveys, choice, settings, &[chosen.drive])?;
     let sampled = delay_rounds::run(&mut state)?;
-    surface_rounds::run(state, sampled)
+    let estimate = surface_rounds::run(state, sampled)?;
+    Ok(Estimate { other_drives: chosen.others, ..estimate })
 }

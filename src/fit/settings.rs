@@ -1,33 +1,8 @@
 //! Settings of the estimator.
 
 use crate::fit::KnownCalibration;
-use crate::fit::drive::drive_model::DriveKind;
+use crate::map::DriveFamily;
 use serde::{Deserialize, Serialize};
-
-/// Families of drives between the torque command and the torque at the wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DriveFamily {
-    /// A first-order lag.
-    FirstOrder,
-    /// A rate limit, with one slope or with two.
-    RateLimit,
-    /// A second-order lag, which may oscillate.
-    SecondOrder,
-    /// Whatever the drive is: the torque feedback is the torque.
-    Feedback,
-}
-
-impl DriveFamily {
-    /// The kinds of this family, the simplest first.
-    pub(crate) fn kinds(self) -> Vec<DriveKind> {
-        match self {
-            Self::FirstOrder | Self::Feedback => vec![DriveKind::FirstOrder],
-            Self::RateLimit => vec![DriveKind::RateLimit, DriveKind::GrowingFalling, DriveKind::UpDown],
-            Self::SecondOrder => vec![DriveKind::SecondOrder],
-        }
-    }
-}
 
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

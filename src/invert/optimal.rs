@@ -3,6 +3,7 @@
 //! Minimises Σ (T(v, a) − τ(v, a))² over a dense cloud of reachable (v, a), plus 1e-3 × the same toward the exact nodes, subject to
 //! T rising in a and |T| ≤ τ_max.
 
+use crate::invert::delivered_torque::DeliveredTorque;
 use crate::invert::inverse::Inverse;
 use crate::map::lookup::bracket;
 use clarabel::algebra::CscMatrix;
@@ -18,8 +19,14 @@ const LEAST_RISE: f64 = 1e-3;
 
 /// The nodes, row-major by speed; `None` when the programme does not finish.
 ///
-/// `range_nm` bounds the torque of the cloud (the tested range), `limit_nm` that of the table.
-pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm: [f64; 2], limit_nm: f64) -> Option<Vec<f64>> {
+/// `range_nm` bounds the torque of the cloud (the tested range), `limit` that of cloud and table.
+pub(crate) fn nodes(
+    inverse: &Inverse,
+    speeds: &[f64],
+    accels: &[f64],
+    range_nm: [f64; 2],
+    limit: &DeliveredTorque,
+) -> Option<Vec<f64>> {
     let columns = accels.len();
     let n = speeds.len() * columns;
     let exact: Vec<f64> = speeds.iter().flat_map(|v| inverse.torques_nm(*v, accels)).collect();
@@ -31,7 +38,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     for i in 0..speeds.len() - 1 {
         for s in 0..PER_INTERVAL {
             let v = speeds[i] + (s as f64 + 0.5) / PER_INTERVAL as f64 * (speeds[i + 1] - speeds[i]);
-            let (low, high) = (inverse.accel_mps2(v, range_nm[0]), inverse.accel_mps2(v, range_nm[1]));
+            let (low, high) = (inverse.accel_mps2(v, range_nm[0]), inverse.accel_mps2(v, limit.clamp(v, range_nm[1])));
             for j in 0..columns - 1 {
                 let wanted: Vec<f64> = (0..PER_INTERVAL)
                     .map(|t| accels[j] + (t as f64 + 0.5) / PER_INTERVAL as f64 * (accels[j + 1] - accels[j]))
@@ -57,7 +64,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     }
     for k in 0..n {
         square_add(k, k, RIDGE);
-        linear[k] -= RIDGE * exact[k].clamp(-limit_nm, limit_nm);
+        linear[k] -= RIDGE * limit.clamp(speeds[k / columns], exact[k]);
     }
     // upper triangle by columns: the map is ordered by (column, row)
     let (mut pointers, mut indices, mut values) = (vec![0; n + 1], Vec::new(), Vec::new());
@@ -71,7 +78,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     }
     let p = CscMatrix::new(n, n, pointers, indices, values);
     let rise = LEAST_RISE * (exact[columns - 1] - exact[0]).abs() / (columns - 1) as f64;
-    let (a, b) = constraints(speeds.len(), columns, rise, limit_nm);
+    let (a, b) = constraints(speeds, columns, rise, limit);
     let settings = DefaultSettingsBuilder::default().verbose(false).max_iter(200).build().ok()?;
     let cones = [SupportedConeT::NonnegativeConeT(b.len())];
     let mut solver = DefaultSolver::new(&p, &linear, &a, &b, &cones, settings).ok()?;
@@ -79,7 +86,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
         return None;
     }
-    let mut nodes: Vec<f64> = solver.solution.x.iter().map(|t| t.clamp(-limit_nm, limit_nm)).collect();
+    let mut nodes: Vec<f64> = solver.solution.x.iter().enumerate().map(|(k, t)| limit.clamp(speeds[k / columns], *t)).collect();
     // the solver meets its constraints only to a tolerance: falling values are made level
     for row in nodes.chunks_exact_mut(columns) {
         for j in 1..columns {
@@ -91,10 +98,11 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
 
 /// T_j − T_{j+1} + s = −rise within each speed, then ±T + s = limit; s ≥ 0. Where the limits bind, neighbours may be equal. So the rise is
 /// required by rows, and is softened to zero by the number of breaks that fit below the limit.
-fn constraints(rows: usize, columns: usize, rise: f64, limit_nm: f64) -> (CscMatrix<f64>, Vec<f64>) {
+fn constraints(speeds: &[f64], columns: usize, rise: f64, limit: &DeliveredTorque) -> (CscMatrix<f64>, Vec<f64>) {
+    let rows = speeds.len();
     let n = rows * columns;
     let differences = rows * (columns - 1);
-    let rise = rise.min(limit_nm / columns as f64 * 1e-3);
+    let rise = rise.min(-limit.least_nm / columns as f64 * 1e-3);
     let (mut pointers, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
     for k in 0..n {
         let (i, j) = (k / columns, k % columns);
@@ -113,6 +121,7 @@ fn constraints(rows: usize, columns: usize, rise: f64, limit_nm: f64) -> (CscMat
         pointers.push(indices.len());
     }
     let mut b = vec![-rise; differences];
-    b.extend(std::iter::repeat_n(limit_nm, 2 * n));
+    b.extend((0..n).map(|k| (limit.most_nm)(speeds[k / columns])));
+    b.extend(std::iter::repeat_n(-limit.least_nm, n));
     (CscMatrix::new(differences + 2 * n, n, pointers, indices, values), b)
 }

@@ -1,5 +1,6 @@
 //! The result of an inversion: `table2.json` and its CSVs.
 
+use crate::invert::delivered_torque::DeliveredTorque;
 use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
 use crate::invert::{Error, InvertSettings, Result, breaks, optimal};
@@ -33,7 +34,8 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
     let mut csvs = Vec::new();
     for map in &file.maps {
         let other = file.maps.iter().find(|m| m.gear != map.gear && m.angle().is_same(map.angle()));
-        let (inverted, csv) = invert_map(map, other, (limit_nm, file.vehicle.test_angle_deg), settings)?;
+        let limit = DeliveredTorque { least_nm: -limit_nm, most_nm: &|v| file.most_torque_nm(v) };
+        let (inverted, csv) = invert_map(map, other, &limit, file.vehicle.test_angle_deg, settings)?;
         csvs.push((inverted.csv.file.clone(), csv));
         maps.push(inverted);
     }
@@ -57,19 +59,20 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
 fn invert_map(
     map: &AccelMap,
     other: Option<&AccelMap>,
-    (limit_nm, test_angle_deg): (f64, f64),
+    limit: &DeliveredTorque,
+    test_angle_deg: f64,
     settings: &InvertSettings,
 ) -> Result<(TorqueMap, String)> {
     let inverse = Inverse::new(map.surface.table()?, map.gear)?;
-    let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| u.clamp(-limit_nm, limit_nm));
+    let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| limit.clamp(0.0, u));
     let (speeds, accels) = axes(&inverse, map, tested, settings);
     let speed_axis = Axis::new("speed_mps", speeds.clone())?;
     let accel_axis = Axis::new("accel_mps2", accels.clone())?;
 
     let mut nodes = if settings.node_exact {
-        speeds.iter().flat_map(|v| inverse.torques_nm(*v, &accels)).map(|u| u.clamp(-limit_nm, limit_nm)).collect()
+        speeds.iter().flat_map(|v| inverse.torques_nm(*v, &accels).into_iter().map(|u| limit.clamp(*v, u))).collect()
     } else {
-        optimal::nodes(&inverse, &speeds, &accels, tested, limit_nm).ok_or(Error::NotSolved { gear: map.gear })?
+        optimal::nodes(&inverse, &speeds, &accels, tested, limit).ok_or(Error::NotSolved { gear: map.gear })?
     };
     if settings.zero_row == ZeroRow::Hold && speeds[0] == 0.0 {
         for (torque, a) in nodes.iter_mut().zip(&accels) {
@@ -84,7 +87,7 @@ fn invert_map(
     let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
     let csv = table.to_matrix().to_csv();
 
-    let reach: Vec<[f64; 2]> = speeds.iter().map(|v| [-limit_nm, limit_nm].map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
+    let reach: Vec<[f64; 2]> = speeds.iter().map(|v| [limit.least_nm, (limit.most_nm)(*v)].map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
     let known = map.table()?;
     let status_of = |v: f64, torque: f64| {
         let beyond = torque < tested[0] - 1e-9 || torque > tested[1] + 1e-9 || v > known.speed_mps().last() + 1e-9;

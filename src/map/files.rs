@@ -7,6 +7,7 @@ mod csv_name;
 mod fit_traces;
 mod folder;
 mod format;
+mod identified_drive;
 mod json_text;
 mod lateral_table_file;
 mod named;
@@ -22,6 +23,7 @@ pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCel
 pub use folder::{FolderError, MapFolder, Mismatch, StoredFile};
 pub(crate) use format::expect_format;
 pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
+pub use identified_drive::{CampaignChange, ComparedDrive, DriveFamily, DriveLimit, IdentifiedDrive, LimitKind};
 pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
 pub use named::FixedText;
 pub use plan_file::{PlanEntry, PlanFile, PlannedRun, Proposal};

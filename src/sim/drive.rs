@@ -1,9 +1,11 @@
-//! The drive: commanded torque → quantisation, saturation, slew limit, dead time, first-order lag → effective torque.
+//! The drive: commanded torque → quantisation, saturation, slew limit, dead time, first- or second-order lag → effective torque.
 //!
 //! `u̇ = (τ(t − T_d) − u)/T_c`, with dead time `T_d` and time constant `T_c`. The command is constant over a step, so the solution is
 //! exact: `u⁺ = τ + (u − τ)·exp(−t/T_c)`, applied before and after the instant inside the step at which the delayed command changes.
 
+use crate::map::{DriveFamily, IdentifiedDrive, LimitKind};
 use crate::sim::error::{Result, within};
+use crate::sim::second_order::SecondOrderStep;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the drive.
@@ -21,17 +23,45 @@ pub struct DriveSettings {
     /// Largest rate of the setpoint [N·m/s]. Default: unlimited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slew_limit_nm_s: Option<f64>,
+    /// Largest rate at which the setpoint's magnitude falls [N·m/s]. Default: the same as the other way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slew_fall_limit_nm_s: Option<f64>,
+    /// Natural frequency of a second-order drive [Hz], 0.1 to 100, instead of the first-order lag. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency_hz: Option<f64>,
+    /// Damping of a second-order drive, 0.01 to 10 (1: critical). Default 0.7.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping: Option<f64>,
     /// Brake friction during an emergency stop, referred to the wheel [N·m]. Default 15.
     pub estop_brake_nm: f64,
 }
 
 impl Default for DriveSettings {
     fn default() -> Self {
-        Self { dead_time_s: 0.05, lag_s: 0.05, torque_limit_nm: 44.0, torque_quantum_nm: 0.0, slew_limit_nm_s: None, estop_brake_nm: 15.0 }
+        Self { dead_time_s: 0.05, lag_s: 0.05, torque_limit_nm: 44.0, torque_quantum_nm: 0.0, slew_limit_nm_s: None, slew_fall_limit_nm_s: None, frequency_hz: None, damping: None, estop_brake_nm: 15.0 }
     }
 }
 
 impl DriveSettings {
+    /// The same with the drive that a fit found, if it is more than a first-order lag. Of a drive whose torque the feedback gave, the nearest
+    /// first-order one is known.
+    pub(crate) fn as_found(self, found: Option<&IdentifiedDrive>) -> Self {
+        let Some(found) = found else { return self };
+        let limit_nm = found.limit.filter(|l| l.kind == LimitKind::Torque).map_or(f64::INFINITY, |l| l.value);
+        let torque_limit_nm = self.torque_limit_nm.min(limit_nm);
+        match (found.family, found.slopes_nm_s) {
+            (DriveFamily::RateLimit, Some([grows, falls])) => Self {
+                lag_s: found.lag_s.unwrap_or(self.lag_s),
+                slew_limit_nm_s: Some(grows),
+                slew_fall_limit_nm_s: Some(falls),
+                torque_limit_nm,
+                ..self
+            },
+            (DriveFamily::SecondOrder, _) => Self { frequency_hz: found.frequency_hz, damping: found.damping, torque_limit_nm, ..self },
+            _ => Self { torque_limit_nm, ..self },
+        }
+    }
+
     /// Checks every number.
     ///
     /// # Errors
@@ -42,6 +72,9 @@ impl DriveSettings {
         within("drive.torque_limit_nm", self.torque_limit_nm, 1e-3..=1e5, "0.001 to 1e5")?;
         within("drive.torque_quantum_nm", self.torque_quantum_nm, 0.0..=1e3, "0 to 1000")?;
         within("drive.slew_limit_nm_s", self.slew_limit_nm_s.unwrap_or(1.0), 1e-3..=1e7, "0.001 to 1e7")?;
+        within("drive.slew_fall_limit_nm_s", self.slew_fall_limit_nm_s.unwrap_or(1.0), 1e-3..=1e7, "0.001 to 1e7")?;
+        within("drive.frequency_hz", self.frequency_hz.unwrap_or(1.0), 0.1..=100.0, "0.1 to 100")?;
+        within("drive.damping", self.damping.unwrap_or(0.7), 0.01..=10.0, "0.01 to 10")?;
         within("drive.estop_brake_nm", self.estop_brake_nm, 0.0..=1e5, "0 to 1e5")
     }
 }
@@ -62,6 +95,9 @@ pub struct TorqueStep {
 pub struct Drive {
     settings: DriveSettings,
     slew_per_step_nm: f64,
+    /// The same while the setpoint's magnitude falls.
+    fall_per_step_nm: f64,
+    second_order: Option<SecondOrderStep>,
     /// The last command and its value after rounding and limits: most steps repeat it.
     last_command_nm: f64,
     wanted_nm: f64,
@@ -116,6 +152,8 @@ impl Drive {
         Ok(Self {
             settings: *settings,
             slew_per_step_nm: settings.slew_limit_nm_s.map_or(f64::INFINITY, |limit| limit * step_s),
+            fall_per_step_nm: settings.slew_fall_limit_nm_s.or(settings.slew_limit_nm_s).map_or(f64::INFINITY, |limit| limit * step_s),
+            second_order: settings.frequency_hz.map(|hz| SecondOrderStep::new(hz, settings.damping.unwrap_or(0.7), step_s)),
             last_command_nm: 0.0,
             wanted_nm: 0.0,
             setpoint_nm: 0.0,
@@ -152,6 +190,9 @@ impl Drive {
         let settled_nm = self.limited(command_nm);
         (self.last_command_nm, self.wanted_nm) = (command_nm, settled_nm);
         self.underway_nm.fill(settled_nm);
+        if let Some(second_order) = &mut self.second_order {
+            second_order.settle();
+        }
         (self.setpoint_nm, self.before_nm, self.effective_nm) = (settled_nm, settled_nm, settled_nm);
     }
 
@@ -164,7 +205,10 @@ impl Drive {
             self.last_command_nm = command_nm;
             self.wanted_nm = self.limited(command_nm);
         }
-        self.setpoint_nm += (self.wanted_nm - self.setpoint_nm).clamp(-self.slew_per_step_nm, self.slew_per_step_nm);
+        let way_nm = self.wanted_nm - self.setpoint_nm;
+        let falls = way_nm * self.setpoint_nm < 0.0;
+        let most_nm = if falls { self.fall_per_step_nm } else { self.slew_per_step_nm };
+        self.setpoint_nm += way_nm.clamp(-most_nm, most_nm);
         let after = match self.underway_nm.get_mut(self.oldest) {
             None => self.setpoint_nm,
             Some(slot) => {
@@ -176,6 +220,12 @@ impl Drive {
                 due
             }
         };
+        if let Some(second_order) = &mut self.second_order {
+            let start_nm = self.effective_nm;
+            let [mid_nm, end_nm] = second_order.step(start_nm, after);
+            self.effective_nm = end_nm;
+            return TorqueStep { start_nm, mid_nm, end_nm };
+        }
         let (before, decay) = (self.before_nm, &self.decay);
         let toward = |goal: f64, from: f64, remains: f64| goal + (from - goal) * remains;
         if after == before {

@@ -7,7 +7,7 @@
 //! torques it is extrapolated linearly; beyond its speeds the last column is used. A step solves the cell's linear equation exactly;
 //! crossing a cell's edge inside a step has an error of O(h²).
 
-use crate::map::{AccelTable, Gear, Table1File, Vehicle};
+use crate::map::{AccelTable, Gear, LimitKind, Table1File, Vehicle};
 use crate::sim::error::{Error, Result, within};
 use crate::sim::load::Load;
 use crate::sim::pose::SpeedStep;
@@ -30,6 +30,8 @@ pub struct IdentifiedSettings {
     pub forward: GearSurface,
     /// The reverse surface, if reverse was tested.
     pub reverse: Option<GearSurface>,
+    /// Largest driving torque times speed that the drive delivers [N·m·m/s]; infinite without such a limit.
+    pub power_limit_nm_mps: f64,
     /// Standard deviation of the disturbance, an Ornstein-Uhlenbeck process while moving [m/s²].
     pub disturbance_mps2: f64,
     /// Its time constant [s].
@@ -55,6 +57,7 @@ impl IdentifiedSettings {
         Ok(Self {
             forward: direction(Gear::Forward)?.ok_or(Error::NoForwardMap { wheel_angle_deg: file.vehicle.test_angle_deg })?,
             reverse: direction(Gear::Reverse)?,
+            power_limit_nm_mps: power_limit(file),
             disturbance_mps2: file.noise.disturbance_mps2,
             disturbance_time_s: file.noise.disturbance_time_s,
             run_offset_mps2: file.noise.run_offset_mps2,
@@ -141,6 +144,13 @@ pub struct IdentifiedMotion {
     slope_mass_kg: f64,
     wheel_mass_kg: f64,
     brake_accel_per_nm: f64,
+    power_limit_nm_mps: f64,
+}
+
+/// The power limit of the drive that a fit found.
+fn power_limit(file: &Table1File) -> f64 {
+    let limit = file.actuator.drive.as_ref().and_then(|d| d.limit);
+    limit.filter(|l| l.kind == LimitKind::Power).map_or(f64::INFINITY, |l| l.value)
 }
 
 impl IdentifiedMotion {
@@ -175,6 +185,7 @@ impl IdentifiedMotion {
             slope_mass_kg: settings.slope_share / (accel_per_nm * vehicle.wheel_radius_m),
             wheel_mass_kg: settings.wheel_mass_kg,
             brake_accel_per_nm: accel_per_nm,
+            power_limit_nm_mps: settings.power_limit_nm_mps,
         };
         motion.begin_run();
         Ok(motion)
@@ -245,7 +256,8 @@ impl IdentifiedMotion {
         };
         let random_mps2 = self.disturbance.step() + self.run_offset_mps2 - load.brake_nm * self.brake_accel_per_nm;
         let (h, s0) = (self.step_s, sign * start_mps);
-        let u = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm].map(|t| sign * (t + load.external_nm));
+        let most_nm = self.power_limit_nm_mps / s0.max(1e-6);
+        let u = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm].map(|t| (sign * t).min(most_nm) + sign * load.external_nm);
         // within a cell v̇ = a + A_v·(v − v₀) + A_τ·(τ − τ̄): exact for the step's mean torque τ̄, at the middle for that of its first half
         let mean = (u[0] + 4.0 * u[1] + u[2]) * (1.0 / 6.0);
         let mean_of_first_half = (5.0 * u[0] + 8.0 * u[1] - u[2]) * (1.0 / 12.0);
@@ -286,6 +298,7 @@ mod tests {
         IdentifiedSettings {
             forward: linear(),
             reverse: None,
+            power_limit_nm_mps: f64::INFINITY,
             disturbance_mps2: 0.0,
             disturbance_time_s: 0.3,
             run_offset_mps2: 0.0,

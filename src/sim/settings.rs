@@ -54,7 +54,8 @@ impl WorldSettings {
             lag_s: file.actuator.lag.value_s.max(0.0),
             torque_limit_nm: file.vehicle.torque_limit_or_largest_nm([motion.largest_torque_nm()]),
             ..DriveSettings::default()
-        };
+        }
+        .as_found(file.actuator.drive.as_ref());
         drive.check()?;
         Ok(Self {
             step_s: DEFAULT_STEP_S,

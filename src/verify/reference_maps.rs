@@ -33,6 +33,8 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
             dead_time: delay(world.drive.dead_time_s),
             lag: delay(world.drive.lag_s),
             input: ActuatorInput::COMMAND,
+            drive: None,
+            change: None,
             per_log: Vec::new(),
         },
         witnesses: Vec::new(),

@@ -57,7 +57,7 @@ impl FittedAngles<'_> {
             vehicle: self.vehicle(),
             logs: logs.into_iter().cloned().collect(),
             settings: serde_json::to_value(self.task.settings).map_err(crate::map::Error::from)?,
-            actuator: actuator(&self.delays()?, &surveys, &self.task.choice, self.task.settings),
+            actuator: actuator(&self.delays()?, &test.estimate, &surveys, &self.task.choice, self.task.settings),
             witnesses: speed_readings(&test.estimate),
             noise: plant_noise(&test.estimate),
             maps,

@@ -9,7 +9,9 @@
 //! - second order: T₀²·ü + T₁·u̇ + u = c, with ω₀ = 1/T₀ and damping ζ = T₁/(2·T₀).
 
 use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::map::{DriveFamily, DriveLimit, IdentifiedDrive, LimitKind};
 use std::f64::consts::TAU;
+use std::fmt;
 
 /// Most parameters of a drive: three times, and the logarithm of its limit.
 pub(crate) const PARAMETERS: usize = 4;
@@ -42,6 +44,24 @@ pub(crate) enum DriveKind {
 impl DriveKind {
     /// Every kind, in the order in which they are tried.
     pub(crate) const ALL: [Self; 5] = [Self::FirstOrder, Self::SecondOrder, Self::RateLimit, Self::GrowingFalling, Self::UpDown];
+
+    /// The kinds of a family, the simplest first.
+    pub(crate) fn of(family: DriveFamily) -> Vec<Self> {
+        match family {
+            DriveFamily::FirstOrder | DriveFamily::Feedback => vec![Self::FirstOrder],
+            DriveFamily::RateLimit => vec![Self::RateLimit, Self::GrowingFalling, Self::UpDown],
+            DriveFamily::SecondOrder => vec![Self::SecondOrder],
+        }
+    }
+
+    /// Its family.
+    pub(crate) fn family(self) -> DriveFamily {
+        match self {
+            Self::FirstOrder => DriveFamily::FirstOrder,
+            Self::RateLimit | Self::GrowingFalling | Self::UpDown => DriveFamily::RateLimit,
+            Self::SecondOrder => DriveFamily::SecondOrder,
+        }
+    }
 
     /// Number of its times.
     fn parameters(self) -> usize {
@@ -166,6 +186,48 @@ impl DriveModel {
     pub(crate) fn frequency_hz_and_damping(&self) -> Option<(f64, f64)> {
         let [natural, damped, _] = self.times_s;
         (self.kind == DriveKind::SecondOrder).then(|| (1.0 / (TAU * natural), damped / (2.0 * natural)))
+    }
+}
+
+impl DriveModel {
+    /// The drive for the file; `limit_std_err` is the standard error of the limit's logarithm.
+    pub(crate) fn identified(&self, limit_std_err: f64) -> IdentifiedDrive {
+        let rounded = |x: f64| (x * 1e6).round() / 1e6;
+        let limit = |kind, value: f64| DriveLimit { kind, value: rounded(value), std_err: Some(rounded(value * limit_std_err)) };
+        let resonance = self.frequency_hz_and_damping();
+        IdentifiedDrive {
+            family: self.kind.family(),
+            lag_s: (self.kind != DriveKind::SecondOrder).then(|| rounded(self.lag_s())),
+            slopes_nm_s: self.slopes_nm_s().map(|slopes| slopes.map(rounded)),
+            slopes_by_magnitude: self.kind == DriveKind::GrowingFalling,
+            frequency_hz: resonance.map(|r| rounded(r.0)),
+            damping: resonance.map(|r| rounded(r.1)),
+            limit: match self.limit {
+                TorqueLimit::None => None,
+                TorqueLimit::Torque(value) => Some(limit(LimitKind::Torque, value)),
+                TorqueLimit::Power(value) => Some(limit(LimitKind::Power, value)),
+            },
+            undelivered_s: None,
+            compared: Vec::new(),
+        }
+    }
+}
+
+impl fmt::Display for DriveModel {
+    /// In words, with the parameters.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.kind, self.slopes_nm_s(), self.frequency_hz_and_damping()) {
+            (DriveKind::GrowingFalling, Some([a, b]), _) => write!(f, "rate limit of {a:.0} N·m/s growing and {b:.0} N·m/s falling")?,
+            (DriveKind::UpDown, Some([a, b]), _) => write!(f, "rate limit of {a:.0} N·m/s up and {b:.0} N·m/s down")?,
+            (_, Some([a, _]), _) => write!(f, "rate limit of {a:.0} N·m/s")?,
+            (_, _, Some((hz, damping))) => write!(f, "second-order lag of {hz:.1} Hz with damping {damping:.2}")?,
+            _ => write!(f, "first-order lag of {:.0} ms", 1e3 * self.lag_s())?,
+        }
+        match self.limit {
+            TorqueLimit::None => Ok(()),
+            TorqueLimit::Torque(nm) => write!(f, ", limited to {nm:.1} N·m"),
+            TorqueLimit::Power(power) => write!(f, ", limited to {power:.1} N·m·m/s"),
+        }
     }
 }
 

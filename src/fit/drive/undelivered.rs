@@ -18,6 +18,9 @@ const SETTLED: (f64, f64) = (6.0, 0.5);
 const SHORTEST_S: f64 = 0.15;
 const MARGIN_S: f64 = 0.06;
 
+/// After the interval the command is not the torque until the drive has forgotten where it came from, in lags.
+const FORGOTTEN: f64 = 5.0;
+
 /// An interval without the torque that was asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Undelivered {
@@ -67,7 +70,7 @@ pub(crate) fn undelivered(command: &Series, feedback: &Series, (dead_time_s, lag
         let (Some(a), Some(b)) = (of_settled.first(), of_settled.last()) else { continue };
         if feedback.t_s[*b] - feedback.t_s[*a] >= SHORTEST_S {
             let delivered: Vec<f64> = of_settled.iter().map(|k| feedback.value[*k]).collect();
-            let (from_s, to_s) = (feedback.t_s[first] - dead_time_s - MARGIN_S, feedback.t_s[i - 1] - dead_time_s + MARGIN_S);
+            let (from_s, to_s) = (feedback.t_s[first] - dead_time_s - MARGIN_S, feedback.t_s[i - 1] - dead_time_s + MARGIN_S + FORGOTTEN * lag_s);
             found.push(Undelivered { from_s, to_s, torque_nm: median(&delivered) });
         }
     }
@@ -93,6 +96,6 @@ mod tests {
         let feedback = Series { value: t_s.iter().enumerate().map(read).collect(), t_s };
         let found = undelivered(&command, &feedback, (0.04, 0.05));
         assert_eq!(found.len(), 1, "{found:?}");
-        assert!((found[0].from_s - 11.9).abs() < 0.08 && (found[0].to_s - 14.1).abs() < 0.15 && (found[0].torque_nm - 20.0).abs() < 0.2);
+        assert!((found[0].from_s - 11.9).abs() < 0.08 && (found[0].to_s - 14.35).abs() < 0.15 && (found[0].torque_nm - 20.0).abs() < 0.2);
     }
 }

@@ -22,7 +22,7 @@ use crate::fit::rounds::delay_grid;
 use crate::fit::rounds::delay_rounds;
 use crate::fit::rounds::initial_guess::{InitialGuess, largest_nm, largest_power};
 use crate::fit::rounds::state::State;
-use crate::fit::{DriveFamily, FitSettings, Result};
+use crate::fit::{FitSettings, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -58,7 +58,7 @@ pub(crate) struct DriveChoice {
 pub(crate) fn choose(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<DriveChoice> {
     let guess = |drives: &[DriveModel]| InitialGuess::new(surveys, choice, settings, drives);
     let of_kind = |kind| delay_grid::drives(kind, largest_nm(surveys));
-    let kinds = settings.drive.map_or_else(|| DriveKind::ALL.to_vec(), DriveFamily::kinds);
+    let kinds = settings.drive.map_or_else(|| DriveKind::ALL.to_vec(), DriveKind::of);
     let first = guess(&of_kind(kinds[0]))?;
     let only = |drive| DriveChoice { drive, others: Vec::new() };
     if choice.is_feedback() || settings.lag_s.is_some() {

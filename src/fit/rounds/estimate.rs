@@ -2,7 +2,7 @@
 
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::campaign_drift::CampaignDrift;
-use crate::fit::drive::drive_model::PARAMETERS;
+use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
@@ -103,6 +103,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) data: EstimateData<'a>,
     pub(crate) model: SurfaceModel,
     pub(crate) calibration: Calibration,
+    /// Other drives that were fitted: by how much each is worse, with its standard error (−2·ln L).
+    pub(crate) other_drives: Vec<(DriveModel, f64, f64)>,
     /// What was estimated with the surface.
     pub(crate) free: Free,
     pub(crate) calibration_errors: CalibrationErrors,

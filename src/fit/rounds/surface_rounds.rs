@@ -116,6 +116,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converg
         model: SurfaceModel { design: state.design, surfaces: state.surfaces, stacked, system },
         calibration: state.calibration,
         free,
+        other_drives: Vec::new(),
         calibration_errors: state.calibration_errors,
         noise: state.noise,
         noise_bounds: state.noise_bounds,

@@ -2,11 +2,15 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
-use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
+use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::drive::undelivered::Undelivered;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
-use crate::map::{Actuator, DelayEstimate, DelayStatus, LogActuator};
+use crate::map::{
+    Actuator, CampaignChange, ComparedDrive, DelayEstimate, DelayStatus, DriveFamily, DriveLimit, IdentifiedDrive, LimitKind, LogActuator,
+};
 
 /// Least offset between the clocks of command and speed that counts [s]: smaller ones are sampling phases.
 const CLOCK_OFFSET_S: f64 = 0.02;
@@ -38,7 +42,7 @@ impl From<&Estimate<'_>> for Delays {
 ///
 /// If the feedback was the input, the estimated delays are those from feedback to speed. A controller needs those from the command: the
 /// feedback's own dead time is added, and its lag replaces the missing one.
-pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoice, settings: &FitSettings) -> Actuator {
+pub(crate) fn actuator(found: &Delays, estimate_at_test: &Estimate, surveys: &[&Survey], choice: &TorqueChoice, settings: &FitSettings) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
             DelayStatus::Given
@@ -101,8 +105,78 @@ pub(crate) fn actuator(found: &Delays, surveys: &[&Survey], choice: &TorqueChoic
         dead_time: estimate(mean, spread.max(of_errors), given),
         lag: estimate(lag_s, lag_std_err_s, settings.lag_s.is_some()),
         input: choice.named(),
+        drive: identified_drive(found, estimate_at_test, surveys, choice),
+        change: campaign_change(estimate_at_test),
         per_log,
     }
+}
+
+/// The drive, where it is more than a first-order lag.
+fn identified_drive(found: &Delays, estimate: &Estimate, surveys: &[&Survey], choice: &TorqueChoice) -> Option<IdentifiedDrive> {
+    let mut drive = found.drive.identified(found.drive_std_err_s[LIMIT]);
+    if choice.is_feedback() {
+        drive = IdentifiedDrive { family: DriveFamily::Feedback, lag_s: None, ..drive };
+    }
+    drive.compared = estimate
+        .other_drives
+        .iter()
+        .map(|(drive, worse, std_err)| ComparedDrive { drive: drive.to_string(), worse: round(*worse, 1e1), std_err: round(*std_err, 1e1) })
+        .collect();
+    let undelivered = undelivered_samples(surveys, choice);
+    if !undelivered.is_empty() {
+        drive.undelivered_s = Some(round(undelivered.iter().map(|u| u.seconds).sum(), 1e2));
+        drive.limit = drive.limit.or_else(|| limit_of(&undelivered));
+    }
+    let plain = drive.family == DriveFamily::FirstOrder && drive.limit.is_none() && drive.compared.is_empty() && undelivered.is_empty();
+    (!plain).then_some(drive)
+}
+
+/// Torque that was not delivered in one interval.
+struct UndeliveredTorque {
+    seconds: f64,
+    /// Median torque [N·m] and speed [m/s].
+    torque_nm: f64,
+    speed_mps: f64,
+}
+
+fn undelivered_samples(surveys: &[&Survey], choice: &TorqueChoice) -> Vec<UndeliveredTorque> {
+    let of_log = |survey: &&Survey| -> Vec<UndeliveredTorque> {
+        let encoder = &survey.track.encoder_mps;
+        let one = |u: &Undelivered| {
+            let speeds: Vec<f64> = encoder.range(u.from_s, u.to_s).map(|k| encoder.value[k].abs()).collect();
+            UndeliveredTorque { seconds: u.to_s - u.from_s, torque_nm: u.torque_nm.abs(), speed_mps: crate::signal::median(&speeds) }
+        };
+        choice.undelivered(&survey.track.source).iter().map(one).filter(|u| u.speed_mps.is_finite()).collect()
+    };
+    surveys.iter().flat_map(of_log).collect()
+}
+
+/// The limit that explains the intervals best: of speed, torque or power, that which varies least among them.
+fn limit_of(undelivered: &[UndeliveredTorque]) -> Option<DriveLimit> {
+    let spread = |of: &dyn Fn(&UndeliveredTorque) -> f64| {
+        let values: Vec<f64> = undelivered.iter().map(of).collect();
+        let centre = crate::signal::median(&values);
+        let away: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
+        (crate::signal::median(&away) / centre.abs().max(1e-9), centre)
+    };
+    let candidates = [
+        (LimitKind::Torque, spread(&|u| u.torque_nm)),
+        (LimitKind::Power, spread(&|u| u.torque_nm * u.speed_mps)),
+        (LimitKind::Speed, spread(&|u| u.speed_mps)),
+    ];
+    let best = candidates.into_iter().min_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+    Some(DriveLimit { kind: best.0, value: round(best.1.1, 1e3), std_err: None })
+}
+
+/// What changed during the campaign, if anything clearly did.
+fn campaign_change(estimate: &Estimate) -> Option<CampaignChange> {
+    let (found, error) = (estimate.calibration.drift, estimate.calibration_errors.drift);
+    (found != CampaignDrift::default()).then(|| CampaignChange {
+        accel_mps2: round(found.accel_mps2, 1e6),
+        accel_std_err_mps2: round(error.accel_mps2, 1e6),
+        torque_share: round(found.torque_share, 1e6),
+        torque_share_std_err: round(error.torque_share, 1e6),
+    })
 }
 
 /// Mean, and its standard error by the spread of the values; 0 for a single one.

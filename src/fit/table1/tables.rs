@@ -1,6 +1,7 @@
 //! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
+use crate::fit::drive::torque_limit::TorqueLimit;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::{FitSettings, Result};
@@ -100,10 +101,10 @@ pub(crate) fn accel_map(
     let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
     let surface = estimate.model.surface(gear);
     let limit = estimate.calibration.drive.limit;
-    let grid = |torques: &[f64], speeds: &[f64]| -> Vec<Vec<f64>> {
+    let grid = |torques: &[f64], speeds: &[f64], limit: TorqueLimit| -> Vec<Vec<f64>> {
         torques.iter().map(|u| speeds.iter().map(|v| round9(surface.accel_mps2(*v, limit.delivered_nm(*v, *u)))).collect()).collect()
     };
-    let accel = grid(&torque, &speed);
+    let accel = grid(&torque, &speed, limit);
     let table = AccelTable::new(Axis::new("speed_mps", speed.clone())?, Axis::new("torque_nm", torque.clone())?, accel.concat())?;
     let csv = table.to_matrix().to_csv();
 
@@ -151,7 +152,8 @@ pub(crate) fn accel_map(
         status,
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
-        surface: FineSurface { accel_mps2: grid(&fine_torque, &fine), torque_nm: fine_torque, speed_mps: fine },
+        surface: FineSurface { // before the limit: a corner between lines of a grid would be none
+            accel_mps2: grid(&fine_torque, &fine, TorqueLimit::None), torque_nm: fine_torque, speed_mps: fine },
         speed_mps: speed,
         torque_nm: torque,
     })

@@ -1,5 +1,6 @@
 //! `table1.json`: Table 1 with everything that is not in its CSV.
 
+use crate::map::files::identified_drive::{CampaignChange, IdentifiedDrive};
 use crate::map::files::format::{TABLE1_FORMAT, expect_format};
 use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
@@ -99,6 +100,12 @@ pub struct Actuator {
     pub lag: DelayEstimate,
     /// The input that the fit used.
     pub input: ActuatorInput,
+    /// The drive, where it is more than a first-order lag; the lag is then that of the nearest one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub drive: Option<IdentifiedDrive>,
+    /// What changed during the campaign, where it is clear.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub change: Option<CampaignChange>,
     /// The same per log: a command's stamp is late by its sampling phase, differently in each log.
     pub per_log: Vec<LogActuator>,
 }
@@ -301,6 +308,12 @@ impl Table1File {
     /// Whether the maps belong to more than one wheel angle.
     pub fn has_several_angles(&self) -> bool {
         WheelAngle::several(self.maps.iter().map(|m| m.wheel_angle_deg))
+    }
+
+    /// The largest driving torque that the drive delivers at a speed [N·m]: the vehicle's limit, or that of the drive where it is lower.
+    pub fn most_torque_nm(&self, speed_mps: f64) -> f64 {
+        let limit = self.actuator.drive.as_ref().and_then(|d| d.limit);
+        limit.map_or(f64::INFINITY, |l| l.most_nm(speed_mps)).min(self.torque_limit_nm())
     }
 
     /// The vehicle's torque limit [N·m], or without one the largest torque of the tables.

@@ -1,0 +1,16 @@
+//! The torques that a drive delivers, by speed.
+
+/// The torques that a drive delivers: the vehicle's limit both ways, and while driving that of the drive where it is lower.
+pub(crate) struct DeliveredTorque<'a> {
+    /// Least torque [N·m].
+    pub(crate) least_nm: f64,
+    /// Largest torque [N·m] at a speed [m/s].
+    pub(crate) most_nm: &'a dyn Fn(f64) -> f64,
+}
+
+impl DeliveredTorque<'_> {
+    /// The delivered part of a torque [N·m] at a speed [m/s].
+    pub(crate) fn clamp(&self, speed_mps: f64, torque_nm: f64) -> f64 {
+        torque_nm.min((self.most_nm)(speed_mps)).max(self.least_nm)
+    }
+}
