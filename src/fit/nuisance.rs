@@ -1,5 +1,6 @@
 //! Columns after those of the surface: shared ones, then one dead time per log.
 
+use crate::fit::drive::campaign_drift::SPANS;
 use crate::fit::drive::drive_model::PARAMETERS;
 
 /// The first parameter of the drive; the others follow.
@@ -8,9 +9,9 @@ pub(crate) const DRIVE: usize = 0;
 pub(crate) const ENCODER_SCALE: usize = DRIVE + PARAMETERS;
 /// Change of the encoder's delay [s].
 pub(crate) const ENCODER_DELAY: usize = ENCODER_SCALE + 1;
-/// Change of the acceleration from the middle to the end of the campaign [m/s²].
+/// Changes of the acceleration from the middle to the end of the campaign, and of each log [m/s²].
 pub(crate) const DRIFT_ACCEL: usize = ENCODER_DELAY + 1;
-/// Relative change of the torque from the middle to the end of the campaign.
-pub(crate) const DRIFT_TORQUE: usize = DRIFT_ACCEL + 1;
+/// Relative changes of the torque from the middle to the end of the campaign, and of each log.
+pub(crate) const DRIFT_TORQUE: usize = DRIFT_ACCEL + SPANS;
 /// T_d of the first log.
-pub(crate) const DEAD_TIME: usize = DRIFT_TORQUE + 1;
+pub(crate) const DEAD_TIME: usize = DRIFT_TORQUE + SPANS;

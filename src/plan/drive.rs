@@ -290,7 +290,7 @@ impl<'a> SimulatedWay<'a> {
                     log: 0,
                     run: 0,
                     gear: Gear::Forward,
-                    progress: 0.0,
+                    progress: [0.0; 2],
                     start_s: if anchored { first_s } else { t_s },
                     anchored,
                     start_std_mps: if anchored { ANCHOR_MPS.hypot(STEP_TIMING_S * first_mps2) } else { UNKNOWN_SPEED_MPS },

@@ -34,7 +34,7 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
             lag: delay(world.drive.lag_s),
             input: ActuatorInput::COMMAND,
             drive: None,
-            change: None,
+            changes: Vec::new(),
             per_log: Vec::new(),
         },
         witnesses: Vec::new(),

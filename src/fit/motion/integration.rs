@@ -4,7 +4,7 @@
 //! constant, and never across a reading.
 
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::campaign_drift::{Change, SPANS};
 use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::{Share, Torque};
@@ -40,7 +40,7 @@ pub(crate) struct Course<'a> {
     ends: Vec<u32>,
     limit: TorqueLimit,
     /// What has changed by this time of the campaign.
-    drift: CampaignDrift,
+    drift: Change,
 }
 
 impl<'a> Course<'a> {
@@ -113,9 +113,9 @@ impl<'a> Course<'a> {
         let change = |k: usize| changes.get(k).copied().unwrap_or(0.0);
         let drive: [f64; PARAMETERS] = std::array::from_fn(|p| change(nuisance::DRIVE + p));
         let dead_time_s = change(nuisance::DEAD_TIME + self.segment.log);
-        let progress = self.segment.progress;
-        let drift_mps2 = self.drift.accel_mps2 + progress * change(nuisance::DRIFT_ACCEL);
-        let torque_share = progress * change(nuisance::DRIFT_TORQUE);
+        let of_spans = |first: usize| -> f64 { (0..SPANS).map(|k| self.segment.progress[k] * change(first + k)).sum() };
+        let drift_mps2 = self.drift.accel_mps2 + of_spans(nuisance::DRIFT_ACCEL);
+        let torque_share = of_spans(nuisance::DRIFT_TORQUE);
         let mut sum = 0.0;
         (0..self.rows())
             .map(|row| {

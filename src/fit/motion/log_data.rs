@@ -2,7 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::campaign_drift::{CampaignDrift, Progress};
 use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
@@ -38,8 +38,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) cuts: Cuts,
     /// Steps of each speed source that are coarse: larger than its noise [m/s]; 0 for a fine one.
     pub(crate) coarse_mps: [f64; 2],
-    /// Where each of the survey's stretches lies in the campaign, −1 to 1.
-    pub(crate) progress: Vec<f64>,
+    /// Where each of the survey's stretches lies in the campaign and in its log.
+    pub(crate) progress: Vec<Progress>,
     /// Which of the survey's stretches are used.
     pub(crate) chosen: Vec<bool>,
 }

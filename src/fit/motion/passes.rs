@@ -207,7 +207,7 @@ mod tests {
             log: 0,
             run: 0,
             gear: Gear::Forward,
-            progress: 0.0,
+            progress: [0.0; 2],
             start_s: 0.0,
             anchored,
             start_std_mps,

@@ -97,13 +97,17 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
                 }
                 drifted_mps += step.length_s * course.drift_mps2();
                 if free == Free::DelaysAndDrift {
-                    sums[1 + nuisance::DRIFT_ACCEL] += step.length_s * segment.progress;
+                    for (k, progress) in segment.progress.iter().enumerate() {
+                        sums[1 + nuisance::DRIFT_ACCEL + k] += step.length_s * progress;
+                    }
                 }
                 // a constant torque has no delay
                 if with_nuisance && (free == Free::DelaysAndDrift || step.torque.is_moving()) {
                     let slope = step.length_s * surface.value_and_slope(v, step.torque.torque_nm).1;
                     if free == Free::DelaysAndDrift {
-                        sums[1 + nuisance::DRIFT_TORQUE] += slope * step.torque.torque_nm * segment.progress;
+                        for (k, progress) in segment.progress.iter().enumerate() {
+                            sums[1 + nuisance::DRIFT_TORQUE + k] += slope * step.torque.torque_nm * progress;
+                        }
                     }
                     for (sum, by) in sums[1 + nuisance::DRIVE..].iter_mut().zip(step.torque.by_drive) {
                         *sum += slope * by;
@@ -154,12 +158,16 @@ pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurfa
                 score[column] += weight * share;
             }
             if free == Free::DelaysAndDrift {
-                score[base + nuisance::DRIFT_ACCEL] += weight * segment.progress;
+                for (k, progress) in segment.progress.iter().enumerate() {
+                    score[base + nuisance::DRIFT_ACCEL + k] += weight * progress;
+                }
             }
             if free == Free::DelaysAndDrift || step.torque.is_moving() {
                 let slope = weight * surface.value_and_slope(v, step.torque.torque_nm).1;
                 if free == Free::DelaysAndDrift {
-                    score[base + nuisance::DRIFT_TORQUE] += slope * step.torque.torque_nm * segment.progress;
+                    for (k, progress) in segment.progress.iter().enumerate() {
+                        score[base + nuisance::DRIFT_TORQUE + k] += slope * step.torque.torque_nm * progress;
+                    }
                 }
                 for (score, by) in score[base + nuisance::DRIVE..].iter_mut().zip(step.torque.by_drive) {
                     *score += slope * by;

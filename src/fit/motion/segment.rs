@@ -1,5 +1,6 @@
 //! Segments: stretches of readings on one clock, ready to be integrated.
 
+use crate::fit::drive::campaign_drift::Progress;
 use crate::fit::noise::model::{Noise, Reading};
 use crate::map::Gear;
 
@@ -11,8 +12,8 @@ pub(crate) struct Segment {
     /// Index of the stretch in the log's survey: the unit that is left out in cross-validation, and resampled in the sandwich.
     pub(crate) run: usize,
     pub(crate) gear: Gear,
-    /// Where the run lies in the campaign: −1 at its beginning, 1 at its end.
-    pub(crate) progress: f64,
+    /// Where the run lies in the campaign and in its log.
+    pub(crate) progress: Progress,
     /// Where integration starts [s].
     pub(crate) start_s: f64,
     /// Whether the speed is 0 at the start.

@@ -222,7 +222,7 @@ mod tests {
     fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
         let readings: Vec<Reading> = (0..100u32).map(|k| Reading::single(f64::from(k) * 0.01, 0.1, 1, k)).collect();
         let model =
-            Segment { log: 0, run: 0, gear: Gear::Forward, progress: 0.0, start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
+            Segment { log: 0, run: 0, gear: Gear::Forward, progress: [0.0; 2], start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
         let mut segments = Vec::new();
         split(&readings, &[(0.405, 0.505)], &model, &mut segments);
         assert_eq!(segments.len(), 2);

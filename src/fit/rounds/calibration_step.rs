@@ -1,6 +1,6 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
-use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::campaign_drift::{CampaignDrift, SPANS};
 use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::motion::regressors::Free;
@@ -47,7 +47,7 @@ impl State<'_> {
                 hold(std);
             }
         }
-        for (k, drifts) in [nuisance::DRIFT_ACCEL, nuisance::DRIFT_TORQUE].into_iter().zip(self.drifts) {
+        for (k, drifts) in (nuisance::DRIFT_ACCEL..).zip(self.drifts) {
             prior[k] = if drifts && free == Free::DelaysAndDrift { MOST_DRIFT } else { FIXED_STD };
         }
         if known.is_some_and(|k| k.encoder.is_some()) {
@@ -64,18 +64,16 @@ impl State<'_> {
 
     /// Goes on estimating the changes during the campaign that are clear, and takes the others for none. Returns what is free from now on.
     pub(crate) fn keep_clear_drifts(&mut self) -> Free {
-        let (found, std_err) = (self.calibration.drift, self.calibration_errors.drift);
-        self.drifts = [
-            found.accel_mps2.abs() > CLEAR_DRIFT * std_err.accel_mps2,
-            found.torque_share.abs() > CLEAR_DRIFT * std_err.torque_share,
-        ];
-        if !self.drifts[0] {
-            self.calibration.drift.accel_mps2 = 0.0;
+        let (found, std_err) = (&mut self.calibration.drift, &self.calibration_errors.drift);
+        let changes = found.accel_mps2.iter_mut().chain(&mut found.torque_share);
+        let errors = std_err.accel_mps2.iter().chain(&std_err.torque_share);
+        for ((drifts, change), std_err) in self.drifts.iter_mut().zip(changes).zip(errors) {
+            *drifts &= change.abs() > CLEAR_DRIFT * std_err;
+            if !*drifts {
+                *change = 0.0;
+            }
         }
-        if !self.drifts[1] {
-            self.calibration.drift.torque_share = 0.0;
-        }
-        if self.drifts == [false; 2] { Free::Delays } else { Free::DelaysAndDrift }
+        if self.drifts == [false; 2 * SPANS] { Free::Delays } else { Free::DelaysAndDrift }
     }
 
     /// Whether the drive's parameters are known from outside.
@@ -102,13 +100,18 @@ impl State<'_> {
         }
         self.last_steps = steps;
         let drift = &mut self.calibration.drift;
-        drift.accel_mps2 += of(nuisance::DRIFT_ACCEL);
-        drift.torque_share += of(nuisance::DRIFT_TORQUE);
+        for k in 0..SPANS {
+            drift.accel_mps2[k] += of(nuisance::DRIFT_ACCEL + k);
+            drift.torque_share[k] += of(nuisance::DRIFT_TORQUE + k);
+        }
         let std_err = |k: usize| solution.covariance[(q + k, q + k)].max(0.0).sqrt();
         self.calibration_errors.drive_s = std::array::from_fn(|p| std_err(nuisance::DRIVE + p));
         self.calibration_errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
         self.calibration_errors.drift =
-            CampaignDrift { accel_mps2: std_err(nuisance::DRIFT_ACCEL), torque_share: std_err(nuisance::DRIFT_TORQUE) };
+            CampaignDrift {
+                accel_mps2: std::array::from_fn(|k| std_err(nuisance::DRIFT_ACCEL + k)),
+                torque_share: std::array::from_fn(|k| std_err(nuisance::DRIFT_TORQUE + k)),
+            };
         if free == Free::DelaysAndEncoder {
             self.calibration_errors.encoder_scale = std_err(nuisance::ENCODER_SCALE);
             if self.has_yaw {

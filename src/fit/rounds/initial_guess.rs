@@ -2,7 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, progress};
+use crate::fit::drive::campaign_drift::{CampaignDrift, Progress, progress};
 use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
@@ -161,7 +161,7 @@ impl Grains {
     }
 }
 
-fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<f64>, choice: &TorqueChoice) -> LogData<'a> {
+fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<Progress>, choice: &TorqueChoice) -> LogData<'a> {
     let yaw_outliers = survey.track.yaw_speed_mps.as_ref().zip(grains.yaw.as_ref()).map(|(yaw, grain)| hampel(yaw, grain));
     let coarse_mps = [grains.encoder.coarse_mps(), grains.yaw.as_ref().map_or(0.0, Grain::coarse_mps)];
     LogData {

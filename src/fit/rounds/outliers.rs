@@ -140,7 +140,7 @@ mod tests {
 
     fn segment(n: u32) -> Segment {
         let readings = (0..n).map(|k| Reading::single(f64::from(k) * 0.01, 0.0, 1, k)).collect();
-        Segment { log: 0, run: 0, gear: Gear::Forward, progress: 0.0, start_s: 0.0, anchored: false, start_std_mps: 3.0, readings }
+        Segment { log: 0, run: 0, gear: Gear::Forward, progress: [0.0; 2], start_s: 0.0, anchored: false, start_std_mps: 3.0, readings }
     }
 
     #[test]

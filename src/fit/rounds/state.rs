@@ -2,7 +2,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::campaign_drift::{CampaignDrift, SPANS};
 use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueChoice;
@@ -41,8 +41,8 @@ pub(crate) struct State<'a> {
     /// Forward, reverse; zero before the first round.
     pub(crate) surfaces: PerGear<LatticeSurface>,
     pub(crate) penalties: Vec<f64>,
-    /// Whether the changes of acceleration and of torque during the campaign are estimated.
-    pub(crate) drifts: [bool; 2],
+    /// Which changes are estimated: of acceleration, then of torque, each over the campaign and over each log.
+    pub(crate) drifts: [bool; 2 * SPANS],
     /// Rounds so far.
     pub(crate) rounds: usize,
     /// The last step of the lag and of each dead time.
@@ -85,7 +85,7 @@ impl<'a> State<'a> {
             design,
             surfaces: PerGear { forward: zero.clone(), reverse: zero },
             penalties: Vec::new(),
-            drifts: [false; 2],
+            drifts: [false; 2 * SPANS],
             rounds: 0,
             last_steps: Vec::new(),
         }

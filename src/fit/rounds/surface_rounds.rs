@@ -44,7 +44,9 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
     let mut convergence = Convergence::default();
     let most = state.settings.iterations[1].max(2);
     let mut free = Free::DelaysAndDrift;
-    state.drifts = [true; 2];
+    // one log is the campaign
+    let several = state.logs.len() > 1;
+    state.drifts = [true, several, true, several];
     for round in 1.. {
         let torques = state.torques();
         let courses = courses(&data.merged, &torques, &state.calibration);

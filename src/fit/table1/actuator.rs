@@ -2,7 +2,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
-use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::campaign_drift::SPANS;
 use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::drive::undelivered::Undelivered;
@@ -106,7 +106,7 @@ pub(crate) fn actuator(found: &Delays, estimate_at_test: &Estimate, surveys: &[&
         lag: estimate(lag_s, lag_std_err_s, settings.lag_s.is_some()),
         input: choice.named(),
         drive: identified_drive(found, estimate_at_test, surveys, choice),
-        change: campaign_change(estimate_at_test),
+        changes: campaign_changes(estimate_at_test),
         per_log,
     }
 }
@@ -168,15 +168,17 @@ fn limit_of(undelivered: &[UndeliveredTorque]) -> Option<DriveLimit> {
     Some(DriveLimit { kind: best.0, value: round(best.1.1, 1e3), std_err: None })
 }
 
-/// What changed during the campaign, if anything clearly did.
-fn campaign_change(estimate: &Estimate) -> Option<CampaignChange> {
-    let (found, error) = (estimate.calibration.drift, estimate.calibration_errors.drift);
-    (found != CampaignDrift::default()).then(|| CampaignChange {
-        accel_mps2: round(found.accel_mps2, 1e6),
-        accel_std_err_mps2: round(error.accel_mps2, 1e6),
-        torque_share: round(found.torque_share, 1e6),
-        torque_share_std_err: round(error.torque_share, 1e6),
-    })
+/// What clearly changed over the campaign, and over each log.
+fn campaign_changes(estimate: &Estimate) -> Vec<CampaignChange> {
+    let (found, error) = (&estimate.calibration.drift, &estimate.calibration_errors.drift);
+    let change = |k: usize| CampaignChange {
+        of_each_log: k > 0,
+        accel_mps2: round(found.accel_mps2[k], 1e6),
+        accel_std_err_mps2: round(error.accel_mps2[k], 1e6),
+        torque_share: round(found.torque_share[k], 1e6),
+        torque_share_std_err: round(error.torque_share[k], 1e6),
+    };
+    (0..SPANS).filter(|k| found.accel_mps2[*k] != 0.0 || found.torque_share[*k] != 0.0).map(change).collect()
 }
 
 /// Mean, and its standard error by the spread of the values; 0 for a single one.

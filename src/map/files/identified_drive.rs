@@ -62,9 +62,11 @@ pub struct ComparedDrive {
     pub std_err: f64,
 }
 
-/// Changes from the middle of a campaign to its end.
+/// Changes from the middle to the end of the campaign, or of each log, before which the vehicle may have cooled down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CampaignChange {
+    /// Whether it restarts with each log.
+    pub of_each_log: bool,
     /// Change of the acceleration under the same torque [m/s²]; 0 where none is clear.
     pub accel_mps2: f64,
     /// Its standard error [m/s²].

@@ -104,8 +104,8 @@ pub struct Actuator {
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub drive: Option<IdentifiedDrive>,
     /// What changed during the campaign, where it is clear.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub change: Option<CampaignChange>,
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub changes: Vec<CampaignChange>,
     /// The same per log: a command's stamp is late by its sampling phase, differently in each log.
     pub per_log: Vec<LogActuator>,
 }
