@@ -22,4 +22,4 @@ pub(crate) mod table1;
 pub use angles::{Fit, fit, fit_angles, fit_traced};
 pub use error::{Error, Result};
 pub use known_calibration::KnownCalibration;
-pub use settings::FitSettings;
+pub use settings::{CampaignTime, FitSettings};

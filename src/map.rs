@@ -11,13 +11,13 @@ mod vehicle;
 
 pub use error::{Error, Result};
 pub(crate) use files::expect_format;
-pub use files::{CampaignChange, ComparedDrive, DriveFamily, DriveLimit, IdentifiedDrive, LimitKind, 
-    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DeadBand, DeadTimeLikelihood, DelayEstimate, DelayLikelihood, DelayStatus,
-    FIT_TRACES_FORMAT, FORMAT_VERSION, FineSurface, FitTraces, FixedText, FolderError, GridPoint, InputSource, LATERAL_TABLE_FORMAT,
-    LateralCurve, LateralEntry, LateralMean, LateralTableFile, LedgerRow, LogActuator, LogRef, MapFolder, Mismatch, PlanEntry, PlanFile,
-    PlannedRun, PlantNoise, Proposal, ResidualCells, ResidualTimes, RoundTripErrors, RunRow, RunTrace, SampleVerdict, SpeedReading,
-    SpeedSource, Stage1Report, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, Units, ZeroRow, csv_name,
-    is_csv_name, sha256_hex, write_whole,
+pub use files::{
+    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, ComparedDrive, CsvRef, DeadBand, DeadTimeLikelihood, DelayEstimate,
+    DelayLikelihood, DelayStatus, DriveFamily, DriveLimit, FIT_TRACES_FORMAT, FORMAT_VERSION, FineSurface, FitTraces, FixedText,
+    FolderError, GridPoint, IdentifiedDrive, InputSource, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, LateralTableFile,
+    LedgerRow, LimitKind, LogActuator, LogRef, MapFolder, Mismatch, PlanEntry, PlanFile, PlannedRun, PlantNoise, Proposal, ResidualCells,
+    ResidualTimes, RoundTripErrors, RunRow, RunTrace, SampleVerdict, SpeedReading, SpeedSource, Stage1Report, StoredFile, TABLE1_FORMAT,
+    TABLE2_FORMAT, Table1File, Table2File, TorqueMap, Units, ZeroRow, csv_name, is_csv_name, sha256_hex, write_whole,
 };
 pub(crate) use numbers::{ACCEL_AXIS, SPEED_AXIS, TORQUE_AXIS, check_values, decimal};
 pub use numbers::{

@@ -11,3 +11,4 @@ pub(crate) mod passes;
 pub(crate) mod regressors;
 pub(crate) mod segment;
 pub(crate) mod segmentation;
+pub(crate) mod so_far;

@@ -4,10 +4,21 @@ use crate::fit::KnownCalibration;
 use crate::map::DriveFamily;
 use serde::{Deserialize, Serialize};
 
+/// A time of a campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CampaignTime {
+    /// Its mean.
+    #[default]
+    Mean,
+    /// Its end.
+    End,
+}
+
 /// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitSettings {
-    /// Dead time of the drive [s] when it is known; estimated otherwise.
+    /// Dead time of the drive [s] when it is known; estimated otherwise. What the logs show beyond it is an offset of the clocks.
     pub dead_time_s: Option<f64>,
     /// The family of the drive when it is known; chosen by the data otherwise.
     pub drive: Option<DriveFamily>,
@@ -28,6 +39,8 @@ pub struct FitSettings {
     pub speed_breaks_mps: Option<Vec<f64>>,
     /// Torque breaks of the table [N·m]; by default the tested levels.
     pub torque_breaks_nm: Option<Vec<f64>>,
+    /// The time of the campaign whose map is made, where friction or torque changed clearly. Default: the middle.
+    pub at: CampaignTime,
     /// Share of the table's cells between the measured extremes that must be measured or interpolated; below it the fit is rejected.
     /// Default 0.3.
     pub least_coverage: f64,
@@ -48,6 +61,7 @@ impl Default for FitSettings {
             iterations: [6, 8],
             speed_breaks_mps: None,
             torque_breaks_nm: None,
+            at: CampaignTime::Mean,
             least_coverage: 0.3,
             known: None,
         }

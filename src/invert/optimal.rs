@@ -20,13 +20,7 @@ const LEAST_RISE: f64 = 1e-3;
 /// The nodes, row-major by speed; `None` when the programme does not finish.
 ///
 /// `range_nm` bounds the torque of the cloud (the tested range), `limit` that of cloud and table.
-pub(crate) fn nodes(
-    inverse: &Inverse,
-    speeds: &[f64],
-    accels: &[f64],
-    range_nm: [f64; 2],
-    limit: &DeliveredTorque,
-) -> Option<Vec<f64>> {
+pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm: [f64; 2], limit: &DeliveredTorque) -> Option<Vec<f64>> {
     let columns = accels.len();
     let n = speeds.len() * columns;
     let exact: Vec<f64> = speeds.iter().flat_map(|v| inverse.torques_nm(*v, accels)).collect();

@@ -87,7 +87,8 @@ fn invert_map(
     let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
     let csv = table.to_matrix().to_csv();
 
-    let reach: Vec<[f64; 2]> = speeds.iter().map(|v| [limit.least_nm, (limit.most_nm)(*v)].map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
+    let reach: Vec<[f64; 2]> =
+        speeds.iter().map(|v| [limit.least_nm, (limit.most_nm)(*v)].map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
     let known = map.table()?;
     let status_of = |v: f64, torque: f64| {
         let beyond = torque < tested[0] - 1e-9 || torque > tested[1] + 1e-9 || v > known.speed_mps().last() + 1e-9;

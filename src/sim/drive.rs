@@ -38,7 +38,17 @@ pub struct DriveSettings {
 
 impl Default for DriveSettings {
     fn default() -> Self {
-        Self { dead_time_s: 0.05, lag_s: 0.05, torque_limit_nm: 44.0, torque_quantum_nm: 0.0, slew_limit_nm_s: None, slew_fall_limit_nm_s: None, frequency_hz: None, damping: None, estop_brake_nm: 15.0 }
+        Self {
+            dead_time_s: 0.05,
+            lag_s: 0.05,
+            torque_limit_nm: 44.0,
+            torque_quantum_nm: 0.0,
+            slew_limit_nm_s: None,
+            slew_fall_limit_nm_s: None,
+            frequency_hz: None,
+            damping: None,
+            estop_brake_nm: 15.0,
+        }
     }
 }
 

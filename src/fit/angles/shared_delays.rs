@@ -105,7 +105,9 @@ impl Pooled {
             self.dead_time_s.entry(log.survey.track.source.sha256.clone()).or_default().add(*dead_time_s, *std_err_s);
         }
         let (_, pools) = self.drive.get_or_insert((calibration.drive, [Pool::default(); PARAMETERS]));
-        for (pool, (value, std_err)) in pools.iter_mut().zip(calibration.drive.parameters().into_iter().zip(estimate.calibration_errors.drive_s)) {
+        for (pool, (value, std_err)) in
+            pools.iter_mut().zip(calibration.drive.parameters().into_iter().zip(estimate.calibration_errors.drive_s))
+        {
             pool.add(value, std_err);
         }
     }

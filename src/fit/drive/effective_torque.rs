@@ -25,11 +25,35 @@ pub(crate) struct EffectiveTorque {
     source: TorqueSource,
     limit: TorqueLimit,
     drift: CampaignDrift,
+    /// Where the feedback gives the torque instead.
+    instead: Option<Instead>,
 }
 
-/// A position in an effective torque that moves along with time: a look-up near the last one needs no search.
+/// A feedback instead of the command's torque, in some intervals.
 #[derive(Debug, Clone)]
-pub(crate) enum TorqueCursor<'a> {
+struct Instead {
+    feedback: MeasuredTorque,
+    /// By how much the feedback is later than the command [s].
+    late_s: f64,
+    /// On the command's clock, in order [s].
+    intervals: Vec<(f64, f64)>,
+}
+
+impl Instead {
+    fn holds(&self, t_s: f64) -> bool {
+        let k = self.intervals.partition_point(|i| i.1 < t_s);
+        self.intervals.get(k).is_some_and(|i| i.0 <= t_s)
+    }
+
+    /// The torque at a time of the command's clock, if the feedback gives it.
+    fn at(&self, t_s: f64) -> Option<Torque> {
+        self.holds(t_s).then(|| self.feedback.at(t_s + self.late_s))
+    }
+}
+
+/// A position in the source of an effective torque.
+#[derive(Debug, Clone)]
+enum SourceCursor<'a> {
     /// In a lagged command.
     Lagged(LaggedCursor<'a>),
     /// In the response of another drive.
@@ -38,9 +62,8 @@ pub(crate) enum TorqueCursor<'a> {
     Measured(MeasuredCursor<'a>),
 }
 
-impl TorqueCursor<'_> {
-    /// As [`EffectiveTorque::at`].
-    pub(crate) fn at(&mut self, t_s: f64) -> Torque {
+impl SourceCursor<'_> {
+    fn at(&mut self, t_s: f64) -> Torque {
         match self {
             Self::Lagged(cursor) => cursor.at(t_s),
             Self::Sampled(cursor) => cursor.at(t_s),
@@ -48,8 +71,7 @@ impl TorqueCursor<'_> {
         }
     }
 
-    /// Whether the torque moves by more than `share` of the largest between two times, in order.
-    pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
+    fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
         match self {
             Self::Lagged(cursor) => cursor.moves(from_s, to_s, share),
             Self::Sampled(cursor) => cursor.moves(from_s, to_s, share),
@@ -58,10 +80,30 @@ impl TorqueCursor<'_> {
     }
 }
 
+/// A position in an effective torque that moves along with time: a look-up near the last one needs no search.
+#[derive(Debug, Clone)]
+pub(crate) struct TorqueCursor<'a> {
+    source: SourceCursor<'a>,
+    instead: Option<&'a Instead>,
+}
+
+impl TorqueCursor<'_> {
+    /// As [`EffectiveTorque::at`].
+    pub(crate) fn at(&mut self, t_s: f64) -> Torque {
+        self.instead.and_then(|i| i.at(t_s)).unwrap_or_else(|| self.source.at(t_s))
+    }
+
+    /// Whether the torque moves by more than `share` of the largest between two times, in order.
+    pub(crate) fn moves(&mut self, from_s: f64, to_s: f64, share: Share) -> bool {
+        // a feedback may move at any time
+        self.instead.is_some_and(|i| i.holds(from_s) || i.holds(to_s)) || self.source.moves(from_s, to_s, share)
+    }
+}
+
 impl EffectiveTorque {
     /// The command through a first-order lag.
     pub(crate) fn lagged(command: LaggedCommand) -> Self {
-        Self { source: TorqueSource::Lagged(command), limit: TorqueLimit::None, drift: CampaignDrift::default() }
+        Self { source: TorqueSource::Lagged(command), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
     }
 
     /// The changes of a command through a drive.
@@ -71,12 +113,12 @@ impl EffectiveTorque {
         } else {
             TorqueSource::Sampled(SampledTorque::new(changes, drive))
         };
-        Self { source, limit: drive.limit, drift: CampaignDrift::default() }
+        Self { source, limit: drive.limit, drift: CampaignDrift::default(), instead: None }
     }
 
     /// The torque feedback, which holds whatever the drive does.
     pub(crate) fn measured(feedback: MeasuredTorque) -> Self {
-        Self { source: TorqueSource::Measured(feedback), limit: TorqueLimit::None, drift: CampaignDrift::default() }
+        Self { source: TorqueSource::Measured(feedback), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
     }
 
     /// The same with what changes during the campaign.
@@ -94,22 +136,25 @@ impl EffectiveTorque {
         self.limit
     }
 
+    /// The same with a feedback instead of the command in some intervals, on the command's clock, in order [s]. The feedback is `late_s`
+    /// later than the command.
+    pub(crate) fn with_feedback(self, feedback: MeasuredTorque, late_s: f64, intervals: Vec<(f64, f64)>) -> Self {
+        Self { instead: Some(Instead { feedback, late_s, intervals }), ..self }
+    }
+
     /// Effective torque at `t_s`. The dead time is already subtracted: pass t − T_d.
     pub(crate) fn at(&self, t_s: f64) -> Torque {
-        match &self.source {
-            TorqueSource::Lagged(lagged) => lagged.at(t_s),
-            TorqueSource::Sampled(sampled) => sampled.at(t_s),
-            TorqueSource::Measured(measured) => measured.at(t_s),
-        }
+        self.cursor().at(t_s)
     }
 
     /// A cursor at the beginning.
     pub(crate) fn cursor(&self) -> TorqueCursor<'_> {
-        match &self.source {
-            TorqueSource::Lagged(lagged) => TorqueCursor::Lagged(lagged.cursor()),
-            TorqueSource::Sampled(sampled) => TorqueCursor::Sampled(sampled.cursor()),
-            TorqueSource::Measured(measured) => TorqueCursor::Measured(measured.cursor()),
-        }
+        let source = match &self.source {
+            TorqueSource::Lagged(lagged) => SourceCursor::Lagged(lagged.cursor()),
+            TorqueSource::Sampled(sampled) => SourceCursor::Sampled(sampled.cursor()),
+            TorqueSource::Measured(measured) => SourceCursor::Measured(measured.cursor()),
+        };
+        TorqueCursor { source, instead: self.instead.as_ref() }
     }
 
     /// Largest torque commanded [N·m].

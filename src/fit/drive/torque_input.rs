@@ -130,6 +130,19 @@ impl TorqueChoice {
         self.undelivered.get(log).map_or(&[], Vec::as_slice)
     }
 
+    /// What stands for the torque of a log's command where it was not delivered: the corrected feedback, by how much it is later, and the
+    /// intervals in which the torque depends on it.
+    pub(crate) fn instead(&self, track: &Track) -> Option<(MeasuredTorque, f64, Vec<(f64, f64)>)> {
+        let undelivered = self.undelivered(&track.source);
+        if self.feedback || undelivered.is_empty() {
+            return None;
+        }
+        let (scale, delays) = (self.scales.get(&track.source)?, self.delays.get(&track.source)?);
+        let corrected = scale.corrected(track.feedback_nm.as_ref()?)?;
+        let intervals = undelivered.iter().map(|u| (u.from_s, u.forgotten_s)).collect();
+        Some((MeasuredTorque::new(&track.command_nm, &corrected, 0.0), delays.dead_time_s, intervals))
+    }
+
     /// The same choice with the command as the input.
     pub(crate) fn with_command(&self) -> Self {
         Self { feedback: false, ..self.clone() }

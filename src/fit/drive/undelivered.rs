@@ -27,6 +27,8 @@ pub(crate) struct Undelivered {
     /// First and last moment on the command's clock [s].
     pub(crate) from_s: f64,
     pub(crate) to_s: f64,
+    /// Until when the torque depends on what was delivered in it [s].
+    pub(crate) forgotten_s: f64,
     /// Median torque delivered in it [N·m].
     pub(crate) torque_nm: f64,
 }
@@ -70,8 +72,8 @@ pub(crate) fn undelivered(command: &Series, feedback: &Series, (dead_time_s, lag
         let (Some(a), Some(b)) = (of_settled.first(), of_settled.last()) else { continue };
         if feedback.t_s[*b] - feedback.t_s[*a] >= SHORTEST_S {
             let delivered: Vec<f64> = of_settled.iter().map(|k| feedback.value[*k]).collect();
-            let (from_s, to_s) = (feedback.t_s[first] - dead_time_s - MARGIN_S, feedback.t_s[i - 1] - dead_time_s + MARGIN_S + FORGOTTEN * lag_s);
-            found.push(Undelivered { from_s, to_s, torque_nm: median(&delivered) });
+            let (from_s, to_s) = (feedback.t_s[first] - dead_time_s - MARGIN_S, feedback.t_s[i - 1] - dead_time_s);
+            found.push(Undelivered { from_s, to_s, forgotten_s: to_s + FORGOTTEN * lag_s, torque_nm: median(&delivered) });
         }
     }
     found
@@ -96,6 +98,6 @@ mod tests {
         let feedback = Series { value: t_s.iter().enumerate().map(read).collect(), t_s };
         let found = undelivered(&command, &feedback, (0.04, 0.05));
         assert_eq!(found.len(), 1, "{found:?}");
-        assert!((found[0].from_s - 11.9).abs() < 0.08 && (found[0].to_s - 14.35).abs() < 0.15 && (found[0].torque_nm - 20.0).abs() < 0.2);
+        assert!((found[0].from_s - 11.9).abs() < 0.08 && (found[0].to_s - 14.1).abs() < 0.15 && (found[0].torque_nm - 20.0).abs() < 0.2);
     }
 }

@@ -5,6 +5,7 @@ use crate::fit::calibration::Calibration;
 use crate::fit::drive::campaign_drift::{CampaignDrift, Progress};
 use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::measured_torque::MeasuredTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::noise::model::Reading;
@@ -29,6 +30,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) command: Series,
     /// Source of its effective torque.
     pub(crate) input: TorqueInput,
+    /// The feedback instead of the command's torque where it was not delivered: by how much it is later, and the intervals.
+    pub(crate) instead: Option<(MeasuredTorque, f64, Vec<(f64, f64)>)>,
     /// Where the drive did not deliver the torque that was asked for, on the command's clock [s].
     pub(crate) undelivered_s: Vec<(f64, f64)>,
     /// Timing errors of the steps of its command.
@@ -47,7 +50,11 @@ pub(crate) struct LogData<'a> {
 impl LogData<'_> {
     /// The effective torque; the drive counts for a command only.
     pub(crate) fn torque(&self, drive: &DriveModel, drift: CampaignDrift) -> EffectiveTorque {
-        self.input.torque(&self.survey.track, &self.command, drive).drifting(drift)
+        let torque = self.input.torque(&self.survey.track, &self.command, drive).drifting(drift);
+        match &self.instead {
+            Some((feedback, late_s, intervals)) => torque.with_feedback(feedback.clone(), *late_s, intervals.clone()),
+            None => torque,
+        }
     }
 
     /// Readings of encoder and yaw rate in an interval, in order of time and in the gear's frame.

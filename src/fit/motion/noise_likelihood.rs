@@ -113,6 +113,9 @@ pub(crate) fn well_explained(
     share: f64,
 ) -> (Vec<Segment>, Vec<Vec<f64>>) {
     let score: Vec<f64> = white.iter().map(|w| w.iter().map(|e| e * e).sum::<f64>() / w.len().max(1) as f64).collect();
+    if score.is_empty() {
+        return (Vec::new(), Vec::new());
+    }
     let mut sorted = score.clone();
     sorted.sort_unstable_by(f64::total_cmp);
     let limit = sorted[((sorted.len() as f64 * share) as usize).min(sorted.len() - 1)];

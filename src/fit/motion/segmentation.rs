@@ -5,27 +5,13 @@ use crate::campaign::Stretch;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::{EffectiveTorque, TorqueCursor};
 use crate::fit::drive::torque_input::TorqueInput;
+use crate::fit::motion::coarse_readings::replace_coarse_of;
 use crate::fit::motion::expected_stop::readings_before_stop;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
-use crate::fit::noise::model::{Noise, Reading, UNKNOWN_SPEED_MPS};
-use crate::fit::surface::lattice::LatticeSurface;
-use crate::map::{Gear, PerGear};
-
-/// Surfaces and noise as found so far.
-#[derive(Clone, Copy)]
-pub(crate) struct SoFar<'a> {
-    /// Forward, reverse.
-    pub(crate) surfaces: &'a PerGear<LatticeSurface>,
-    pub(crate) noise: &'a Noise,
-}
-
-impl<'a> SoFar<'a> {
-    fn surface(&self, gear: Gear) -> &'a LatticeSurface {
-        &self.surfaces[gear]
-    }
-}
+use crate::fit::motion::so_far::SoFar;
+use crate::fit::noise::model::{Reading, UNKNOWN_SPEED_MPS};
 
 /// Fewest readings of a segment.
 const FEWEST_READINGS: usize = 8;
@@ -147,13 +133,24 @@ impl OfLog<'_> {
             let drive = (stretch.gear.sign(), self.dead_time_s(), self.calibration.drive.mean_lag_s());
             self.log.timing.add_to(&mut readings, start_s, drive, |v, u| surface.accel_mps2(v, u));
         }
-        Segment { log: self.number, run, gear: stretch.gear, progress: self.log.progress[run], start_s, anchored: breakaway.is_some(), start_std_mps, readings }
+        Segment {
+            log: self.number,
+            run,
+            gear: stretch.gear,
+            progress: self.log.progress[run],
+            start_s,
+            anchored: breakaway.is_some(),
+            start_std_mps,
+            readings,
+        }
     }
 
     /// Removes the readings after the stop, if the stretch comes to rest.
     fn end_at_the_stop(&self, whole: &mut Segment, stretch: &Stretch) {
         let Some(so_far) = self.so_far.filter(|_| stretch.stopped_s.is_some()) else { return };
-        let course = Course::new(whole, self.lagged, self.dead_time_s());
+        let mut judged = whole.clone();
+        replace_coarse_of(&mut judged, self.log, self.calibration.encoder_scale, (self.lagged, self.dead_time_s()), so_far);
+        let course = Course::new(&judged, self.lagged, self.dead_time_s());
         // where a wrong surface expects no stop, the survey's stop counts
         let before = readings_before_stop(&course, so_far.surface(stretch.gear), so_far.noise, FEWEST_READINGS);
         let surveyed = whole.readings.partition_point(|r| r.t_s <= stretch.to_s);
@@ -217,12 +214,21 @@ fn split(readings: &[Reading], cuts: &[(f64, f64)], model: &Segment, segments: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::map::Gear;
 
     #[test]
     fn a_cut_splits_a_segment_and_only_the_first_part_stays_anchored() {
         let readings: Vec<Reading> = (0..100u32).map(|k| Reading::single(f64::from(k) * 0.01, 0.1, 1, k)).collect();
-        let model =
-            Segment { log: 0, run: 0, gear: Gear::Forward, progress: [0.0; 2], start_s: -0.005, anchored: true, start_std_mps: 3e-3, readings: Vec::new() };
+        let model = Segment {
+            log: 0,
+            run: 0,
+            gear: Gear::Forward,
+            progress: [0.0; 2],
+            start_s: -0.005,
+            anchored: true,
+            start_std_mps: 3e-3,
+            readings: Vec::new(),
+        };
         let mut segments = Vec::new();
         split(&readings, &[(0.405, 0.505)], &model, &mut segments);
         assert_eq!(segments.len(), 2);

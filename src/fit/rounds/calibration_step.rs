@@ -55,7 +55,7 @@ impl State<'_> {
             hold(&mut prior[nuisance::ENCODER_DELAY]);
         }
         for (std, log) in prior[nuisance::DEAD_TIME..].iter_mut().zip(&self.logs) {
-            if self.settings.dead_time_s.is_some() || known.is_some_and(|k| k.dead_time_s.contains_key(&log.survey.track.source.sha256)) {
+            if known.is_some_and(|k| k.dead_time_s.contains_key(&log.survey.track.source.sha256)) {
                 hold(std);
             }
         }
@@ -107,11 +107,10 @@ impl State<'_> {
         let std_err = |k: usize| solution.covariance[(q + k, q + k)].max(0.0).sqrt();
         self.calibration_errors.drive_s = std::array::from_fn(|p| std_err(nuisance::DRIVE + p));
         self.calibration_errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
-        self.calibration_errors.drift =
-            CampaignDrift {
-                accel_mps2: std::array::from_fn(|k| std_err(nuisance::DRIFT_ACCEL + k)),
-                torque_share: std::array::from_fn(|k| std_err(nuisance::DRIFT_TORQUE + k)),
-            };
+        self.calibration_errors.drift = CampaignDrift {
+            accel_mps2: std::array::from_fn(|k| std_err(nuisance::DRIFT_ACCEL + k)),
+            torque_share: std::array::from_fn(|k| std_err(nuisance::DRIFT_TORQUE + k)),
+        };
         if free == Free::DelaysAndEncoder {
             self.calibration_errors.encoder_scale = std_err(nuisance::ENCODER_SCALE);
             if self.has_yaw {

@@ -156,8 +156,7 @@ fn sums(held_out: &HeldOut, without: &[Without]) -> Sums {
         .zip(held_out.fold)
         .map(|((course, speed), fold)| {
             let segment = course.segment;
-            let predicted =
-                |Fitted { surfaces, delays_s }: &Fitted| course.predicted_with(speed, surface_of(surfaces, segment), delays_s);
+            let predicted = |Fitted { surfaces, delays_s }: &Fitted| course.predicted_with(speed, surface_of(surfaces, segment), delays_s);
             let Without { physics, surface } = &without[*fold];
             let (physics, surface) = (predicted(physics), predicted(surface));
             let mut rows: Vec<f64> = Vec::with_capacity(2 * physics.len());

@@ -77,15 +77,12 @@ pub(crate) fn limited(drive: DriveModel, largest: TorqueLimit) -> Vec<DriveModel
     LIMITS.iter().map(|share| DriveModel { limit: largest.scaled(*share), ..drive }).collect()
 }
 
-/// The best of `drives` and the best dead time of each log, which may be given; parameters that are not given are then refined.
-pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<f64>, drives: &[DriveModel]) -> GridResult {
+/// The best of `drives` and the best dead time of each log; the parameters are then refined.
+pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel]) -> GridResult {
     let measured = logs.iter().any(|l| l.log.input != TorqueInput::Command);
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
-    let coarse: Vec<f64> = match fixed_dead_time_s {
-        Some(d) => vec![d],
-        None => (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect(),
-    };
+    let coarse: Vec<f64> = (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect();
     let profile = |log: &GridLog, torque: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
         dead_times
             .iter()
@@ -93,7 +90,11 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<
             .fold((f64::INFINITY, 0.0), |best, tried| if tried.0 < best.0 { tried } else { best })
     };
     let of_drive = |drive: &DriveModel, dead_times: &dyn Fn(usize) -> Vec<f64>| -> GridResult {
-        let best: Vec<(f64, f64)> = logs.iter().enumerate().map(|(k, log)| profile(log, &log.log.torque(drive, CampaignDrift::default()), &dead_times(k))).collect();
+        let best: Vec<(f64, f64)> = logs
+            .iter()
+            .enumerate()
+            .map(|(k, log)| profile(log, &log.log.torque(drive, CampaignDrift::default()), &dead_times(k)))
+            .collect();
         GridResult { deviance: best.iter().map(|b| b.0).sum(), drive: *drive, dead_time_s: best.iter().map(|b| b.1).collect() }
     };
     let better = |best: GridResult, tried: GridResult| if tried.deviance < best.deviance { tried } else { best };
@@ -101,9 +102,6 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<
     let start = found.into_iter().reduce(better);
     let mut best = start.unwrap_or_else(|| of_drive(&DriveModel::first_order(0.05), &|_| coarse.clone()));
     let near = |centre: &[f64], k: usize| -> Vec<f64> {
-        if fixed_dead_time_s.is_some() {
-            return vec![centre[k]];
-        }
         (-4i32..=4).map(|n| (centre[k] + f64::from(n) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect()
     };
     let plain = best.drive.kind == DriveKind::FirstOrder && best.drive.limit == TorqueLimit::None;
@@ -123,11 +121,8 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, fixed_dead_time_s: Option<
             }
         }
     }
-    if fixed_dead_time_s.is_none() {
-        let centre = best.dead_time_s.clone();
-        best = of_drive(&best.drive, &|k| near(&centre, k));
-    }
-    best
+    let centre = best.dead_time_s.clone();
+    of_drive(&best.drive, &|k| near(&centre, k))
 }
 
 /// ‖y − Xc‖² of the best small model for one log.

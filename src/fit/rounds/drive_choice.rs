@@ -16,7 +16,8 @@ use crate::fit::motion::integration::{Course, courses, surface_of};
 use crate::fit::motion::passes::{along_one, wide_speed};
 use crate::fit::motion::regressors::Free;
 use crate::fit::motion::segment::Segment;
-use crate::fit::motion::segmentation::{SoFar, all_segments};
+use crate::fit::motion::segmentation::all_segments;
+use crate::fit::motion::so_far::SoFar;
 use crate::fit::rounds::cross_validation::{self, HeldOut};
 use crate::fit::rounds::delay_grid;
 use crate::fit::rounds::delay_rounds;
@@ -77,7 +78,8 @@ pub(crate) fn choose(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSe
         tried.extend(promising(&of_kind(*kind), if two_slopes { best } else { tried[0].deviance }));
         best = tried.iter().map(|g| g.deviance).fold(best, f64::min);
     }
-    let unlimited = tried.iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map_or(tried[0].calibration.drive, |g| g.calibration.drive);
+    let unlimited =
+        tried.iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map_or(tried[0].calibration.drive, |g| g.calibration.drive);
     for largest in [TorqueLimit::Power(largest_power(surveys)), TorqueLimit::Torque(largest_nm(surveys))] {
         tried.extend(promising(&delay_grid::limited(unlimited, largest), best));
     }

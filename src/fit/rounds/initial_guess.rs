@@ -74,7 +74,7 @@ impl<'a> InitialGuess<'a> {
                 }
             })
             .collect();
-        let found = delay_grid::search(&views, &noise, settings.dead_time_s, &drives_to_try(choice, settings, drives));
+        let found = delay_grid::search(&views, &noise, &drives_to_try(choice, settings, drives));
         (calibration.dead_time_s, calibration.drive) = (found.dead_time_s, found.drive);
         hold_known(&mut calibration, &logs, settings);
         let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
@@ -169,6 +169,7 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<Progress>, ch
         command: changes(&survey.track.command_nm),
         input: choice.of(&survey.track.source),
         yaw_outliers: yaw_outliers.unwrap_or_default(),
+        instead: choice.instead(&survey.track),
         undelivered_s: undelivered_s(choice, survey),
         timing: StepTiming::new(&survey.track.command_nm),
         cuts: Cuts::default(),

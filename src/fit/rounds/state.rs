@@ -14,7 +14,8 @@ use crate::fit::motion::merging::merged;
 use crate::fit::motion::noise_likelihood;
 use crate::fit::motion::passes::{Pass, PassResult, wide_speeds};
 use crate::fit::motion::segment::Segment;
-use crate::fit::motion::segmentation::{SoFar, all_segments};
+use crate::fit::motion::segmentation::all_segments;
+use crate::fit::motion::so_far::SoFar;
 use crate::fit::noise::model::Noise;
 use crate::fit::rounds::convergence::DelayStep;
 use crate::fit::rounds::estimate::CalibrationErrors;
@@ -72,7 +73,12 @@ impl<'a> State<'a> {
         let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice, .. } = guess;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
-        let calibration_errors = CalibrationErrors { dead_time_s: vec![0.0; logs.len()], drive_s: [0.0; PARAMETERS], drift: CampaignDrift::default(), encoder_scale: 0.0 };
+        let calibration_errors = CalibrationErrors {
+            dead_time_s: vec![0.0; logs.len()],
+            drive_s: [0.0; PARAMETERS],
+            drift: CampaignDrift::default(),
+            encoder_scale: 0.0,
+        };
         Self {
             settings: settings.clone(),
             logs,

@@ -42,7 +42,13 @@ impl From<&Estimate<'_>> for Delays {
 ///
 /// If the feedback was the input, the estimated delays are those from feedback to speed. A controller needs those from the command: the
 /// feedback's own dead time is added, and its lag replaces the missing one.
-pub(crate) fn actuator(found: &Delays, estimate_at_test: &Estimate, surveys: &[&Survey], choice: &TorqueChoice, settings: &FitSettings) -> Actuator {
+pub(crate) fn actuator(
+    found: &Delays,
+    estimate_at_test: &Estimate,
+    surveys: &[&Survey],
+    choice: &TorqueChoice,
+    settings: &FitSettings,
+) -> Actuator {
     let status = |given: bool, std_err_s: f64| {
         if given {
             DelayStatus::Given
@@ -72,22 +78,28 @@ pub(crate) fn actuator(found: &Delays, estimate_at_test: &Estimate, surveys: &[&
                 None => (own, None),
             };
             std_errs_s.push(std_err);
+            if let Some(given_s) = settings.dead_time_s {
+                return LogActuator {
+                    sha256: survey.track.source.sha256.clone(),
+                    file: survey.track.source.file.clone(),
+                    dead_time: estimate(given_s, std_err, true),
+                    clock_offset: offset_estimate(total - given_s, std_err),
+                };
+            }
             let (clock_offset, dead_time) = match (offset, feedback) {
                 (Some((offset, error)), Some(f)) => {
-                    let real = offset.abs() > CLOCK_OFFSET_S.max(4.0 * error);
-                    let offset = DelayEstimate {
-                        value_s: round(offset, 1e6),
-                        std_err_s: Some(round(error, 1e6)),
-                        status: if real { DelayStatus::Estimated } else { DelayStatus::NoneFound },
-                    };
-                    (offset, if real { f.dead_time_s } else { total })
+                    let offset = offset_estimate(offset, error);
+                    let dead_time = if offset.status == DelayStatus::Estimated { f.dead_time_s } else { total };
+                    (offset, dead_time)
                 }
+                // no drive acts before its command: the speed's clock is ahead
+                _ if total < 0.0 => (offset_estimate(total, std_err), total),
                 _ => (DelayEstimate { value_s: 0.0, std_err_s: None, status: DelayStatus::NotSeparable }, total),
             };
             LogActuator {
                 sha256: survey.track.source.sha256.clone(),
                 file: survey.track.source.file.clone(),
-                dead_time: estimate(dead_time, std_err, given),
+                dead_time: estimate(dead_time.max(0.0), std_err, given),
                 clock_offset,
             }
         })
@@ -108,6 +120,16 @@ pub(crate) fn actuator(found: &Delays, estimate_at_test: &Estimate, surveys: &[&
         drive: identified_drive(found, estimate_at_test, surveys, choice),
         changes: campaign_changes(estimate_at_test),
         per_log,
+    }
+}
+
+/// An offset between the clocks of command and speed, and whether it counts as one.
+fn offset_estimate(offset_s: f64, std_err_s: f64) -> DelayEstimate {
+    let real = offset_s.abs() > CLOCK_OFFSET_S.max(4.0 * std_err_s);
+    DelayEstimate {
+        value_s: round(offset_s, 1e6),
+        std_err_s: Some(round(std_err_s, 1e6)),
+        status: if real { DelayStatus::Estimated } else { DelayStatus::NoneFound },
     }
 }
 

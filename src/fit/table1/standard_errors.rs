@@ -5,19 +5,33 @@
 //! uncertainty of the delays. Added to it: the square of the smoothing bias cᵀ·H⁻¹Λβ, and the uncertainty of that bias by penalties that
 //! are not exactly known (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth
 //! models*). If only a share w of the surface's deviations is used, 1 − w of their square stands for the doubt between form and surface.
+//! All of it is then held against a jackknife over runs, and multiplied where that spreads wider.
 
-use crate::fit::motion::integration::courses;
+use crate::fit::motion::integration::{Course, courses};
 use crate::fit::motion::regressors::add_score;
 use crate::fit::rounds::estimate::Estimate;
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
+use crate::signal::median;
 use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+
+/// Fewest folds whose spread says something.
+const FEWEST_FOLDS: usize = 4;
+/// Largest factor on the standard errors: beyond it the model is wrong, which other checks report.
+const MOST_INFLATION: f64 = 3.0;
+/// Median of a χ² distribution with four degrees of freedom, over its mean.
+const MEDIAN_OF_CHI_SQUARE: f64 = 0.839;
+/// Every seventh reading gives a place, and so many of them are enough.
+const EVERY: usize = 7;
+const MOST_POINTS: usize = 400;
 
 /// Covariances of the coefficients, those of the design and of the nuisance columns.
 pub(crate) struct Uncertainty {
     posterior: Mat<f64>,
     sandwich: Mat<f64>,
+    /// Factor by which the spread of fits without a part of the runs exceeds these, at least 1.
+    inflation: PerGear<f64>,
 }
 
 impl Uncertainty {
@@ -26,7 +40,33 @@ impl Uncertainty {
         let posterior = estimate.model.stacked.solution.covariance.clone();
         let half = &posterior * &meat(estimate);
         let sandwich = &half * &posterior;
-        Self { posterior, sandwich }
+        let plain = Self { posterior, sandwich, inflation: PerGear::from_fn(|_| 1.0) };
+        let inflation = PerGear::from_fn(|gear| plain.jackknife_ratio(estimate, gear));
+        Self { inflation, ..plain }
+    }
+
+    /// The spread of the surfaces fitted without each fold of the runs, over these standard errors: the delete-a-group jackknife (Efron &
+    /// Stein 1981; Kott 2001, *The delete-a-group jackknife*), with penalties chosen again in every fold. The median over the places where
+    /// the runs have been, from 1 to [`MOST_INFLATION`].
+    fn jackknife_ratio(&self, estimate: &Estimate, gear: Gear) -> f64 {
+        let Some(validation) = &estimate.validation else { return 1.0 };
+        let points = visited(estimate, gear);
+        let folds = validation.without.len();
+        if points.is_empty() || folds < FEWEST_FOLDS {
+            return 1.0;
+        }
+        let std_errs = self.std_errs_mps2(estimate, gear, &points);
+        let ratios: Vec<f64> = points
+            .iter()
+            .zip(std_errs)
+            .map(|((v, u), std_err)| {
+                let values: Vec<f64> = validation.without.iter().map(|w| w[gear].accel_mps2(*v, *u)).collect();
+                let mean = values.iter().sum::<f64>() / folds as f64;
+                let squares: f64 = values.iter().map(|a| (a - mean).powi(2)).sum();
+                squares * (folds as f64 - 1.0) / folds as f64 / (std_err * std_err).max(1e-18)
+            })
+            .collect();
+        (median(&ratios) / MEDIAN_OF_CHI_SQUARE).sqrt().clamp(1.0, MOST_INFLATION)
     }
 
     /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
@@ -46,10 +86,25 @@ impl Uncertainty {
                     bias += pulled;
                     extra += pull.relative_variance * pulled * pulled;
                 }
-                (posterior.max(sandwich) + bias * bias + extra).sqrt()
+                self.inflation[gear] * (posterior.max(sandwich) + bias * bias + extra).sqrt()
             })
             .collect()
     }
+}
+
+/// Some of the speeds and torques that the runs of a gear have been at.
+fn visited(estimate: &Estimate, gear: Gear) -> Vec<(f64, f64)> {
+    let lagged = estimate.torques();
+    let mut points = Vec::new();
+    for (segment, lookups) in estimate.paths.merged.iter().zip(&estimate.paths.lookups).filter(|(s, _)| s.gear == gear) {
+        let course = Course::new(segment, &lagged[segment.log], estimate.calibration.dead_time_s[segment.log]);
+        points.extend((0..course.rows()).step_by(EVERY).filter_map(|row| {
+            let (v, step) = course.along(lookups, row).last()?;
+            Some((v, step.torque.torque_nm))
+        }));
+    }
+    let stride = points.len().div_ceil(MOST_POINTS).max(1);
+    points.into_iter().step_by(stride).collect()
 }
 
 /// The row c with A(V, U) = cᵀβ.

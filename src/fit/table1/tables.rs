@@ -1,10 +1,11 @@
 //! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
+use crate::fit::drive::campaign_drift::{Change, SPANS};
 use crate::fit::drive::torque_limit::TorqueLimit;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
-use crate::fit::{FitSettings, Result};
+use crate::fit::{CampaignTime, FitSettings, Result};
 use crate::map::{AccelMap, AccelTable, Axis, BreakawayTorque, CellStatus, CsvRef, FineSurface, Gear, csv_name, sha256_hex};
 use std::collections::BTreeMap;
 
@@ -101,8 +102,10 @@ pub(crate) fn accel_map(
     let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
     let surface = estimate.model.surface(gear);
     let limit = estimate.calibration.drive.limit;
+    let change = if settings.at == CampaignTime::End { estimate.calibration.drift.at([1.0; SPANS]) } else { Change::default() };
     let grid = |torques: &[f64], speeds: &[f64], limit: TorqueLimit| -> Vec<Vec<f64>> {
-        torques.iter().map(|u| speeds.iter().map(|v| round9(surface.accel_mps2(*v, limit.delivered_nm(*v, *u)))).collect()).collect()
+        let accel_mps2 = |v: f64, u: f64| surface.accel_mps2(v, (1.0 + change.torque_share) * limit.delivered_nm(v, u)) + change.accel_mps2;
+        torques.iter().map(|u| speeds.iter().map(|v| round9(accel_mps2(*v, *u))).collect()).collect()
     };
     let accel = grid(&torque, &speed, limit);
     let table = AccelTable::new(Axis::new("speed_mps", speed.clone())?, Axis::new("torque_nm", torque.clone())?, accel.concat())?;
@@ -152,8 +155,12 @@ pub(crate) fn accel_map(
         status,
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
-        surface: FineSurface { // before the limit: a corner between lines of a grid would be none
-            accel_mps2: grid(&fine_torque, &fine, TorqueLimit::None), torque_nm: fine_torque, speed_mps: fine },
+        surface: FineSurface {
+            // before the limit: a corner between lines of a grid would be none
+            accel_mps2: grid(&fine_torque, &fine, TorqueLimit::None),
+            torque_nm: fine_torque,
+            speed_mps: fine,
+        },
         speed_mps: speed,
         torque_nm: torque,
     })

@@ -1,7 +1,7 @@
 //! `table1.json`: Table 1 with everything that is not in its CSV.
 
-use crate::map::files::identified_drive::{CampaignChange, IdentifiedDrive};
 use crate::map::files::format::{TABLE1_FORMAT, expect_format};
+use crate::map::files::identified_drive::{CampaignChange, IdentifiedDrive};
 use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::{ActuatorInput, DelayStatus, SampleVerdict, SpeedSource};
