@@ -8,7 +8,7 @@ use crate::cli::listener::UiListener;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
 use crate::fit::{CampaignTime, FitSettings};
-use crate::map::{Actuator, DriveFamily, LimitKind, Table1File};
+use crate::map::{DriveFamily, Table1File};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
 
@@ -130,50 +130,6 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     Ok(if fitted.fit.sound && !(fitted.is_damaged && arguments.is_strict()) { Outcome::Done } else { Outcome::Rejected })
 }
 
-/// The drive beyond dead time and lag, and what changed during the campaign.
-fn drive_lines(actuator: &Actuator) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let Some(drive) = &actuator.drive {
-        let text = match (drive.family, drive.slopes_nm_s, drive.frequency_hz.zip(drive.damping)) {
-            (DriveFamily::RateLimit, Some([a, b]), _) if a == b => format!("rate limit of {a:.0} N·m/s"),
-            (DriveFamily::RateLimit, Some([a, b]), _) if drive.slopes_by_magnitude => {
-                format!("rate limits of {a:.0} N·m/s growing and {b:.0} N·m/s falling")
-            }
-            (DriveFamily::RateLimit, Some([a, b]), _) => format!("rate limits of {a:.0} N·m/s up and {b:.0} N·m/s down"),
-            (_, _, Some((hz, damping))) => format!("second-order lag of {hz:.2} Hz with damping {damping:.2}"),
-            (DriveFamily::Feedback, _, _) => "as the torque feedback shows it".to_owned(),
-            _ => "first-order lag".to_owned(),
-        };
-        lines.push(format!("drive      {text}"));
-        if let Some(limit) = drive.limit {
-            let unit = match limit.kind {
-                LimitKind::Torque => "N·m",
-                LimitKind::Power => "N·m·m/s (torque times speed)",
-                LimitKind::Speed => "m/s (a governor)",
-            };
-            let error = limit.std_err.map_or(String::new(), |e| format!(" ± {e:.2}"));
-            lines.push(format!("limit      {:.2}{error} {unit}", limit.value));
-        }
-        if let Some(seconds) = drive.undelivered_s {
-            lines.push(format!("           the feedback lacks the torque that was asked for in {seconds:.1} s"));
-        }
-    }
-    for change in &actuator.changes {
-        let of = if change.of_each_log { "each log" } else { "the campaign" };
-        if change.accel_mps2 != 0.0 {
-            let (value, error) = (2.0 * change.accel_mps2, 2.0 * change.accel_std_err_mps2);
-            lines.push(format!(
-                "drift      from the beginning to the end of {of} the same torque accelerates by {value:.3} ± {error:.3} m/s² more"
-            ));
-        }
-        if change.torque_share != 0.0 {
-            let (value, error) = (200.0 * change.torque_share, 200.0 * change.torque_share_std_err);
-            lines.push(format!("drift      from the beginning to the end of {of} the torque changes by {value:.1} ± {error:.1} %"));
-        }
-    }
-    lines
-}
-
 /// The text summary.
 pub(crate) fn show(file: &Table1File, ui: Ui) {
     let mut table = Table::new();
@@ -198,8 +154,8 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
     }
     ui.say(format!("dead time  {}", text(&actuator.dead_time)));
     ui.say(format!("lag        {}", text(&actuator.lag)));
-    for line in drive_lines(actuator) {
-        ui.say(line);
+    for (label, text) in actuator.drive_lines() {
+        ui.say(format!("{label:<10} {text}"));
     }
     for log in &actuator.per_log {
         ui.say(format!("  {}: dead time {}, clock offset {}", log.file, text(&log.dead_time), text(&log.clock_offset)));

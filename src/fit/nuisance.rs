@@ -9,9 +9,9 @@ pub(crate) const DRIVE: usize = 0;
 pub(crate) const ENCODER_SCALE: usize = DRIVE + PARAMETERS;
 /// Change of the encoder's delay [s].
 pub(crate) const ENCODER_DELAY: usize = ENCODER_SCALE + 1;
-/// Changes of the acceleration from the middle to the end of the campaign, and of each log [m/s²].
-pub(crate) const DRIFT_ACCEL: usize = ENCODER_DELAY + 1;
-/// Relative changes of the torque from the middle to the end of the campaign, and of each log.
-pub(crate) const DRIFT_TORQUE: usize = DRIFT_ACCEL + SPANS;
+/// Relative changes of friction over half of the campaign, and of each log.
+pub(crate) const DRIFT_FRICTION: usize = ENCODER_DELAY + 1;
+/// Relative changes of the torque over half of the campaign, and of each log.
+pub(crate) const DRIFT_TORQUE: usize = DRIFT_FRICTION + SPANS;
 /// T_d of the first log.
 pub(crate) const DEAD_TIME: usize = DRIFT_TORQUE + SPANS;

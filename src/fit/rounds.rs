@@ -26,6 +26,7 @@ use crate::campaign::Survey;
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::rounds::drive_choice::DriveChoice;
 use crate::fit::rounds::estimate::Estimate;
+use crate::fit::rounds::initial_guess::Examined;
 use crate::fit::rounds::state::State;
 use crate::fit::{FitSettings, KnownCalibration, Result};
 
@@ -34,11 +35,12 @@ use crate::fit::{FitSettings, KnownCalibration, Result};
 /// # Errors
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
+    let examined = Examined::new(surveys, choice, settings)?;
     let chosen = match &settings.known {
         Some(KnownCalibration { drive: Some(drive), .. }) => DriveChoice { drive: *drive, others: Vec::new() },
-        _ => drive_choice::choose(surveys, choice, settings)?,
+        _ => drive_choice::choose(&examined, surveys, choice, settings),
     };
-    let mut state = State::new(surveys, choice, settings, &[chosen.drive])?;
+    let mut state = State::from_guess(examined.guess(choice, settings, &[chosen.drive]), settings);
     let sampled = delay_rounds::run(&mut state)?;
     let estimate = surface_rounds::run(state, sampled)?;
     Ok(Estimate { other_drives: chosen.others, ..estimate })

@@ -31,6 +31,7 @@ pub(crate) fn delay(inputs: &ReportFiles) -> Section {
     let body = html! {
         (estimates(actuator))
         @if !actuator.input.is_plain_command() { p { "The fit's input is the " (actuator.input) "." } }
+        @for (label, text) in actuator.drive_lines() { p { @if !label.is_empty() { (label) ": " } (text) "." } }
         @if let Some(likelihood) = inputs.fit_traces.as_ref().and_then(|t| t.delay.as_ref()) {
             p { (meaning(likelihood)) }
             div.row {

@@ -198,7 +198,7 @@ fn breakaway(map: &AccelMap) -> String {
 /// Share of the free surface, beside the physics form, that left-out runs supported.
 fn surface(choice: &serde_json::Value) -> String {
     if choice.is_null() {
-        return "physics form and all of a free surface: too few runs to leave any out".to_owned();
+        return "physics form alone: too few runs to leave any out".to_owned();
     }
     let (Some(share), Some(z)) = (choice["surface_share"].as_f64(), choice["in_std_errs"].as_f64()) else {
         return "not reported".to_owned();

@@ -1,6 +1,6 @@
 //! Torque feedback against command where the drive has settled: the end of every long hold.
 
-use crate::signal::{Series, median, noise_std};
+use crate::signal::{Series, noise_std};
 
 /// Shortest hold that counts as settling [s].
 const SHORTEST_HOLD_S: f64 = 0.8;
@@ -53,61 +53,8 @@ pub(crate) fn settled(command: &Series, feedback: &Series, early_s: f64) -> Vec<
     found
 }
 
-/// The feedback as a function of the settled command.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct FeedbackReading {
-    /// Feedback over command.
-    pub(crate) scale: f64,
-    /// Feedback at zero command [N·m].
-    pub(crate) offset_nm: f64,
-    /// Share of the holds that settle further than 4 % of the largest torque from the command.
-    pub(crate) share_off: f64,
-    /// A command held at least twice that most of its holds miss by as much, with their settled feedback [N·m]: a limited torque.
-    pub(crate) missed: Option<(f64, f64)>,
-}
-
-/// A hold is off from this share of the largest torque: scale and offset may take 2 % each.
-const OFF: f64 = 0.04;
-
-/// Fewest holds for a line.
-const ENOUGH_HOLDS: usize = 200;
-/// Torques nearer than this share of the largest give no slope.
-const APART: f64 = 0.2;
-
-/// The line through the settled holds, by the median of all pairwise slopes (Theil & Sen), so that a limit met by some of them does not
-/// bend it. `None` with fewer than three holds, or if all are at one torque.
-pub(crate) fn reading(holds: &[Settled], largest_nm: f64) -> Option<FeedbackReading> {
-    if holds.len() < 3 {
-        return None;
-    }
-    let some: Vec<&Settled> = holds.iter().step_by(holds.len().div_ceil(ENOUGH_HOLDS)).collect();
-    let mut slopes = Vec::new();
-    for (k, a) in some.iter().enumerate() {
-        for b in &some[..k] {
-            let apart_nm = a.command_nm - b.command_nm;
-            if apart_nm.abs() > APART * largest_nm {
-                slopes.push((a.feedback_nm - b.feedback_nm) / apart_nm);
-            }
-        }
-    }
-    if slopes.is_empty() {
-        return None;
-    }
-    let scale = median(&slopes);
-    let offset_nm = median(&holds.iter().map(|h| h.feedback_nm - scale * h.command_nm).collect::<Vec<_>>());
-    let is_off = |h: &&Settled| (h.feedback_nm - h.command_nm).abs() > OFF * largest_nm;
-    let missed = holds.iter().filter(is_off).find_map(|hold| {
-        let level: Vec<&Settled> = holds.iter().filter(|h| h.command_nm == hold.command_nm).collect();
-        let off: Vec<f64> = level.iter().copied().filter(is_off).map(|h| h.feedback_nm).collect();
-        (off.len() >= 2 && 2 * off.len() > level.len()).then(|| (hold.command_nm, median(&off)))
-    });
-    let off = holds.iter().filter(is_off).count();
-    Some(FeedbackReading { scale, offset_nm, share_off: off as f64 / holds.len() as f64, missed })
-}
-
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// Steps every 2 s, and a drive that ramps at 20 N·m/s: the last hold of each six ends before its ramp; the zero after it is too short.
@@ -133,22 +80,5 @@ mod tests {
         let holds = settled(&command, &feedback, 0.0);
         assert!((24..=26).contains(&holds.len()), "{}", holds.len());
         assert!(holds.iter().all(|h| (h.feedback_nm - h.command_nm).abs() < 1e-9), "{holds:?}");
-    }
-
-    #[test]
-    fn scale_and_offset_are_found_and_a_limited_torque_is_off() {
-        let found = |read: fn(f64) -> f64| {
-            let (command, feedback) = driven(read);
-            reading(&settled(&command, &feedback, 0.0), 20.0).unwrap()
-        };
-        let high = found(|u| 1.1 * u - 0.3);
-        assert!((high.scale - 1.1).abs() < 1e-6 && (high.offset_nm + 0.3).abs() < 1e-6, "{high:?}");
-        let limited = found(|u| u.min(13.0));
-        assert!(
-            limited.share_off > 0.15 && (limited.scale - 1.0).abs() < 1e-6 && limited.missed.is_some_and(|m| m.0 == 20.0 && m.1 < 13.1),
-            "{limited:?}"
-        );
-        let sound = found(|u| u);
-        assert!(sound.share_off == 0.0 && sound.missed.is_none(), "{sound:?}");
     }
 }

@@ -68,9 +68,9 @@ impl<'a> Course<'a> {
         Self { segment, steps, ends, limit: lagged.limit(), drift: lagged.drift().at(segment.progress) }
     }
 
-    /// By how much the acceleration has changed by this time of the campaign [m/s²].
-    pub(crate) fn drift_mps2(&self) -> f64 {
-        self.drift.accel_mps2
+    /// By which share friction has changed by this time of the campaign.
+    pub(crate) fn friction_share(&self) -> f64 {
+        self.drift.friction_share
     }
 
     /// Number of readings.
@@ -114,7 +114,7 @@ impl<'a> Course<'a> {
         let drive: [f64; PARAMETERS] = std::array::from_fn(|p| change(nuisance::DRIVE + p));
         let dead_time_s = change(nuisance::DEAD_TIME + self.segment.log);
         let of_spans = |first: usize| -> f64 { (0..SPANS).map(|k| self.segment.progress[k] * change(first + k)).sum() };
-        let drift_mps2 = self.drift.accel_mps2 + of_spans(nuisance::DRIFT_ACCEL);
+        let friction_share = self.drift.friction_share + of_spans(nuisance::DRIFT_FRICTION);
         let torque_share = of_spans(nuisance::DRIFT_TORQUE);
         let mut sum = 0.0;
         (0..self.rows())
@@ -123,7 +123,10 @@ impl<'a> Course<'a> {
                     let Torque { torque_nm, by_drive, by_dead_time } = step.torque;
                     let by_drive: f64 = drive.iter().zip(by_drive).map(|(change, by)| change * by).sum();
                     let torque_nm = torque_nm * (1.0 + torque_share) + by_drive + dead_time_s * by_dead_time;
-                    sum += step.length_s * (surface.accel_mps2(v, torque_nm) + drift_mps2);
+                    sum += step.length_s * surface.accel_mps2(v, torque_nm);
+                    if friction_share != 0.0 {
+                        sum += step.length_s * friction_share * surface.accel_mps2(v, 0.0);
+                    }
                 }
                 sum
             })

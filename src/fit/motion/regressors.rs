@@ -83,6 +83,7 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
     let mut panel: Vec<f64> = Vec::with_capacity(PANEL_ROWS * columns.len());
     let mut gram = LocalGram::new(columns);
     let mut drifted_mps = 0.0;
+    let friction_share = course.friction_share();
     let mut spots = spots.iter();
     for (from, width) in (0..course.rows()).step_by(PANEL_ROWS).zip(widths) {
         panel.clear();
@@ -95,10 +96,11 @@ pub(crate) fn whitened_sums(course: &Course, speeds: &Speeds, surface: &LatticeS
                         sums[*place as usize] += by_speed * by_torque;
                     }
                 }
-                drifted_mps += step.length_s * course.drift_mps2();
-                if free == Free::DelaysAndDrift {
+                if friction_share != 0.0 || free == Free::DelaysAndDrift {
+                    let friction_mps = step.length_s * surface.accel_mps2(v, 0.0);
+                    drifted_mps += friction_share * friction_mps;
                     for (k, progress) in segment.progress.iter().enumerate() {
-                        sums[1 + nuisance::DRIFT_ACCEL + k] += step.length_s * progress;
+                        sums[1 + nuisance::DRIFT_FRICTION + k] += friction_mps * progress;
                     }
                 }
                 // a constant torque has no delay
@@ -158,8 +160,9 @@ pub(crate) fn add_score(course: &Course, speeds: &Speeds, surface: &LatticeSurfa
                 score[column] += weight * share;
             }
             if free == Free::DelaysAndDrift {
+                let friction = weight * surface.accel_mps2(v, 0.0);
                 for (k, progress) in segment.progress.iter().enumerate() {
-                    score[base + nuisance::DRIFT_ACCEL + k] += weight * progress;
+                    score[base + nuisance::DRIFT_FRICTION + k] += friction * progress;
                 }
             }
             if free == Free::DelaysAndDrift || step.torque.is_moving() {

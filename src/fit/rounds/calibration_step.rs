@@ -16,7 +16,7 @@ const DELAY_STEP_S: f64 = 0.02;
 const DRIVE_STEP: f64 = 0.2;
 /// Largest step of the logarithm of a limit in one round.
 const LIMIT_STEP: f64 = 0.05;
-/// Prior standard deviation of the changes during a campaign [m/s², share].
+/// Prior standard deviation of the changes during a campaign, shares.
 const MOST_DRIFT: f64 = 0.2;
 /// Such a change counts from this many standard errors on.
 const CLEAR_DRIFT: f64 = 4.0;
@@ -47,7 +47,7 @@ impl State<'_> {
                 hold(std);
             }
         }
-        for (k, drifts) in (nuisance::DRIFT_ACCEL..).zip(self.drifts) {
+        for (k, drifts) in (nuisance::DRIFT_FRICTION..).zip(self.drifts) {
             prior[k] = if drifts && free == Free::DelaysAndDrift { MOST_DRIFT } else { FIXED_STD };
         }
         if known.is_some_and(|k| k.encoder.is_some()) {
@@ -65,8 +65,8 @@ impl State<'_> {
     /// Goes on estimating the changes during the campaign that are clear, and takes the others for none. Returns what is free from now on.
     pub(crate) fn keep_clear_drifts(&mut self) -> Free {
         let (found, std_err) = (&mut self.calibration.drift, &self.calibration_errors.drift);
-        let changes = found.accel_mps2.iter_mut().chain(&mut found.torque_share);
-        let errors = std_err.accel_mps2.iter().chain(&std_err.torque_share);
+        let changes = found.friction_share.iter_mut().chain(&mut found.torque_share);
+        let errors = std_err.friction_share.iter().chain(&std_err.torque_share);
         for ((drifts, change), std_err) in self.drifts.iter_mut().zip(changes).zip(errors) {
             *drifts &= change.abs() > CLEAR_DRIFT * std_err;
             if !*drifts {
@@ -101,14 +101,14 @@ impl State<'_> {
         self.last_steps = steps;
         let drift = &mut self.calibration.drift;
         for k in 0..SPANS {
-            drift.accel_mps2[k] += of(nuisance::DRIFT_ACCEL + k);
+            drift.friction_share[k] += of(nuisance::DRIFT_FRICTION + k);
             drift.torque_share[k] += of(nuisance::DRIFT_TORQUE + k);
         }
         let std_err = |k: usize| solution.covariance[(q + k, q + k)].max(0.0).sqrt();
         self.calibration_errors.drive_s = std::array::from_fn(|p| std_err(nuisance::DRIVE + p));
         self.calibration_errors.dead_time_s = (0..self.logs.len()).map(|k| std_err(nuisance::DEAD_TIME + k)).collect();
         self.calibration_errors.drift = CampaignDrift {
-            accel_mps2: std::array::from_fn(|k| std_err(nuisance::DRIFT_ACCEL + k)),
+            friction_share: std::array::from_fn(|k| std_err(nuisance::DRIFT_FRICTION + k)),
             torque_share: std::array::from_fn(|k| std_err(nuisance::DRIFT_TORQUE + k)),
         };
         if free == Free::DelaysAndEncoder {

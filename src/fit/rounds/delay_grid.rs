@@ -37,6 +37,9 @@ const DEAD_TIMES_S: [f64; 2] = [0.0, 0.4];
 const AFTER_FEEDBACK_S: [f64; 2] = [-0.1, 0.3];
 /// More readings per log than this do not sharpen a first estimate.
 const ENOUGH_READINGS: usize = 4000;
+/// So many drives are distinguished by fewer readings first.
+const MANY: usize = 10;
+const FEW_READINGS: usize = 2000;
 
 /// Data of one log: its segments, their smoothed speeds, its torque.
 pub(crate) struct GridLog<'a> {
@@ -83,24 +86,28 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel]) -> 
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
     let coarse: Vec<f64> = (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect();
-    let profile = |log: &GridLog, torque: &EffectiveTorque, dead_times: &[f64]| -> (f64, f64) {
+    // many drives are distinguished by fewer readings, and by every other dead time
+    let few = drives.len() > MANY;
+    let (stride, first_readings) = if few { (2, FEW_READINGS) } else { (1, ENOUGH_READINGS) };
+    let coarse: Vec<f64> = coarse.into_iter().step_by(stride).collect();
+    let profile = |log: &GridLog, torque: &EffectiveTorque, dead_times: &[f64], readings: usize| -> (f64, f64) {
         dead_times
             .iter()
-            .map(|d| (residual(log, torque, *d, noise), *d))
+            .map(|d| (residual(log, torque, *d, noise, readings), *d))
             .fold((f64::INFINITY, 0.0), |best, tried| if tried.0 < best.0 { tried } else { best })
     };
-    let of_drive = |drive: &DriveModel, dead_times: &dyn Fn(usize) -> Vec<f64>| -> GridResult {
+    let of_drive = |drive: &DriveModel, readings: usize, dead_times: &dyn Fn(usize) -> Vec<f64>| -> GridResult {
         let best: Vec<(f64, f64)> = logs
             .iter()
             .enumerate()
-            .map(|(k, log)| profile(log, &log.log.torque(drive, CampaignDrift::default()), &dead_times(k)))
+            .map(|(k, log)| profile(log, &log.log.torque(drive, CampaignDrift::default()), &dead_times(k), readings))
             .collect();
         GridResult { deviance: best.iter().map(|b| b.0).sum(), drive: *drive, dead_time_s: best.iter().map(|b| b.1).collect() }
     };
     let better = |best: GridResult, tried: GridResult| if tried.deviance < best.deviance { tried } else { best };
-    let found: Vec<GridResult> = drives.par_iter().map(|drive| of_drive(drive, &|_| coarse.clone())).collect();
+    let found: Vec<GridResult> = drives.par_iter().map(|drive| of_drive(drive, first_readings, &|_| coarse.clone())).collect();
     let start = found.into_iter().reduce(better);
-    let mut best = start.unwrap_or_else(|| of_drive(&DriveModel::first_order(0.05), &|_| coarse.clone()));
+    let mut best = start.unwrap_or_else(|| of_drive(&DriveModel::first_order(0.05), first_readings, &|_| coarse.clone()));
     let near = |centre: &[f64], k: usize| -> Vec<f64> {
         (-4i32..=4).map(|n| (centre[k] + f64::from(n) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect()
     };
@@ -116,23 +123,23 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel]) -> 
                     step[parameter] = if parameter == LIMIT { factor.ln() } else { drive.times_s[parameter] * (factor - 1.0) };
                     drive.moved(step)
                 });
-                let tried: Vec<GridResult> = tried.par_iter().map(|drive| of_drive(drive, &|k| near(&centre, k))).collect();
+                let tried: Vec<GridResult> = tried.par_iter().map(|drive| of_drive(drive, first_readings, &|k| near(&centre, k))).collect();
                 best = tried.into_iter().fold(best, better);
             }
         }
     }
     let centre = best.dead_time_s.clone();
-    of_drive(&best.drive, &|k| near(&centre, k))
+    of_drive(&best.drive, ENOUGH_READINGS, &|k| near(&centre, k))
 }
 
 /// ‖y − Xc‖² of the best small model for one log.
-fn residual(log: &GridLog, lagged: &EffectiveTorque, dead_time_s: f64, noise: &Noise) -> f64 {
+fn residual(log: &GridLog, lagged: &EffectiveTorque, dead_time_s: f64, noise: &Noise, readings: usize) -> f64 {
     const WIDTH: usize = COLUMNS + 1;
     let mut gram = [[0.0f64; WIDTH]; WIDTH];
     let mut used = 0;
     let limit = lagged.limit();
     for (segment, speed_mps) in log.segments.iter().zip(&log.speed_mps) {
-        if used > ENOUGH_READINGS {
+        if used > readings {
             break;
         }
         used += segment.readings.len();

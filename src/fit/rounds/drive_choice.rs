@@ -21,7 +21,7 @@ use crate::fit::motion::so_far::SoFar;
 use crate::fit::rounds::cross_validation::{self, HeldOut};
 use crate::fit::rounds::delay_grid;
 use crate::fit::rounds::delay_rounds;
-use crate::fit::rounds::initial_guess::{InitialGuess, largest_nm, largest_power};
+use crate::fit::rounds::initial_guess::{Examined, largest_nm, largest_power};
 use crate::fit::rounds::state::State;
 use crate::fit::{FitSettings, Result};
 use rayon::prelude::*;
@@ -53,20 +53,17 @@ pub(crate) struct DriveChoice {
 }
 
 /// Chooses the drive: its kind, and whether it has a limit.
-///
-/// # Errors
-/// As of the fit itself, for a first-order lag.
-pub(crate) fn choose(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<DriveChoice> {
-    let guess = |drives: &[DriveModel]| InitialGuess::new(surveys, choice, settings, drives);
+pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings) -> DriveChoice {
+    let guess = |drives: &[DriveModel]| examined.guess(choice, settings, drives);
     let of_kind = |kind| delay_grid::drives(kind, largest_nm(surveys));
     let kinds = settings.drive.map_or_else(|| DriveKind::ALL.to_vec(), DriveKind::of);
-    let first = guess(&of_kind(kinds[0]))?;
+    let first = guess(&of_kind(kinds[0]));
     let only = |drive| DriveChoice { drive, others: Vec::new() };
     if choice.is_feedback() || settings.lag_s.is_some() {
-        return Ok(only(first.calibration.drive));
+        return only(first.calibration.drive);
     }
     let better_than = |deviance: f64| (deviance - WORTH_A_FIT.0).min(deviance * (1.0 - WORTH_A_FIT.1));
-    let promising = |drives: &[DriveModel], deviance: f64| guess(drives).ok().filter(|g| g.deviance < better_than(deviance));
+    let promising = |drives: &[DriveModel], deviance: f64| Some(guess(drives)).filter(|g| g.deviance < better_than(deviance));
     let mut best = first.deviance;
     let mut tried = vec![first];
     for kind in &kinds[1..] {
@@ -84,16 +81,16 @@ pub(crate) fn choose(surveys: &[Survey], choice: &TorqueChoice, settings: &FitSe
         tried.extend(promising(&delay_grid::limited(unlimited, largest), best));
     }
     if tried.len() == 1 {
-        return Ok(only(tried[0].calibration.drive));
+        return only(tried[0].calibration.drive);
     }
     let scored: Vec<ScoredDrive> = tried.into_iter().filter_map(|guess| scored(State::from_guess(guess, settings)).ok()).collect();
-    let Some(simple) = scored.first() else { return Ok(only(unlimited)) };
+    let Some(simple) = scored.first() else { return only(unlimited) };
     let best = scored[1..].iter().fold(simple, |best, other| if is_better(other, best) { other } else { best });
     let rest = scored.iter().filter(|s| s.drive != best.drive).map(|s| {
         let (worse, std_err) = difference(s, best);
         (s.drive, worse, std_err)
     });
-    Ok(DriveChoice { drive: best.drive, others: rest.collect() })
+    DriveChoice { drive: best.drive, others: rest.collect() }
 }
 
 /// Whether a drive is clearly better than one that was tried before.

@@ -1,7 +1,7 @@
 //! The estimate after the last round: surface, delays, speeds and noise.
 
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::CampaignDrift;
+use crate::fit::drive::campaign_drift::{CampaignDrift, Progress};
 use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::motion::log_data::LogData;
@@ -33,6 +33,8 @@ pub(crate) struct CalibrationErrors {
 /// The fitted data.
 pub(crate) struct EstimateData<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
+    /// The end of the campaign.
+    pub(crate) end: PerGear<Progress>,
     /// Gears with runs.
     pub(crate) gears: Vec<Gear>,
     /// Whether a log has a yaw rate.

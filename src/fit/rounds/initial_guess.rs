@@ -2,7 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, Progress, progress};
+use crate::fit::drive::campaign_drift::{CampaignDrift, CampaignProgress, Progress};
 use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
@@ -15,7 +15,7 @@ use crate::fit::noise::model::Noise;
 use crate::fit::rounds::delay_grid;
 use crate::fit::surface::lattice::Lattice;
 use crate::fit::{Error, FitSettings, Result};
-use crate::map::Gear;
+use crate::map::{Gear, PerGear};
 use crate::signal::{Series, noise_std, quantum};
 use rayon::prelude::*;
 
@@ -31,6 +31,8 @@ const LEAST_MOTION_S: f64 = 5.0;
 /// Start of the rounds.
 pub(crate) struct InitialGuess<'a> {
     pub(crate) logs: Vec<LogData<'a>>,
+    /// The end of the campaign.
+    pub(crate) end: PerGear<Progress>,
     pub(crate) gears: Vec<Gear>,
     pub(crate) has_yaw: bool,
     pub(crate) calibration: Calibration,
@@ -40,19 +42,35 @@ pub(crate) struct InitialGuess<'a> {
     pub(crate) deviance: f64,
 }
 
-impl<'a> InitialGuess<'a> {
-    /// Examines the surveys, with the best of some drives; a known lag and a feedback leave no choice.
+/// The logs as they are before dead times and drive are known.
+pub(crate) struct Examined<'a> {
+    logs: Vec<LogData<'a>>,
+    end: PerGear<Progress>,
+    gears: Vec<Gear>,
+    has_yaw: bool,
+    calibration: Calibration,
+    noise: Noise,
+    segments: Vec<Segment>,
+    /// Speeds along the segments from their readings alone [m/s].
+    speeds: Vec<Vec<f64>>,
+    lattice: Lattice,
+}
+
+impl<'a> Examined<'a> {
+    /// Examines the surveys.
     ///
     /// # Errors
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> Result<Self> {
+    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
         if let Some((survey, rate_hz)) =
             surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
         {
             return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
         }
         let grains: Vec<Grains> = surveys.iter().map(Grains::of).collect();
-        let logs: Vec<LogData> = surveys.iter().zip(&grains).zip(progress(surveys)).map(|((s, g), p)| log_data(s, g, p, choice)).collect();
+        let progress = CampaignProgress::of(surveys);
+        let logs: Vec<LogData> = surveys.iter().zip(&grains).zip(progress.stretches).map(|((s, g), p)| log_data(s, g, p, choice)).collect();
+        let end = progress.end;
         let gears = Gear::ALL.into_iter().filter(|g| surveys.iter().any(|s| s.stretches.iter().any(|r| r.gear == *g))).collect();
         let mut calibration = first_calibration(surveys, choice);
         hold_known(&mut calibration, &logs, settings);
@@ -64,22 +82,37 @@ impl<'a> InitialGuess<'a> {
             return Err(Error::TooLittle { seconds, needed_s: LEAST_MOTION_S });
         }
         let speeds: Vec<Vec<f64>> = segments.par_iter().map(wide_speed).collect();
-        let views: Vec<delay_grid::GridLog> = (0..logs.len())
+        let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
+        let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
+        Ok(Self { logs, end, gears, has_yaw, calibration, noise, segments, speeds, lattice })
+    }
+
+    /// The first guess with the best of some drives; a known lag and a feedback leave no choice.
+    pub(crate) fn guess(&self, choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> InitialGuess<'a> {
+        let views: Vec<delay_grid::GridLog> = (0..self.logs.len())
             .map(|k| {
-                let own: Vec<usize> = (0..segments.len()).filter(|s| segments[*s].log == k).collect();
+                let own: Vec<usize> = (0..self.segments.len()).filter(|s| self.segments[*s].log == k).collect();
                 delay_grid::GridLog {
-                    segments: own.iter().map(|s| &segments[*s]).collect(),
-                    speed_mps: own.iter().map(|s| speeds[*s].as_slice()).collect(),
-                    log: &logs[k],
+                    segments: own.iter().map(|s| &self.segments[*s]).collect(),
+                    speed_mps: own.iter().map(|s| self.speeds[*s].as_slice()).collect(),
+                    log: &self.logs[k],
                 }
             })
             .collect();
-        let found = delay_grid::search(&views, &noise, &drives_to_try(choice, settings, drives));
+        let found = delay_grid::search(&views, &self.noise, &drives_to_try(choice, settings, drives));
+        let mut calibration = self.calibration.clone();
         (calibration.dead_time_s, calibration.drive) = (found.dead_time_s, found.drive);
-        hold_known(&mut calibration, &logs, settings);
-        let lattice = lattice_of(&segments, &speeds, surveys, settings)?;
-        let has_yaw = surveys.iter().any(|s| s.track.yaw_speed_mps.is_some());
-        Ok(Self { logs, gears, has_yaw, calibration, noise, lattice, deviance: found.deviance })
+        hold_known(&mut calibration, &self.logs, settings);
+        InitialGuess {
+            logs: self.logs.clone(),
+            end: self.end,
+            gears: self.gears.clone(),
+            has_yaw: self.has_yaw,
+            calibration,
+            noise: self.noise,
+            lattice: self.lattice.clone(),
+            deviance: found.deviance,
+        }
     }
 }
 

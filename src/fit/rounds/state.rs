@@ -1,11 +1,10 @@
 //! The state of the rounds, from one to the next.
 
-use crate::campaign::Survey;
+use crate::fit::FitSettings;
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, SPANS};
-use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
+use crate::fit::drive::campaign_drift::{CampaignDrift, Progress, SPANS};
+use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::motion::coarse_readings::replace_coarse;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;
@@ -24,13 +23,14 @@ use crate::fit::rounds::outliers::Judge;
 use crate::fit::solve::penalised_least_squares::Solution;
 use crate::fit::surface::design::{Design, STRIBECK_MPS};
 use crate::fit::surface::lattice::LatticeSurface;
-use crate::fit::{FitSettings, Result};
 use crate::map::{Gear, PerGear};
 
 /// The state from one round to the next.
 pub(crate) struct State<'a> {
     pub(crate) settings: FitSettings,
     pub(crate) logs: Vec<LogData<'a>>,
+    /// The end of the campaign.
+    pub(crate) end: PerGear<Progress>,
     pub(crate) gears: Vec<Gear>,
     pub(crate) has_yaw: bool,
     pub(crate) calibration: Calibration,
@@ -42,7 +42,7 @@ pub(crate) struct State<'a> {
     /// Forward, reverse; zero before the first round.
     pub(crate) surfaces: PerGear<LatticeSurface>,
     pub(crate) penalties: Vec<f64>,
-    /// Which changes are estimated: of acceleration, then of torque, each over the campaign and over each log.
+    /// Which changes are estimated: of friction, then of torque, each over the campaign and over each log.
     pub(crate) drifts: [bool; 2 * SPANS],
     /// Rounds so far.
     pub(crate) rounds: usize,
@@ -60,17 +60,9 @@ pub(crate) struct RoundData {
 }
 
 impl<'a> State<'a> {
-    /// Before the first round, with the best of some drives.
-    ///
-    /// # Errors
-    /// A slow speed signal without a yaw rate, too little motion, one torque only.
-    pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> Result<Self> {
-        Ok(Self::from_guess(InitialGuess::new(surveys, choice, settings, drives)?, settings))
-    }
-
     /// Before the first round, from a first guess.
     pub(crate) fn from_guess(guess: InitialGuess<'a>, settings: &FitSettings) -> Self {
-        let InitialGuess { logs, gears, has_yaw, calibration, noise, lattice, .. } = guess;
+        let InitialGuess { logs, end, gears, has_yaw, calibration, noise, lattice, .. } = guess;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
         let calibration_errors = CalibrationErrors {
@@ -82,6 +74,7 @@ impl<'a> State<'a> {
         Self {
             settings: settings.clone(),
             logs,
+            end,
             gears,
             has_yaw,
             calibration,

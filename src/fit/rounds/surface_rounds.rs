@@ -86,7 +86,7 @@ fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], free: F
     let prior = state.nuisance_prior(free);
     let held_out = HeldOut { fold: &fold, folds: &folds, whole: &system, prior: &prior, courses, speeds, noise: &state.noise };
     let validation = cross_validation::validate(&state.design, &state.surfaces.forward.lattice, &state.gears, &held_out);
-    let share = validation.as_ref().map_or(1.0, |v| v.comparison.surface_share);
+    let share = validation.as_ref().map_or(0.0, |v| v.comparison.surface_share);
     let stacked = Stacked::new(&system, solution, &state.design.blocks, share, &prior).ok_or(Error::Singular)?;
     if share < 1.0 {
         state.surfaces = state.surfaces_of(&stacked.solution);
@@ -114,7 +114,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converg
             merged,
             lookups,
         },
-        data: EstimateData { logs: state.logs, gears: state.gears, has_yaw: state.has_yaw, segments, transients },
+        data: EstimateData { logs: state.logs, end: state.end, gears: state.gears, has_yaw: state.has_yaw, segments, transients },
         model: SurfaceModel { design: state.design, surfaces: state.surfaces, stacked, system },
         calibration: state.calibration,
         free,

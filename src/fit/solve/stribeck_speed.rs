@@ -40,7 +40,9 @@ fn left(lattice: &Lattice, whole: &Mat<f64>, prior_std: &[f64], stribeck_mps: f6
     let largest = lattice.torque_nm.iter().fold(0.0f64, |m, u| m.max(u.abs()));
     let ones = vec![1.0; lattice.speed_mps.len()];
     let along_torque = [|_: f64| 1.0, |u: f64| u, |u: f64| u.max(0.0)];
-    let [one, speed, square, stribeck, _] = friction(lattice, stribeck_mps);
+    let [one, speed, stribeck, _] = friction(lattice, stribeck_mps);
+    let fastest = lattice.fastest_mps();
+    let square = lattice.along_speed(|s| (s / fastest).powi(2));
     let columns = [(&one, 0), (&speed, 0), (&square, 0), (&stribeck, 0), (&ones, 1), (&ones, 2), (&speed, 1)];
     let size = columns.len() + prior_std.len();
     let transform = Mat::from_fn(base + prior_std.len(), size, |r, c| match (r.checked_sub(base), columns.get(c)) {

@@ -1,5 +1,6 @@
-//! The surface's coefficients as an analysis of variance. First a physics form without a penalty: inertia, drive and brake efficiency and
-//! their change with speed, Coulomb, Stribeck, viscous and quadratic friction. With it, penalised, the other shapes of Stribeck friction.
+//! The surface's coefficients as an analysis of variance. First a physics form without a penalty: inertia, Coulomb, Stribeck and viscous
+//! friction. With it, each penalised by itself: drive and brake efficiency, their change with speed, quadratic friction, and the other
+//! shapes of Stribeck friction.
 //! Then smooth deviations in blocks, each with its own penalty, main effects before interactions (Lee & Durbán, P-ANOVA), and
 //! gear-antisymmetric copies if both gears were driven.
 //!
@@ -30,6 +31,12 @@ const SMOOTHNESS: f64 = 1.5;
 const PHYSICS: &str = "physics form";
 /// The name of Stribeck friction of other shapes, which belongs to the form.
 const NEAR_STANDSTILL: &str = "near standstill";
+
+/// The names of its terms that not every vehicle needs, each with a penalty of its own (automatic relevance determination; MacKay 1992): a
+/// short campaign does not determine them all.
+const EFFICIENCY: &str = "drive efficiency";
+const INERTIA: &str = "inertia over speed";
+const QUADRATIC: &str = "quadratic friction";
 
 /// A group of coefficients with one penalty.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +76,7 @@ impl DesignBuilder {
         }
         let start = self.columns.len();
         self.columns.extend(columns.into_iter().map(|c| (c, antisymmetric)));
-        let physics = name.ends_with(PHYSICS) || name == NEAR_STANDSTILL;
+        let physics = name.ends_with(PHYSICS) || [NEAR_STANDSTILL, EFFICIENCY, INERTIA, QUADRATIC].contains(&name);
         self.blocks.push(CoefficientBlock { name, range: start..self.columns.len(), penalised, physics });
     }
 }
@@ -102,9 +109,13 @@ impl Design {
         };
         let physics = || {
             let along_speed = friction(lattice, stribeck_mps);
-            let mut columns = vec![tensor(&one_v, &u), tensor(&one_v, &drive), tensor(&v, &u)];
+            let mut columns = vec![tensor(&one_v, &u)];
             columns.extend(along_speed.iter().map(|f| tensor(f, &one_u)));
             columns
+        };
+        let extras = || {
+            let squared = lattice.along_speed(|s| (s / fastest).powi(2));
+            vec![(EFFICIENCY, tensor(&one_v, &drive)), (INERTIA, tensor(&v, &u)), (QUADRATIC, tensor(&squared, &one_u))]
         };
         // from one shape of the extra friction to the other: with only one of them, errors of 0.04 N·m alternate over speed if the vehicle
         // has the other
@@ -128,6 +139,9 @@ impl Design {
 
         let mut builder = DesignBuilder { rows, columns: Vec::new(), blocks: Vec::new() };
         builder.block(PHYSICS, false, false, physics());
+        for (name, column) in extras() {
+            builder.block(name, true, false, vec![column]);
+        }
         builder.block(NEAR_STANDSTILL, true, false, near_standstill());
         builder.block("f(V)", true, false, f());
         builder.block("g(U)", true, false, g());
@@ -137,7 +151,7 @@ impl Design {
         builder.block("f(V)·U⁺", true, false, f_by(&drive));
         builder.block("f(V)·g(U)", true, false, f_by_g());
         if both_gears {
-            builder.block("gear: physics form", true, true, physics());
+            builder.block("gear: physics form", true, true, physics().into_iter().chain(extras().into_iter().map(|e| e.1)).collect());
             builder.block("gear: f(V)", true, true, f());
             builder.block("gear: g(U)", true, true, g());
             builder.block("gear: w(V)·U", true, true, w_by_u());
@@ -177,17 +191,16 @@ impl Design {
     }
 }
 
-/// Friction along speed in the physics form, over the lattice's coefficients: Coulomb, viscous and quadratic friction, Stribeck's (extra
+/// Friction along speed in the physics form, over the lattice's coefficients: Coulomb and viscous friction, Stribeck's (extra
 /// friction that fades over `stribeck_mps`), and its derivative by the logarithm of that speed, for a speed that is not exact. Models let
 /// it fade as exp(−(V/v_s)²) or as 1/(1 + (V/v_s)²), whose tail is longer (Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, *A survey of
 /// models, analysis tools and compensation methods for the control of machines with friction*): this is the mean of both.
-pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 5] {
+pub(crate) fn friction(lattice: &Lattice, stribeck_mps: f64) -> [Vec<f64>; 4] {
     let fastest = lattice.fastest_mps();
     let squared = |s: f64| (s / stribeck_mps).powi(2);
     [
         lattice.along_speed(|_| 1.0),
         lattice.along_speed(|s| s / fastest),
-        lattice.along_speed(|s| (s / fastest).powi(2)),
         lattice.along_speed(|s| 0.5 * ((-squared(s)).exp() + 1.0 / (1.0 + squared(s)))),
         lattice.along_speed(|s| squared(s) * ((-squared(s)).exp() + 1.0 / (1.0 + squared(s)).powi(2))),
     ]

@@ -195,12 +195,12 @@ fn campaign_changes(estimate: &Estimate) -> Vec<CampaignChange> {
     let (found, error) = (&estimate.calibration.drift, &estimate.calibration_errors.drift);
     let change = |k: usize| CampaignChange {
         of_each_log: k > 0,
-        accel_mps2: round(found.accel_mps2[k], 1e6),
-        accel_std_err_mps2: round(error.accel_mps2[k], 1e6),
+        friction_share: round(found.friction_share[k], 1e6),
+        friction_share_std_err: round(error.friction_share[k], 1e6),
         torque_share: round(found.torque_share[k], 1e6),
         torque_share_std_err: round(error.torque_share[k], 1e6),
     };
-    (0..SPANS).filter(|k| found.accel_mps2[*k] != 0.0 || found.torque_share[*k] != 0.0).map(change).collect()
+    (0..SPANS).filter(|k| found.friction_share[*k] != 0.0 || found.torque_share[*k] != 0.0).map(change).collect()
 }
 
 /// Mean, and its standard error by the spread of the values; 0 for a single one.

@@ -126,8 +126,9 @@ pub(crate) fn simulate(estimate: &Estimate) -> Vec<Compared> {
         let mut cursor = lagged[segment.log].cursor();
         let mut torque = |t: f64| segment.gear.sign() * cursor.at(t - estimate.calibration.dead_time_s[segment.log]).torque_nm;
         let (limit, drift) = (lagged[segment.log].limit(), lagged[segment.log].drift().at(segment.progress));
+        let friction_mps2 = |v: f64| if drift.friction_share == 0.0 { 0.0 } else { drift.friction_share * surface.accel_mps2(v, 0.0) };
         let accel_mps2 =
-            |v: f64, asked_nm: f64| surface.accel_mps2(v, (1.0 + drift.torque_share) * limit.delivered_nm(v, asked_nm)) + drift.accel_mps2;
+            |v: f64, asked_nm: f64| surface.accel_mps2(v, (1.0 + drift.torque_share) * limit.delivered_nm(v, asked_nm)) + friction_mps2(v);
         let mut v = if segment.anchored { 0.0 } else { smoothed[0] };
         let mut t = segment.start_s;
         for reading in &segment.readings {

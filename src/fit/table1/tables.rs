@@ -1,7 +1,7 @@
 //! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
-use crate::fit::drive::campaign_drift::{Change, SPANS};
+use crate::fit::drive::campaign_drift::Change;
 use crate::fit::drive::torque_limit::TorqueLimit;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
@@ -102,9 +102,12 @@ pub(crate) fn accel_map(
     let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
     let surface = estimate.model.surface(gear);
     let limit = estimate.calibration.drive.limit;
-    let change = if settings.at == CampaignTime::End { estimate.calibration.drift.at([1.0; SPANS]) } else { Change::default() };
+    let change = if settings.at == CampaignTime::End { estimate.calibration.drift.at(estimate.data.end[gear]) } else { Change::default() };
     let grid = |torques: &[f64], speeds: &[f64], limit: TorqueLimit| -> Vec<Vec<f64>> {
-        let accel_mps2 = |v: f64, u: f64| surface.accel_mps2(v, (1.0 + change.torque_share) * limit.delivered_nm(v, u)) + change.accel_mps2;
+        let accel_mps2 = |v: f64, u: f64| {
+            surface.accel_mps2(v, (1.0 + change.torque_share) * limit.delivered_nm(v, u))
+                + change.friction_share * surface.accel_mps2(v, 0.0)
+        };
         torques.iter().map(|u| speeds.iter().map(|v| round9(accel_mps2(*v, *u))).collect()).collect()
     };
     let accel = grid(&torque, &speed, limit);

@@ -62,16 +62,16 @@ pub struct ComparedDrive {
     pub std_err: f64,
 }
 
-/// Changes from the middle to the end of the campaign, or of each log, before which the vehicle may have cooled down.
+/// Changes over the campaign, or over each log, before which the vehicle may have cooled down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CampaignChange {
     /// Whether it restarts with each log.
     pub of_each_log: bool,
-    /// Change of the acceleration under the same torque [m/s²]; 0 where none is clear.
-    pub accel_mps2: f64,
-    /// Its standard error [m/s²].
-    pub accel_std_err_mps2: f64,
-    /// Relative change of the torque under the same command; 0 where none is clear.
+    /// Relative change of friction over half of it; 0 where none is clear.
+    pub friction_share: f64,
+    /// Its standard error.
+    pub friction_share_std_err: f64,
+    /// Relative change of the torque under the same command over half of it; 0 where none is clear.
     pub torque_share: f64,
     /// Its standard error.
     pub torque_share_std_err: f64,
@@ -106,4 +106,82 @@ pub struct IdentifiedDrive {
     /// Other drives that were fitted, each worse.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub compared: Vec<ComparedDrive>,
+}
+
+impl IdentifiedDrive {
+    /// In words, without limits.
+    fn text(&self) -> String {
+        match (self.family, self.slopes_nm_s, self.frequency_hz.zip(self.damping)) {
+            (DriveFamily::RateLimit, Some([a, b]), _) if a == b => format!("rate limit of {a:.0} N·m/s"),
+            (DriveFamily::RateLimit, Some([a, b]), _) if self.slopes_by_magnitude => {
+                format!("rate limits of {a:.0} N·m/s growing and {b:.0} N·m/s falling")
+            }
+            (DriveFamily::RateLimit, Some([a, b]), _) => format!("rate limits of {a:.0} N·m/s up and {b:.0} N·m/s down"),
+            (_, _, Some((hz, damping))) => format!("second-order lag of {hz:.2} Hz with damping {damping:.2}"),
+            (DriveFamily::Feedback, _, _) => "as the torque feedback shows it".to_owned(),
+            _ => "first-order lag".to_owned(),
+        }
+    }
+
+    /// Label and text of each thing worth a line.
+    pub(crate) fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = vec![("drive", self.text())];
+        if let Some(limit) = self.limit {
+            let unit = match limit.kind {
+                LimitKind::Torque => "N·m",
+                LimitKind::Power => "N·m·m/s (torque times speed)",
+                LimitKind::Speed => "m/s (a governor)",
+            };
+            let error = limit.std_err.map_or(String::new(), |e| format!(" ± {e:.2}"));
+            lines.push(("limit", format!("{:.2}{error} {unit}", limit.value)));
+        }
+        if let Some(seconds) = self.undelivered_s {
+            lines.push(("", format!("the feedback lacks the torque that was asked for in {seconds:.1} s")));
+        }
+        lines
+    }
+}
+
+impl CampaignChange {
+    /// The changes from the beginning to the end, in words.
+    pub(crate) fn lines(&self) -> Vec<(&'static str, String)> {
+        let of = if self.of_each_log { "each log" } else { "the campaign" };
+        let mut lines = Vec::new();
+        if self.friction_share != 0.0 {
+            let (value, error) = (200.0 * self.friction_share, 200.0 * self.friction_share_std_err);
+            lines.push(("drift", format!("over {of}, friction changes by {value:+.1} ± {error:.1} %")));
+        }
+        if self.torque_share != 0.0 {
+            let (value, error) = (200.0 * self.torque_share, 200.0 * self.torque_share_std_err);
+            lines.push(("drift", format!("over {of}, the torque under the same command changes by {value:+.1} ± {error:.1} %")));
+        }
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_of_power_falls_with_speed_and_every_drive_has_its_words() {
+        let limit = DriveLimit { kind: LimitKind::Power, value: 15.0, std_err: Some(0.1) };
+        assert_eq!(limit.most_nm(0.5), 30.0);
+        assert!(DriveLimit { kind: LimitKind::Speed, ..limit }.most_nm(0.6).is_infinite());
+        let plain = IdentifiedDrive {
+            family: DriveFamily::FirstOrder,
+            lag_s: Some(0.05),
+            slopes_nm_s: None,
+            slopes_by_magnitude: false,
+            frequency_hz: None,
+            damping: None,
+            limit: Some(limit),
+            undelivered_s: None,
+            compared: Vec::new(),
+        };
+        let text = |drive: &IdentifiedDrive| drive.lines().into_iter().map(|l| l.1).collect::<Vec<_>>().join("; ");
+        assert_eq!(text(&plain), "first-order lag; 15.00 ± 0.10 N·m·m/s (torque times speed)");
+        let slow = IdentifiedDrive { family: DriveFamily::RateLimit, slopes_nm_s: Some([60.0, 60.0]), limit: None, ..plain };
+        assert_eq!(text(&slow), "rate limit of 60 N·m/s");
+    }
 }

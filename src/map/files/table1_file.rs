@@ -91,7 +91,7 @@ pub struct DelayEstimate {
     pub status: DelayStatus,
 }
 
-/// The drive between commanded and effective torque: dead time, then a first-order lag.
+/// The drive between commanded and effective torque: dead time, then a first-order lag, or another drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Actuator {
     /// Dead time of the drive [s], the mean over the logs.
@@ -108,6 +108,14 @@ pub struct Actuator {
     pub changes: Vec<CampaignChange>,
     /// The same per log: a command's stamp is late by its sampling phase, differently in each log.
     pub per_log: Vec<LogActuator>,
+}
+
+impl Actuator {
+    /// The drive where it is more than a first-order lag, and what changed during the campaign: label and text of each line.
+    pub(crate) fn drive_lines(&self) -> Vec<(&'static str, String)> {
+        let drive = self.drive.iter().flat_map(IdentifiedDrive::lines);
+        drive.chain(self.changes.iter().flat_map(CampaignChange::lines)).collect()
+    }
 }
 
 /// Delays of one log.
