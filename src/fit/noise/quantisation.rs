@@ -10,8 +10,9 @@
 use crate::fit::noise::kalman::Recursion;
 use crate::fit::noise::model::{Noise, Reading};
 
-/// Noise of the sensor before it is rounded, as a share of the step: a signal with more counts as a plain one.
-const UNROUNDED: f64 = 0.03;
+/// Noise of the speed before it is rounded, as a share of the step: that of the sensor, and stamps with an error of a millisecond or two.
+/// (With 0.03 the edges of the intervals are too sharp: a sixth more error.)
+const UNROUNDED: f64 = 0.1;
 /// Least information of a reading, as a share of that of a plain one: a prediction well inside the interval learns nothing.
 const LEAST_INFORMATION: f64 = 1e-4;
 

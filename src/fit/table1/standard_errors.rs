@@ -5,6 +5,7 @@
 //! uncertainty of the delays. Added to it: the square of the smoothing bias cᵀ·H⁻¹Λβ, and the uncertainty of that bias by penalties that
 //! are not exactly known (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth
 //! models*). If only a share w of the surface's deviations is used, 1 − w of their square stands for the doubt between form and surface.
+//! So does what no model holds (`MODEL_ERROR`).
 //! All of it is then held against a jackknife over runs, and multiplied where that spreads wider.
 
 use crate::fit::motion::integration::{Course, courses};
@@ -16,6 +17,8 @@ use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
+/// What no model of a drive and its friction holds, as a share of the largest torque.
+const MODEL_ERROR: f64 = 1.2e-3;
 /// Fewest folds whose spread says something.
 const FEWEST_FOLDS: usize = 4;
 /// Largest factor on the standard errors: beyond it the model is wrong, which other checks report.
@@ -72,6 +75,8 @@ impl Uncertainty {
     /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
     pub(crate) fn std_errs_mps2(&self, estimate: &Estimate, gear: Gear, points: &[(f64, f64)]) -> Vec<f64> {
         let q = estimate.model.design.coefficients();
+        let surface = estimate.model.surface(gear);
+        let largest_nm = surface.lattice.torque_nm.iter().fold(0.0f64, |m, u| m.max(u.abs()));
         let rows: Vec<Vec<f64>> = points.iter().map(|(v, u)| contrast(estimate, gear, *v, *u)).collect();
         let contrasts = Mat::from_fn(q, points.len(), |a, k| rows[k][a]);
         let products = [&self.posterior, &self.sandwich].map(|m| m.submatrix(0, 0, q, q) * &contrasts);
@@ -80,7 +85,9 @@ impl Uncertainty {
                 let [posterior, sandwich] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
                 let doubt: f64 = rows[k].iter().zip(&estimate.model.stacked.doubt).map(|(c, d)| c * d).sum();
-                let (mut bias, mut extra) = (0.0, doubt * doubt);
+                let (v, u) = points[k];
+                let form = MODEL_ERROR * largest_nm * surface.value_and_slope(v, u).1;
+                let (mut bias, mut extra) = (0.0, doubt * doubt + form * form);
                 for pull in &estimate.model.stacked.pulls {
                     let pulled: f64 = rows[k].iter().zip(&pull.of).map(|(c, p)| c * p).sum();
                     bias += pulled;
