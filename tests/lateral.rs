@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use pivot_cal::guidance::route::lqr::Lqr;
-use pivot_cal::map::{LateralTableFile, sha256_hex};
+use pivot_cal::internals::{LateralTableFile, Lqr, read_lateral_bytes};
+use pivot_cal::map::sha256_hex;
 use std::path::{Path, PathBuf};
 
 fn repo(path: &str) -> String {
@@ -170,7 +170,7 @@ fn every_tracking_law_drives_the_polyline_within_the_gate_and_its_run_is_logged(
 
 /// The log of `bytes` again, as JSON with arrays of another shape than ROS has.
 fn as_json(bytes: Vec<u8>, to: &Path) {
-    use pivot_cal::log::{SignalName, Source, VehicleOverrides, read_lateral_bytes};
+    use pivot_cal::log::{SignalName, Source, VehicleOverrides};
     let recording = read_lateral_bytes(bytes, "ros.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
     let signals = &recording.signals;
     let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();

@@ -4,7 +4,8 @@
 use assert_cmd::Command;
 use mcap::Writer;
 use mcap::records::MessageHeader;
-use pivot_cal::log::{Error, Recording, SignalMap, Source, VehicleOverrides, find_logs, read, read_split};
+use pivot_cal::internals::{find_logs, read_split};
+use pivot_cal::log::{Error, Recording, SignalMap, Source, VehicleOverrides, read};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Cursor;

@@ -4,17 +4,16 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
 use pivot_cal::campaign;
-use pivot_cal::campaign::{SampleVerdict, Survey};
+use pivot_cal::campaign::Survey;
+use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::fit;
 use pivot_cal::fit::{Fit, fit};
+use pivot_cal::internals::{Campaign, VehicleFile, record};
 use pivot_cal::invert;
 use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, SignalMap, Source, VehicleOverrides, read, read_bytes};
-use pivot_cal::map::{CellStatus, CsvRef, Gear, Table1File};
-use pivot_cal::record::{Campaign, record};
+use pivot_cal::map::{CellStatus, CsvRef, Gear, SampleVerdict, Table1File};
 use pivot_cal::signal::Track;
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::units::RAD_PER_DEG;
 use std::path::PathBuf;
 
 /// When the reference drive's answer key starts [ns].

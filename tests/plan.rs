@@ -5,11 +5,9 @@
 #[path = "common/yardstick.rs"]
 mod yardstick;
 
+use pivot_cal::internals::{Campaign, End, VehicleFile, expected, known_maps, record};
 use pivot_cal::map::{Gear, Table1File};
-use pivot_cal::plan::{PlanSettings, Proposal, expected, plan};
-use pivot_cal::record::{Campaign, End, record};
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::verify::known_maps;
+use pivot_cal::plan::{PlanSettings, Proposal, plan};
 use std::sync::LazyLock;
 use yardstick::{Yardstick, rms};
 

@@ -5,7 +5,7 @@
 mod readers;
 
 use assert_cmd::Command;
-use pivot_cal::map::PlanFile;
+use pivot_cal::internals::PlanFile;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
-use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, WheelAngle, write_whole};
-use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
-use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, known_maps, verify};
+use pivot_cal::internals::{PhysicalSettings, WorldSettings as World, known_maps};
+use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, WheelAngle};
+use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, verify};
 use std::path::Path;
 
 fn vehicle() -> Vehicle {
@@ -193,10 +193,10 @@ fn a_physical_plant_can_be_driven_too() {
 
 fn save(folder: &Path) {
     let (table1, table2) = good();
-    write_whole(&folder.join("table1.json"), table1.to_json().unwrap().as_bytes()).unwrap();
-    write_whole(&folder.join("table2.json"), table2.to_json().unwrap().as_bytes()).unwrap();
+    std::fs::write(folder.join("table1.json"), table1.to_json().unwrap()).unwrap();
+    std::fs::write(folder.join("table2.json"), table2.to_json().unwrap()).unwrap();
     for map in &table2.maps {
-        write_whole(&folder.join(&map.csv.file), map.table().unwrap().to_matrix().to_csv().as_bytes()).unwrap();
+        std::fs::write(folder.join(&map.csv.file), map.table().unwrap().to_matrix().to_csv()).unwrap();
     }
 }
 

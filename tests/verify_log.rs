@@ -4,9 +4,9 @@
 #[path = "common/readers.rs"]
 mod readers;
 
+use pivot_cal::internals::{PhysicalSettings, Wanted, WorldSettings as World, known_maps, verify_with};
 use pivot_cal::map::Vehicle;
-use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
-use pivot_cal::verify::{Maps, Scenario, VerifySettings, Wanted, known_maps, verify_with};
+use pivot_cal::verify::{Maps, Scenario, VerifySettings};
 use std::path::Path;
 
 /// Topics of every log with their types. What PlotJuggler, Foxglove and rerun draw without a plug-in: standard ROS 2 messages.

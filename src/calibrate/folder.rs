@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// A file that is missing or cannot be read.
-pub fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
+pub(crate) fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
     MapFolder::read_table1(folder).or_else(|error| match error {
         FolderError::Read { path, source } => {
             let what = if source.kind() == ErrorKind::InvalidData { "read from" } else { "open" };

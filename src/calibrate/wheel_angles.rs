@@ -83,7 +83,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
 ///
 /// # Errors
 /// An angle without a map in the file.
-pub fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
+pub(crate) fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
     let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     for angle in asked {
         if !file.maps.iter().any(|m| is(m.wheel_angle_deg, *angle)) {
@@ -102,7 +102,7 @@ pub fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
 ///
 /// # Errors
 /// An angle without a map in the file.
-pub fn only_angle(mut file: Table1File, angle_deg: f64, listen: &Listener) -> Result<Table1File> {
+pub(crate) fn only_angle(mut file: Table1File, angle_deg: f64, listen: &Listener) -> Result<Table1File> {
     let maps = file.maps.len();
     keep_angles(&mut file, &[angle_deg])?;
     if file.maps.len() < maps {

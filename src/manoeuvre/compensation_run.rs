@@ -1,7 +1,6 @@
 //! The compensation scenario: a path driven with mounting errors, once without and once with the run-time law, on the same noise.
 
-use crate::control::Inputs;
-use crate::control::lateral_compensation::{CompensationEntry, CompensationSettings, CompensationTable, LateralCompensation};
+use crate::control::{CompensationEntry, CompensationSettings, CompensationTable, Inputs, LateralCompensation};
 use crate::guidance::path::PosePath;
 use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};

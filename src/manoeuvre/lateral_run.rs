@@ -14,7 +14,7 @@ use crate::sim;
 
 /// One run of the lateral calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CalibrationDrive {
+pub(crate) struct CalibrationDrive {
     /// The tracking law.
     pub law: LawName,
     /// Compensation angle [rad].
@@ -27,7 +27,7 @@ pub struct CalibrationDrive {
 
 /// Form of the reference in a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LoggedReference {
+pub(crate) enum LoggedReference {
     /// The matched point, every period.
     Point,
     /// The whole path, once.
@@ -59,7 +59,11 @@ fn lateral_run(vehicle: &sim::WorldSettings, run: &CalibrationDrive, observer: i
 ///
 /// # Errors
 /// A vehicle that cannot be simulated, or any error of the MCAP writer.
-pub fn lateral_log(vehicle: &sim::WorldSettings, run: &CalibrationDrive, reference: LoggedReference) -> Result<(Vec<u8>, DriveStage)> {
+pub(crate) fn lateral_log(
+    vehicle: &sim::WorldSettings,
+    run: &CalibrationDrive,
+    reference: LoggedReference,
+) -> Result<(Vec<u8>, DriveStage)> {
     let mut log = ManoeuvreLog::new(&vehicle.vehicle);
     if reference == LoggedReference::Path {
         log = log.without_points();

@@ -8,24 +8,28 @@ mod fit_traces;
 mod folder;
 mod format;
 mod json_text;
-mod lateral_table_file;
+pub(crate) mod lateral_table_file;
 mod named;
-mod plan_file;
+pub(crate) mod plan_file;
 mod save;
 mod shape;
 mod status;
 mod table1_file;
 mod table2_file;
 
-pub use csv_name::{csv_name, is_csv_name};
-pub use fit_traces::{DeadTimeLikelihood, DelayLikelihood, FitTraces, ResidualCells, ResidualTimes, RunTrace};
-pub use folder::{FolderError, MapFolder, Mismatch, StoredFile};
+pub(crate) use csv_name::{csv_name, is_csv_name};
+pub use fit_traces::FitTraces;
+pub(crate) use fit_traces::{DeadTimeLikelihood, DelayLikelihood, ResidualCells, ResidualTimes, RunTrace};
+pub(crate) use folder::{FolderError, MapFolder, Mismatch, StoredFile};
 pub(crate) use format::expect_format;
-pub use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
-pub use lateral_table_file::{LateralCurve, LateralEntry, LateralMean, LateralTableFile};
-pub use named::FixedText;
-pub use plan_file::{PlanEntry, PlanFile, PlannedRun, Proposal};
-pub use save::{sha256_hex, write_whole};
+pub(crate) use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
+pub(crate) use lateral_table_file::LateralTableFile;
+pub(crate) use lateral_table_file::{LateralCurve, LateralEntry, LateralMean};
+pub(crate) use named::FixedText;
+pub(crate) use plan_file::PlanFile;
+pub use plan_file::{PlanEntry, PlannedRun, Proposal};
+pub use save::sha256_hex;
+pub(crate) use save::write_whole;
 pub use status::{ActuatorInput, DelayStatus, InputSource, SampleVerdict, SpeedSource, ZeroRow};
 pub use table1_file::{
     AccelMap, Actuator, BreakawayTorque, CsvRef, DelayEstimate, FineSurface, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow,

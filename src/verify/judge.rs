@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::map::Vehicle;
     use crate::sim::{PhysicalSettings, WorldSettings as World};
-    use crate::verify::known_maps;
+    use crate::verify::reference_maps::known_maps;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn maps() -> Maps {

@@ -42,7 +42,7 @@ const LEAD_S: f64 = 1.0;
 ///
 /// # Errors
 /// A Table 1 that cannot be simulated.
-pub fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>> {
+pub(crate) fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>> {
     let mut settings = sim::WorldSettings::identified(table1)?;
     let source = &survey.track.source;
     let known = table1.actuator.per_log.iter().find(|log| log.sha256 == source.sha256);

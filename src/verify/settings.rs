@@ -25,6 +25,7 @@ pub struct VerifySettings {
     /// The drive law; `None`, the default, is the usual one for the map's vehicle.
     pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
+    #[doc(hidden)]
     pub plant: Option<sim::WorldSettings>,
 }
 

@@ -13,7 +13,7 @@ const FORMAT: &str = "pivot-cal/plan";
 pub struct PlanFile {
     /// Always `pivot-cal/plan`.
     pub format: String,
-    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
+    /// Version of this layout.
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
