@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
 
+mod advice;
 mod angles;
 mod breaks;
 mod calibrate;

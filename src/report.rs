@@ -25,6 +25,7 @@ mod round_trip;
 mod runs;
 mod scale;
 mod section;
+mod slug;
 mod summary;
 mod svg;
 mod tables;

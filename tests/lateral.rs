@@ -1,20 +1,13 @@
 //! The lateral calibration at the process boundary: logs → table → proof in closed loop, and what is refused.
 #![allow(clippy::unwrap_used)]
 
-use assert_cmd::Command;
+#[path = "common/program.rs"]
+mod program;
+
 use pivot_cal::internals::{LateralTableFile, Lqr, read_lateral_bytes};
 use pivot_cal::map::sha256_hex;
+use program::{repo, run};
 use std::path::{Path, PathBuf};
-
-fn repo(path: &str) -> String {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path).to_str().unwrap().to_owned()
-}
-
-fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("pivot-cal").unwrap().current_dir(folder).args(args).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
-}
 
 /// Base and two angles on the bundled vehicle with its mounting errors.
 fn record(folder: &Path, seed: &str, output: &str) {

@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
+#[path = "common/program.rs"]
+mod program;
+
 use pivot_cal::campaign;
 use pivot_cal::campaign::Survey;
 use pivot_cal::control::RAD_PER_DEG;
@@ -14,18 +17,10 @@ use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, SignalMap, Source, VehicleOverrides, read, read_bytes};
 use pivot_cal::map::{CellStatus, CsvRef, Gear, SampleVerdict, Table1File};
 use pivot_cal::signal::Track;
-use std::path::PathBuf;
+use program::{repo, text};
 
 /// When the reference drive's answer key starts [ns].
 const MESSY_START_NS: i64 = 1_764_667_800_123_456_789;
-
-fn repo(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(repo(path)).unwrap()
-}
 
 fn survey(recording: &Recording) -> Survey {
     Survey::new(Track::new(recording).unwrap(), &campaign::SurveySettings::default()).unwrap()
@@ -39,7 +34,7 @@ fn messy() -> (Survey, Fit) {
 fn messy_with(change: impl Fn(Track) -> Track) -> (Survey, Fit) {
     let source = Source::Map(SignalMap::from_toml(&text("data/signals/reference.toml")).unwrap());
     let read = |path: &str| {
-        let recording = read(&repo(path), &source, &VehicleOverrides::default(), &|_| {}).unwrap();
+        let recording = read(repo(path).as_ref(), &source, &VehicleOverrides::default(), &|_| {}).unwrap();
         Survey::new(change(Track::new(&recording).unwrap()), &campaign::SurveySettings::default()).unwrap()
     };
     let messy = read("tests/data/reference_messy.zstd.mcap");

@@ -1,11 +1,13 @@
 //! The report: what it says, that it is safe and whole, and that a browser shows it.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/program.rs"]
+mod program;
 #[path = "common/readers.rs"]
 mod readers;
 
-use assert_cmd::Command;
 use pivot_cal::internals::PlanFile;
+use program::{repo, run};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +15,7 @@ use std::path::{Path, PathBuf};
 fn maps(folder: &Path) -> PathBuf {
     let maps = folder.join("maps");
     std::fs::create_dir(&maps).unwrap();
-    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")).unwrap() {
+    for entry in std::fs::read_dir(repo("maps")).unwrap() {
         let path = entry.unwrap().path();
         // not what somebody has planned with the demo's maps
         if path.extension().is_some_and(|e| e == "json" || e == "csv") && !path.ends_with("plan.json") {
@@ -23,15 +25,9 @@ fn maps(folder: &Path) -> PathBuf {
     maps
 }
 
-fn pivot_cal(args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("pivot-cal").unwrap().args(args).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
-}
-
 /// Makes the report of `maps`; the page and the JSON document.
 fn report(maps: &Path) -> (String, Value) {
-    let (status, text, errors) = pivot_cal(&["report", "--json", "--maps", maps.to_str().unwrap()]);
+    let (status, text, errors) = run(Path::new("."), &["report", "--json", "--maps", maps.to_str().unwrap()]);
     assert_eq!(status, 0, "{errors}");
     (std::fs::read_to_string(maps.join("report.html")).unwrap(), serde_json::from_str(&text).unwrap())
 }
@@ -89,7 +85,7 @@ fn every_figure_is_a_picture_of_its_own_too() {
     let folder = tempfile::tempdir().unwrap();
     let maps = maps(folder.path());
     let figures = folder.path().join("figures");
-    let (status, text, errors) = pivot_cal(&["report", "--maps", maps.to_str().unwrap(), "--svg", figures.to_str().unwrap()]);
+    let (status, text, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap(), "--svg", figures.to_str().unwrap()]);
     assert_eq!(status, 0, "{errors}");
     assert!(!text.contains('#'), "no map of characters in a pipe: {text}");
     for name in
@@ -101,7 +97,7 @@ fn every_figure_is_a_picture_of_its_own_too() {
         let (opened, closed) = (svg.matches("<g ").count(), svg.matches("</g>").count());
         assert_eq!(opened, closed, "{name}");
     }
-    let (_, text, _) = pivot_cal(&["report", "-v", "--maps", maps.to_str().unwrap()]);
+    let (_, text, _) = run(Path::new("."), &["report", "-v", "--maps", maps.to_str().unwrap()]);
     assert!(text.contains("coverage, forward gear") && text.lines().any(|l| l.contains('|') && l.contains("###")), "{text}");
 }
 
@@ -122,7 +118,7 @@ fn what_is_absent_is_said_and_is_no_failure() {
     assert_eq!(document["judgement"], "not_judged");
     assert!(page.contains("There is no Table 2 yet") && page.contains("must not be deployed before one does"));
     std::fs::remove_file(maps.join("table1.json")).unwrap();
-    let (status, _, errors) = pivot_cal(&["report", "--maps", maps.to_str().unwrap()]);
+    let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap()]);
     assert_eq!(status, 1);
     assert!(errors.contains("table1.json") && errors.contains("pivot-cal fit"), "{errors}");
 }
@@ -161,7 +157,7 @@ fn drive_manoeuvres(maps: &Path) {
     for name in ["polyline-pure-pursuit", "polyline-lqr", "lateral-forward", "parking", "parking-nose-in", "u-turn"] {
         args.extend(["--scenario", name]);
     }
-    let (status, _, errors) = pivot_cal(&args);
+    let (status, _, errors) = run(Path::new("."), &args);
     assert_eq!(status, 0, "{errors}");
     for (path, bytes) in kept {
         std::fs::write(path, bytes).unwrap();
@@ -273,7 +269,7 @@ fn damaged_and_strange_files_are_errors_with_their_name_and_nothing_is_written()
         let path = maps.join(name);
         let good = std::fs::read(&path).unwrap();
         std::fs::write(&path, text).unwrap();
-        let (status, _, errors) = pivot_cal(&["report", "--maps", maps.to_str().unwrap()]);
+        let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap()]);
         assert!(status == 1 && errors.contains(name), "{name}: {errors}");
         assert!(!maps.join("report.html").exists());
         std::fs::write(&path, good).unwrap();

@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
+#[path = "common/program.rs"]
+mod program;
+
 use pivot_cal::campaign;
 use pivot_cal::campaign::{AngleGroup, Survey, group_by_angle};
 use pivot_cal::control::RAD_PER_DEG;
@@ -14,11 +17,7 @@ use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{AccelMap, ActuatorInput, CellStatus, CsvRef, DelayStatus, Gear, InputSource, SampleVerdict};
 use pivot_cal::signal::{Series, Track};
-use std::path::Path;
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
-}
+use program::text;
 
 /// A campaign's forward runs on the scrubber, its drive's torque limited to so many N·m/s, and the scrubber's exact map. The feedback comes
 /// 25 times a second with 0.3 N·m of noise.

@@ -98,16 +98,12 @@ pub(crate) fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// The file as one of a single wheel angle [°], which is then its test angle; reports to `listen` if it holds others.
+/// The file as one of a single wheel angle [°], which is then its test angle.
 ///
 /// # Errors
 /// An angle without a map in the file.
-pub(crate) fn only_angle(mut file: Table1File, angle_deg: f64, listen: &Listener) -> Result<Table1File> {
-    let maps = file.maps.len();
+pub(crate) fn only_angle(mut file: Table1File, angle_deg: f64) -> Result<Table1File> {
     keep_angles(&mut file, &[angle_deg])?;
-    if file.maps.len() < maps {
-        listen(StageEvent::Note(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)")));
-    }
     let is = |a: f64| WheelAngle::from_deg(angle_deg).is_same_deg(a);
     file.report.runs.retain(|run| run.wheel_angle_deg.is_none_or(is));
     file.families.clear();

@@ -125,9 +125,9 @@ impl RosMessage<'_> {
     }
 
     /// The CDR bytes.
-    pub(crate) fn to_cdr(&self) -> Vec<u8> {
+    pub(crate) fn to_cdr(self) -> Vec<u8> {
         let mut cdr = Cdr::new();
-        match self {
+        match &self {
             Self::Float64(value) => cdr.f64(*value),
             Self::Int8(value) => cdr.i8(*value),
             Self::Bool(value) => cdr.bool(*value),
