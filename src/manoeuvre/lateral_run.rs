@@ -74,3 +74,34 @@ pub(crate) fn lateral_log(
     let stage = lateral_run(vehicle, run, &mut log)?;
     Ok((log.finish()?, stage))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::sim::VehicleFile;
+    use std::collections::BTreeMap;
+
+    /// Messages by topic, and the last stage.
+    fn logged(reference: LoggedReference) -> (BTreeMap<String, usize>, DriveStage) {
+        let run = CalibrationDrive { law: LawName::Lqr, compensation_rad: 0.0, mounting: Mounting::default(), seed: 1 };
+        let (bytes, stage) = lateral_log(&VehicleFile::bundled().unwrap().settings(), &run, reference).unwrap();
+        let mut topics = BTreeMap::new();
+        for message in mcap::MessageStream::new(&bytes).unwrap() {
+            *topics.entry(message.unwrap().channel.topic.clone()).or_insert(0) += 1;
+        }
+        (topics, stage)
+    }
+
+    #[test]
+    fn the_reference_is_in_the_log_as_it_was_asked_for() {
+        let (points, stage) = logged(LoggedReference::Point);
+        assert_eq!(stage, DriveStage::Arrived);
+        assert!(points["/reference/matched_point"] > 1000 && !points.contains_key("/reference/path"), "{points:?}");
+        let (path, _) = logged(LoggedReference::Path);
+        assert_eq!(path["/reference/path"], 1);
+        assert!(!path.contains_key("/reference/matched_point"), "{path:?}");
+        // the rest of the log is the same
+        assert_eq!(path["/odom"], points["/odom"]);
+    }
+}
