@@ -3,29 +3,23 @@
 //! They are crates of their own, and so see only what is public. This is no part of the interface: it is not documented, and changes at any
 //! time.
 
-pub use crate::campaign::driving::End;
 pub use crate::guidance::route::follower::DriveStage;
-pub use crate::guidance::route::lqr::Lqr;
 pub use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 pub use crate::guidance::u_turn;
 pub use crate::guidance::{BodyShape, PlanePoint, Polygon};
 pub use crate::log::extract::fields::FieldReader;
-pub use crate::log::find_logs::find_logs;
 pub use crate::log::path::MessagePath;
 pub use crate::log::read::{read_lateral_bytes, read_signals};
-pub use crate::log::split_bag::read_split;
 pub use crate::log::survey::survey_bytes;
 pub use crate::manoeuvre::picture::picture;
 pub use crate::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreKind, ManoeuvreMoment, ManoeuvreSettings, replay_manoeuvre};
 pub use crate::map::files::lateral_table_file::LateralTableFile;
-pub use crate::map::files::plan_file::PlanFile;
 pub use crate::plan::expected::{ExpectedCell, expected};
 pub use crate::record::{Campaign, RunGroup, Torques, record};
 pub use crate::sim::{
     GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, VehicleFile, World, WorldCommand, WorldSettings,
 };
 pub use crate::verify::bench::PivotMoment;
-pub use crate::verify::judge::{replay, verify_with};
+pub use crate::verify::judge::replay;
 pub use crate::verify::metric::Values;
 pub use crate::verify::reference_maps::known_maps;
-pub use crate::verify::settings::Wanted;

@@ -6,7 +6,6 @@ mod program;
 #[path = "common/readers.rs"]
 mod readers;
 
-use pivot_cal::internals::PlanFile;
 use program::{repo, run};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -166,7 +165,10 @@ fn drive_manoeuvres(maps: &Path) {
         "seconds": 1.6, "gain_nm": 0.0014, "gain_percent": 1.04, "reason": "cells at -24 to 40 N·m <are> known to ±0.22 N·m only" });
     let plan = serde_json::json!({ "seconds": 299.0, "runs": 111, "std_err_nm": 0.134, "std_err_after_nm": 0.087, "entries": [run] });
     let sha256 = pivot_cal::map::sha256_hex(&std::fs::read(maps.join("table1.json")).unwrap());
-    std::fs::write(maps.join("plan.json"), PlanFile::new(sha256, serde_json::from_value(plan).unwrap()).to_json().unwrap()).unwrap();
+    let file = serde_json::json!({
+        "format": "pivot-cal/plan", "format_version": 1, "tool_version": "0.1.0", "table1_sha256": sha256, "plan": plan
+    });
+    std::fs::write(maps.join("plan.json"), file.to_string()).unwrap();
 }
 
 #[test]

@@ -50,7 +50,7 @@ impl VerifySettings {
 
 /// Outputs beside the verdict. Default none.
 #[derive(Clone, Copy, Default)]
-pub struct Wanted<'a> {
+pub(crate) struct Wanted<'a> {
     /// The runs over time, for the report.
     pub traces: bool,
     /// A log of each nominal run.
@@ -61,7 +61,7 @@ pub struct Wanted<'a> {
 
 /// The log of a nominal run.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RunLog {
+pub(crate) struct RunLog {
     /// Name of the scenario.
     pub name: String,
     /// Bytes of an MCAP file of standard ROS 2 messages.
