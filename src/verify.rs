@@ -3,7 +3,7 @@
 //! In: [`Maps`], the `table2.csv` that will be deployed with the JSON files that belong to it, and [`VerifySettings`]. Out: [`MapVerdict`]. Pivots are
 //! driven by the bundled controller on the plant that Table 1 identified, nominal and perturbed (Monte Carlo). Failures are provoked. Every
 //! measured cell makes the round trip Table 1 → Table 2 → Table 1. Other laws are compared with the map. A gate of documented limits
-//! decides. Metrics, traces and logs observe the same runs ([`verify_with`]).
+//! decides. Metrics, traces and logs observe the same runs.
 
 pub(crate) mod bench;
 mod comparison;

@@ -212,7 +212,19 @@ fn manoeuvres_and_the_plan_are_shown_with_the_tables_that_they_belong_to_and_onl
     };
     assert!((mean_m(0).abs() - 0.046).abs() < 0.004 && mean_m(1).abs() < 0.004, "before {} and after {}", mean_m(0), mean_m(1));
 
-    // of other tables they are left out, and that is told
+    // a name in the file cannot leave the folder of the figures
+    edit(&maps.join("manoeuvre_traces.json"), |traces| {
+        let all = traces["manoeuvres"].as_array_mut().unwrap().iter_mut().map(|m| &mut m["verdict"]["name"]);
+        all.filter(|name| **name == "parking").for_each(|name| *name = "../../escaped".into());
+    });
+    let figures = folder.path().join("deep/figures");
+    let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap(), "--svg", figures.to_str().unwrap()]);
+    assert_eq!(status, 0, "{errors}");
+    let names: Vec<_> = std::fs::read_dir(&figures).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(names.iter().any(|name| name.starts_with("manoeuvre-escaped-")), "{names:?}");
+    assert!(names.contains(&"manoeuvre-u-turn.svg".to_owned()) && !folder.path().join("escaped.svg").exists(), "{names:?}");
+
+    // of other tables they are left out
     edit(&maps.join("manoeuvre_traces.json"), |v| v["table2_csv_sha256"][0] = "0".repeat(64).into());
     edit(&maps.join("plan.json"), |v| v["table1_sha256"] = "0".repeat(64).into());
     let (page, document) = report(&maps);
