@@ -203,8 +203,7 @@ impl SignalMap {
     /// The TOML cannot be read, a key is not known (the nearest known key is given), or a path or unit is wrong.
     ///
     /// ```
-    /// let map = pivot_cal::log::SignalMap::from_toml("[signals]\nspeed = { path = '/wheel.v', unit = 'km/h' }")?;
-    /// assert_eq!(map.signals.len(), 1);
+    /// pivot_cal::log::SignalMap::from_toml("[signals]\nspeed = { path = '/wheel.v', unit = 'km/h' }")?;
     /// assert!(pivot_cal::log::SignalMap::from_toml("[signals]\nsped = { path = '/wheel.v' }").is_err());
     /// # Ok::<(), pivot_cal::log::Error>(())
     /// ```
