@@ -3,9 +3,9 @@
 use pivot_cal::control::{
     Inputs, OutsidePolicy, PivotController, PivotSettings as Control, Pose, Tables, TorqueFromAccel, WaypointLaw, WaypointLawSettings,
 };
+use pivot_cal::internals::{PhysicalSettings, WorldSettings as World, known_maps, replay};
 use pivot_cal::map::{Gear, TorqueTable, Vehicle};
-use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
-use pivot_cal::verify::{Maps, Scenario, VerifySettings, known_maps, replay};
+use pivot_cal::verify::{Maps, Scenario, VerifySettings};
 use std::hint::black_box;
 
 fn main() {

@@ -2,8 +2,8 @@
 //! the items per second are the factor over real time.
 
 use divan::counter::ItemsCount;
+use pivot_cal::internals::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, World, WorldCommand, WorldSettings};
 use pivot_cal::map::{AccelTable, Axis, Gear, Vehicle};
-use pivot_cal::sim::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, World, WorldCommand, WorldSettings};
 use std::f64::consts::FRAC_PI_2;
 
 fn main() {

@@ -7,14 +7,13 @@
 
 use pivot_cal::campaign;
 use pivot_cal::campaign::Survey;
+use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::fit;
 use pivot_cal::fit::fit;
+use pivot_cal::internals::{Campaign, VehicleFile, record};
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{CellStatus, Gear};
-use pivot_cal::record::{Campaign, record};
 use pivot_cal::signal::Track;
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::units::RAD_PER_DEG;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let campaigns: u64 = std::env::args().nth(1).map_or(Ok(20), |n| n.parse())?;

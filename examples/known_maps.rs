@@ -3,9 +3,8 @@
 //!
 //! They end at 1.0 m/s, as a campaign's do somewhere: whoever asks beyond gets the nearest entry, which is no error of the map.
 
-use pivot_cal::map::{Vehicle, write_whole};
-use pivot_cal::sim::{PhysicalSettings, VehicleFile, WorldSettings};
-use pivot_cal::verify::known_maps;
+use pivot_cal::internals::{PhysicalSettings, VehicleFile, WorldSettings, known_maps};
+use pivot_cal::map::Vehicle;
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -20,13 +19,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         ),
     };
     let (table1, table2) = known_maps(&world)?;
-    write_whole(&folder.join("table1.json"), table1.to_json()?.as_bytes())?;
-    write_whole(&folder.join("table2.json"), table2.to_json()?.as_bytes())?;
+    std::fs::write(folder.join("table1.json"), table1.to_json()?)?;
+    std::fs::write(folder.join("table2.json"), table2.to_json()?)?;
     for map in &table1.maps {
-        write_whole(&folder.join(&map.csv.file), map.table()?.to_matrix().to_csv().as_bytes())?;
+        std::fs::write(folder.join(&map.csv.file), map.table()?.to_matrix().to_csv())?;
     }
     for map in &table2.maps {
-        write_whole(&folder.join(&map.csv.file), map.table()?.to_matrix().to_csv().as_bytes())?;
+        std::fs::write(folder.join(&map.csv.file), map.table()?.to_matrix().to_csv())?;
     }
     Ok(())
 }

@@ -3,9 +3,9 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
-use pivot_cal::guidance::route::follower::DriveStage;
-use pivot_cal::guidance::route::polyline::{PolylinePlan, PolylineSettings};
-use pivot_cal::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, replay_manoeuvre};
+use pivot_cal::internals::{
+    DEMO_POINTS, DriveStage, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, PolylinePlan, PolylineSettings, replay_manoeuvre,
+};
 use pivot_cal::verify::{Maps, Metric};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -28,7 +28,7 @@ fn moments(
     maps: &Maps,
     settings: &ManoeuvreSettings,
     manoeuvre: &Manoeuvre,
-) -> Result<(Vec<ManoeuvreMoment>, pivot_cal::verify::Values), Box<dyn Error>> {
+) -> Result<(Vec<ManoeuvreMoment>, pivot_cal::internals::Values), Box<dyn Error>> {
     let mut all = Vec::new();
     let values = replay_manoeuvre(maps, settings, manoeuvre, |moment| all.push(*moment))?;
     Ok((all, values))

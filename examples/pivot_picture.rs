@@ -2,9 +2,9 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
+use pivot_cal::internals::{PhysicalSettings, PivotMoment, WorldSettings as World, known_maps, replay};
 use pivot_cal::map::Vehicle;
-use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
-use pivot_cal::verify::{Maps, PivotMoment, Scenario, VerifySettings, known_maps, replay};
+use pivot_cal::verify::{Maps, Scenario, VerifySettings};
 use std::error::Error;
 use std::fmt::Write as _;
 

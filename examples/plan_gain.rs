@@ -13,11 +13,9 @@ mod yardstick;
 use campaigns::{drive, in_order, shuffled};
 use pivot_cal::fit;
 use pivot_cal::fit::fit;
+use pivot_cal::internals::{Campaign, ExpectedCell, RunGroup, Torques, VehicleFile, expected, known_maps};
 use pivot_cal::map::Table1File;
-use pivot_cal::plan::{ExpectedCell, PlanSettings, PlannedRun, expected, plan};
-use pivot_cal::record::{Campaign, RunGroup, Torques};
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::verify::known_maps;
+use pivot_cal::plan::{PlanSettings, PlannedRun, plan};
 use std::fmt::Write as _;
 use yardstick::{Errors, Yardstick, rms};
 

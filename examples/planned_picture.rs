@@ -3,9 +3,8 @@
 
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
-use pivot_cal::manoeuvre::picture::picture;
-use pivot_cal::manoeuvre::{Manoeuvre, ManoeuvreKind, ManoeuvreSettings, replay_manoeuvre};
-use pivot_cal::verify::{Maps, Metric, known_maps};
+use pivot_cal::internals::{Manoeuvre, ManoeuvreKind, ManoeuvreSettings, known_maps, picture, replay_manoeuvre};
+use pivot_cal::verify::{Maps, Metric};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -9,8 +9,8 @@
 #[path = "../tests/common/published_u_turn.rs"]
 mod published_u_turn;
 
-use pivot_cal::guidance::BodyShape;
-use pivot_cal::guidance::u_turn::{Lane, Method, UTurnSettings, UTurnShape, drive, largest_difference_m};
+use pivot_cal::internals::BodyShape;
+use pivot_cal::internals::u_turn::{Lane, Method, UTurnSettings, UTurnShape, drive, largest_difference_m};
 use published_u_turn::{Answer, Hypothesis, PublishedCase, PublishedFinding, YAW_RATE_RAD_S};
 use std::error::Error;
 

@@ -2,7 +2,8 @@
 
 use mcap::records::MessageHeader;
 use mcap::{WriteOptions, Writer};
-use pivot_cal::log::{Depth, SignalMap, Source, VehicleOverrides, read_bytes, survey_bytes};
+use pivot_cal::internals::survey_bytes;
+use pivot_cal::log::{Depth, SignalMap, Source, VehicleOverrides, read_bytes};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 

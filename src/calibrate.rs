@@ -18,13 +18,14 @@ mod wheel_angles;
 pub use error::{Error, Result};
 pub use event::{Listener, StageEvent};
 pub use fit_stage::{FittedLogs, fit_logs};
-pub use folder::read_table1;
+pub(crate) use folder::read_table1;
 pub use invert_stage::invert_folder;
 pub use logs::{read_logs, survey};
 pub use report_stage::{WrittenReport, report_folder};
 pub use settings::{CalibrateSettings, FitStage, InvertStage, LogSource};
-pub use verify_stage::{save_verdict, verify_folder};
-pub use wheel_angles::{keep_angles, only_angle};
+pub(crate) use verify_stage::save_verdict;
+pub use verify_stage::verify_folder;
+pub(crate) use wheel_angles::{keep_angles, only_angle};
 
 use crate::invert::Inversion;
 use crate::verify::MapVerdict;

@@ -1,11 +1,12 @@
 //! Finds the runs in the signals of a log, with a verdict on every sample.
 //!
-//! In: a [`Track`](crate::signal::Track). Out: a [`Survey`]: one [`Verdict`] per speed sample, the [`Stretch`]es of motion that a fit may
-//! use, and the [`Hold`]s, the intervals of constant command, usually called runs. Verdicts that need a model (a push by hand) are added
-//! by the fit. A [`Census`] lists the wheel angles of the runs. An [`AngleGroup`] holds the surveys of the runs at one of these angles.
+//! In: a [`Track`](crate::signal::Track). Out: a [`Survey`]: one [`SampleVerdict`] per speed sample, the [`Stretch`]es of motion that a fit may
+//! use, and the holds, the intervals of constant command, usually called runs. Verdicts that need a model (a push by hand) are added
+//! by the fit. A `Census` lists the wheel angles of the runs. An [`AngleGroup`] holds the surveys of the runs at one of these angles.
 
 mod angles;
 mod by_angle;
+pub(crate) mod driving;
 mod error;
 mod gates;
 mod hold;
@@ -15,12 +16,13 @@ mod settings;
 mod slip;
 mod survey;
 
-pub use crate::map::SampleVerdict;
-pub use angles::{Census, HeldAngle};
+pub(crate) use crate::map::SampleVerdict;
+pub(crate) use angles::{Census, HeldAngle};
 pub use by_angle::{AngleGroup, Grouped, group_by_angle};
-pub use error::{Error, Result};
-pub use hold::Hold;
-pub use ledger::{ledger, sample_seconds};
-pub use runs::runs;
+pub use error::Error;
+pub(crate) use error::Result;
+pub(crate) use hold::Hold;
+pub(crate) use ledger::{ledger, sample_seconds};
+pub(crate) use runs::runs;
 pub use settings::SurveySettings;
-pub use survey::{StartTrial, Stretch, Survey};
+pub use survey::{Stretch, Survey};

@@ -5,7 +5,7 @@
 //! CSV; any other CSV is an Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
 mod finding;
-pub mod foreign;
+pub(crate) mod foreign;
 mod foreign_rules;
 mod grid_rules;
 mod own;

@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
 
+mod advice;
 mod angles;
 mod breaks;
 mod calibrate;
@@ -30,7 +31,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-pub use ui::Ui;
+pub(crate) use ui::Ui;
 
 /// Calibrate the torque map of a vehicle that pivots on its driven front wheel.
 #[derive(Debug, Parser)]
@@ -120,13 +121,13 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Export(arguments) => export::run(&arguments, ui),
         CliCommand::Diff(arguments) => diff::run(&arguments, ui),
         CliCommand::Plan(arguments) => plan::run(&arguments, ui),
-        CliCommand::Completions(arguments) => completions::run(&arguments, Cli::command(), ui),
+        CliCommand::Completions(arguments) => completions::run(&arguments, Cli::command()),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Rejected) => ExitCode::from(3),
         Err(error) => {
-            ui.error(&error);
+            Ui::error(&error);
             ExitCode::from(1)
         }
     }

@@ -17,8 +17,8 @@ mod html;
 mod sheet;
 mod significance;
 
-pub use compare::compare;
-pub use comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
-pub use error::{Error, Result};
-pub use html::html;
-pub use sheet::{DiffSide, Table};
+pub(crate) use compare::compare;
+pub(crate) use comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
+pub(crate) use error::{Error, Result};
+pub(crate) use html::html;
+pub(crate) use sheet::{DiffSide, Table};

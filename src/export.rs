@@ -10,15 +10,16 @@ mod cdfx;
 mod crc;
 mod dcm;
 mod error;
-pub(crate) mod file;
+mod file;
 mod json;
 mod number;
 mod provenance;
 mod rust;
 mod source;
 
-use crate::export::file::File;
-pub use error::{Error, Result};
+pub use error::Error;
+pub(crate) use error::Result;
+pub use file::File;
 pub use number::Precision;
 pub use source::MapSource;
 

@@ -19,7 +19,9 @@ pub(crate) mod solve;
 pub(crate) mod surface;
 pub(crate) mod table1;
 
-pub use angles::{Fit, fit, fit_angles, fit_traced};
-pub use error::{Error, Result};
-pub use known_calibration::KnownCalibration;
+pub(crate) use angles::fit_traced;
+pub use angles::{Fit, fit, fit_angles};
+pub use error::Error;
+pub(crate) use error::Result;
+pub(crate) use known_calibration::KnownCalibration;
 pub use settings::{CampaignTime, FitSettings};

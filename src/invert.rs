@@ -13,7 +13,8 @@ mod product;
 mod round_trip;
 mod settings;
 
-pub use crate::map::ZeroRow;
-pub use error::{Error, Result};
+pub(crate) use crate::map::ZeroRow;
+pub use error::Error;
+pub(crate) use error::Result;
 pub use product::{Inversion, invert};
 pub use settings::InvertSettings;

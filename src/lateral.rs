@@ -12,9 +12,6 @@ mod nearest;
 mod newey_west;
 mod settings;
 
-pub use bins::{Bin, CompensationRun};
-pub use error::{Error, Result};
-pub use fit::{LateralReport, fit};
-pub use isotonic::isotonic;
-pub use newey_west::{Mean, newey_west};
-pub use settings::{LateralFitSettings, Weighting};
+pub(crate) use error::{Error, Result};
+pub(crate) use fit::fit;
+pub(crate) use settings::{LateralFitSettings, Weighting};

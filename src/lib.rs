@@ -10,29 +10,43 @@
 //! ```
 //!
 //! Table 1 is a(v, τ), the acceleration over front-wheel speed and torque; Table 2 is τ(v, a), the torque over front-wheel speed and
-//! desired acceleration. Rooms import only rooms further down this list: `report`, `export` and `diff`, `verify`, `record`, `sim`,
-//! `control`, `fit`, `invert` and `lateral`, `campaign`, `signal`, `log`, `map`, `units`.
+//! desired acceleration. [`calibrate()`] goes from logs to a verified map in one call; each stage also works alone:
+//!
+//! | stage | call |
+//! |---|---|
+//! | read logs | [`calibrate::read_logs`], or [`log::read`] for one |
+//! | survey | [`calibrate::survey`] |
+//! | fit | [`fit::fit`], [`fit::fit_angles`], or [`calibrate::fit_logs`] |
+//! | invert | [`invert::invert`], or [`calibrate::invert_folder`] |
+//! | verify | [`verify::verify`], or [`calibrate::verify_folder`] |
+//! | report | [`report::report`], or [`calibrate::report_folder`] |
+//! | export, check, plan | [`export::Format::files`], [`check::check`], [`plan::plan`] |
+//!
+//! [`control`] is the controller that is deployed with the map. What else the program can do is on its command line.
 
 pub mod calibrate;
 pub mod campaign;
 pub mod check;
+#[doc(hidden)]
 pub mod cli;
-pub mod diff;
+mod diff;
 pub mod export;
 pub mod fit;
-pub mod guidance;
+mod guidance;
+#[doc(hidden)]
+pub mod internals;
 pub mod invert;
-pub mod lateral;
+mod lateral;
 pub mod log;
-pub mod manoeuvre;
+mod manoeuvre;
 pub mod map;
 pub mod plan;
-pub mod record;
+mod record;
 pub mod report;
 pub mod signal;
-pub mod sim;
+mod sim;
 mod spelling;
-pub mod units;
+mod units;
 pub mod verify;
 
 pub use calibrate::{CalibrateSettings, Calibrated, Error, Result, calibrate};

@@ -6,18 +6,18 @@
 //! driven so far are simulated in the same way, and the penalties are those that the fit chose.
 
 mod drive;
+pub(crate) mod expected;
 mod greedy;
 mod information;
 mod settings;
 mod to_campaign;
 
 use crate::fit::{Error, Result};
-use crate::map::{Gear, Table1File};
+use crate::map::Table1File;
 pub use crate::map::{PlanEntry, PlannedRun, Proposal};
 use greedy::Greedy;
 use information::{Information, Model};
 use rayon::prelude::*;
-use serde::Serialize;
 pub use settings::PlanSettings;
 
 /// Turning the wheel to its angle before the first run [s].
@@ -72,36 +72,6 @@ pub fn plan(file: &Table1File, settings: &PlanSettings) -> Result<Proposal> {
         std_err_after_nm: greedy.std_err_nm(),
         entries,
     })
-}
-
-/// Certainty of a cell's torque.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ExpectedCell {
-    /// Gear.
-    pub gear: Gear,
-    /// Speed [m/s].
-    pub speed_mps: f64,
-    /// Torque [N·m], gear frame.
-    pub torque_nm: f64,
-    /// Expected standard error [N·m].
-    pub std_err_nm: f64,
-}
-
-/// Expected standard errors of the cells after `runs` are driven in addition to those of `file`, by the same model as [`plan`]. A run that
-/// the vehicle cannot drive adds nothing.
-///
-/// # Errors
-/// As [`plan`].
-pub fn expected(file: &Table1File, settings: &PlanSettings, runs: &[PlannedRun]) -> Result<Vec<ExpectedCell>> {
-    let model = Model::new(file, settings)?;
-    let informed = informed(&model, runs);
-    let cells = model.cells();
-    let mut greedy = Greedy::new(&model, &model.covariance(file)?, &informed, &cells);
-    for k in 0..informed.len() {
-        greedy.take(k);
-    }
-    let known = cells.iter().zip(greedy.std_errs_nm());
-    Ok(known.map(|(c, std_err_nm)| ExpectedCell { gear: c.gear, speed_mps: c.speed_mps, torque_nm: c.torque_nm, std_err_nm }).collect())
 }
 
 /// Runs with their time [s] and their information; those that cannot be driven are skipped.

@@ -14,10 +14,9 @@ mod runner;
 mod schema;
 mod topics;
 
-pub use campaign::{Campaign, RunGroup, RunPlan, TopicSettings, Torques, WheelAngles};
-pub use error::{Error, Result};
-pub use event::{EventKind, RunEvent};
-pub use log_writer::LogWriter;
-pub use message::{JointState, MessageStamp, Odometry, PathMessage, PointStamped, RosMessage, TwistStamped};
-pub use recorder::{DrivenLog, RecordReport, record};
-pub use runner::{End, RunOutcome};
+pub(crate) use campaign::WheelAngles;
+pub use campaign::{Campaign, RunGroup, Torques};
+pub(crate) use error::{Error, Result};
+pub(crate) use log_writer::LogWriter;
+pub(crate) use message::{JointState, MessageStamp, Odometry, PathMessage, PointStamped, RosMessage};
+pub use recorder::record;

@@ -25,11 +25,14 @@ mod round_trip;
 mod runs;
 mod scale;
 mod section;
+mod slug;
 mod summary;
 mod svg;
 mod tables;
 
-pub use coverage::coverage_text;
-pub use error::{Error, Result};
-pub use inputs::{Judgement, ReportFiles};
+pub(crate) use coverage::coverage_text;
+pub use error::Error;
+pub(crate) use error::Result;
+pub(crate) use inputs::Judgement;
+pub use inputs::ReportFiles;
 pub use page::{Report, report};

@@ -6,12 +6,12 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-pub use crate::control::RAD_PER_DEG;
+pub(crate) use crate::control::RAD_PER_DEG;
 
 /// Radians per second in one revolution per minute.
-pub const RAD_S_PER_RPM: f64 = 2.0 * PI / 60.0;
+pub(crate) const RAD_S_PER_RPM: f64 = 2.0 * PI / 60.0;
 /// Nanoseconds in one second.
-pub const NS_PER_S: f64 = 1e9;
+pub(crate) const NS_PER_S: f64 = 1e9;
 
 /// Dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -48,7 +48,7 @@ impl fmt::Display for Dimension {
 
 /// A unit of measure that a signal map may name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unit {
+pub(crate) struct Unit {
     name: &'static str,
     dimension: Dimension,
     factor: f64,
@@ -97,17 +97,17 @@ fn known() -> String {
 
 impl Unit {
     /// The unit's usual name, such as `rad/s`.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         self.name
     }
 
     /// Dimension of the unit.
-    pub fn dimension(self) -> Dimension {
+    pub(crate) fn dimension(self) -> Dimension {
         self.dimension
     }
 
     /// SI value of one unit: `km/h` gives 1/3.6 (m/s), `deg` π/180 (rad).
-    pub fn factor(self) -> f64 {
+    pub(crate) fn factor(self) -> f64 {
         self.factor
     }
 }

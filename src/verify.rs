@@ -3,48 +3,50 @@
 //! In: [`Maps`], the `table2.csv` that will be deployed with the JSON files that belong to it, and [`VerifySettings`]. Out: [`MapVerdict`]. Pivots are
 //! driven by the bundled controller on the plant that Table 1 identified, nominal and perturbed (Monte Carlo). Failures are provoked. Every
 //! measured cell makes the round trip Table 1 → Table 2 → Table 1. Other laws are compared with the map. A gate of documented limits
-//! decides. Metrics, traces and logs observe the same runs ([`verify_with`]).
+//! decides. Metrics, traces and logs observe the same runs.
 
-mod bench;
+pub(crate) mod bench;
 mod comparison;
 pub(crate) mod drive;
 mod error;
 mod exact_map;
 mod gate;
-mod judge;
+pub(crate) mod judge;
 mod laws;
 mod maps;
 mod measured_region;
-mod metric;
+pub(crate) mod metric;
 mod notes;
 pub(crate) mod perturbations;
 mod pivot_driver;
 mod pivot_log;
 mod pivot_traces;
-mod reference_maps;
+pub(crate) mod reference_maps;
 mod replayed;
 mod round_trip;
 mod run;
 mod run_metrics;
 mod scenario;
-mod settings;
+pub(crate) mod settings;
 mod stage;
 pub(crate) mod vehicle_log;
 mod verdict;
 
-pub use bench::PivotMoment;
-pub use error::{Error, Result};
-pub use exact_map::ExactMap;
+pub use error::Error;
+pub(crate) use error::Result;
 pub use gate::{Gate, Limit, LimitCheck};
-pub use judge::{Verified, replay, verify, verify_with};
-pub use maps::{AngleMap, Maps};
-pub use measured_region::Region;
-pub use metric::{Metric, MetricSummary, Statistic, Values};
+pub use judge::verify;
+pub(crate) use judge::{Verified, verify_with};
+pub use maps::Maps;
+pub(crate) use metric::Values;
+pub use metric::{Metric, MetricSummary, Statistic};
 pub use perturbations::Spread;
-pub use pivot_traces::{Bands, ClosedLoop, LawTraces};
-pub use reference_maps::known_maps;
-pub use replayed::{ReplayedRun, replayed};
-pub use round_trip::{RoundTripLimit, RoundTripVerdict, Worst, round_trip};
-pub use scenario::{Class, Disturbance, Expected, Onset, Scenario};
-pub use settings::{RunLog, VerifySettings, Wanted};
-pub use verdict::{ConventionalGains, FORMAT, LawComparison, LawSummary, MapVerdict, PlantSummary, ScenarioVerdict, Status};
+pub(crate) use pivot_traces::ClosedLoop;
+pub(crate) use pivot_traces::{Bands, LawTraces};
+pub use replayed::ReplayedRun;
+pub(crate) use replayed::replayed;
+pub use round_trip::{RoundTripLimit, RoundTripVerdict, Worst};
+pub use scenario::{Class, Scenario};
+pub use settings::VerifySettings;
+pub(crate) use settings::{RunLog, Wanted};
+pub use verdict::{ConventionalGains, LawComparison, LawSummary, MapVerdict, PlantSummary, ScenarioVerdict, Status};

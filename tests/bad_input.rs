@@ -2,27 +2,22 @@
 
 #![allow(clippy::unwrap_used)]
 
-use assert_cmd::Command;
+#[path = "common/program.rs"]
+mod program;
+
 use mcap::records::MessageHeader;
+use program::{repo, run};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-fn pivot_cal(folder: &Path) -> Command {
-    let mut command = Command::cargo_bin("pivot-cal").unwrap();
-    command.current_dir(folder);
-    command
-}
-
-/// Runs and returns (exit status, standard error).
-fn run(folder: &Path, args: &[&str]) -> (i32, String) {
-    let output = pivot_cal(folder).args(args).output().unwrap();
-    // a finding is part of the summary, an error is not
-    let told = if output.status.code() == Some(3) { [output.stderr, output.stdout].concat() } else { output.stderr };
-    (output.status.code().unwrap(), String::from_utf8_lossy(&told).into_owned())
+/// Runs and returns (exit status, what is wrong): a finding is part of the summary, an error is not.
+fn complaint(folder: &Path, args: &[&str]) -> (i32, String) {
+    let (status, summary, errors) = run(folder, args);
+    (status, if status == 3 { errors + &summary } else { errors })
 }
 
 fn expect(folder: &Path, args: &[&str], status: i32, words: &[&str]) {
-    let (found, text) = run(folder, args);
+    let (found, text) = complaint(folder, args);
     for word in words {
         assert!(text.contains(word), "{word:?} is missing in: {text}");
     }
@@ -32,10 +27,6 @@ fn expect(folder: &Path, args: &[&str], status: i32, words: &[&str]) {
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().unwrap()
-}
-
-fn repo(path: &str) -> String {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path).to_str().unwrap().to_owned()
 }
 
 /// A small log of JSON messages on `/drive`, one every 20 ms, from a function of time: (speed, torque, angle in degrees).
@@ -100,7 +91,7 @@ fn sound(folder: &Path, name: &str, wheelbase_m: f64) {
 fn a_sound_log_fits() {
     let folder = folder();
     sound(folder.path(), "log.mcap", 0.9);
-    let (status, text) = run(folder.path(), &["fit", "log.mcap", "--signals", "signals.toml"]);
+    let (status, text) = complaint(folder.path(), &["fit", "log.mcap", "--signals", "signals.toml"]);
     assert_eq!(status, 0, "{text}");
     assert!(folder.path().join("maps/table1.csv").exists() && folder.path().join("maps/table1.json").exists());
 }
@@ -263,7 +254,7 @@ fn a_coarse_speed_without_dither_still_gives_the_table_and_anchors_nothing() {
         };
         ((true_speed / 0.02).round() * 0.02, torque, angle)
     });
-    let (status, text) = run(folder.path(), &["fit", "coarse.mcap", "--signals", "signals.toml"]);
+    let (status, text) = complaint(folder.path(), &["fit", "coarse.mcap", "--signals", "signals.toml"]);
     assert_eq!(status, 0, "{text}");
     let json = std::fs::read_to_string(folder.path().join("maps/table1.json")).unwrap();
     assert!(json.contains("too coarse to show when a start from rest begins"));
@@ -332,9 +323,8 @@ fn a_table_edited_by_hand_is_found_out() {
     std::fs::write(&path, edited).unwrap();
     let scenario = ["verify", "--scenario", "left-90", "--draws", "4"];
     expect(folder.path(), &scenario, 1, &["table2.csv", "--force"]);
-    let forced = pivot_cal(folder.path()).args(scenario).arg("--force").output().unwrap();
-    assert!([0, 3].contains(&forced.status.code().unwrap()));
-    assert!(String::from_utf8_lossy(&forced.stderr).contains("table2.csv"));
+    let (status, _, errors) = run(folder.path(), &[&scenario[..], &["--force"]].concat());
+    assert!([0, 3].contains(&status) && errors.contains("table2.csv"), "{errors}");
 }
 
 #[test]

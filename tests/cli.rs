@@ -2,23 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/program.rs"]
+mod program;
+
 use assert_cmd::Command;
-use std::path::{Path, PathBuf};
-
-fn repo(path: &str) -> String {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path).to_str().unwrap().to_owned()
-}
-
-fn run_with(folder: &Path, threads: &str, args: &[&str]) -> (i32, String, String) {
-    let output =
-        Command::cargo_bin("pivot-cal").unwrap().current_dir(folder).env("RAYON_NUM_THREADS", threads).args(args).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
-}
-
-fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
-    run_with(folder, "2", args)
-}
+use program::{repo, run, run_with};
+use std::path::Path;
 
 /// Two short campaigns on the bundled simulator.
 fn logs(folder: &Path) {
@@ -39,9 +28,9 @@ fn the_chain_runs_with_no_option_and_writes_the_same_bytes_for_any_order_and_num
     logs(folder);
     let read = |maps: &str, name: &str| std::fs::read(folder.join(maps).join(name)).unwrap();
     for (threads, maps, order) in [("1", "one", ["a.mcap", "b.mcap"]), ("2", "two", ["b.mcap", "a.mcap"])] {
-        let (status, _, errors) = run_with(folder, threads, &["fit", order[0], order[1], "--maps", maps, "-q"]);
+        let (status, _, errors) = run_with(folder, &[("RAYON_NUM_THREADS", threads)], &["fit", order[0], order[1], "--maps", maps, "-q"]);
         assert_eq!(status, 0, "{errors}");
-        let (status, _, errors) = run_with(folder, threads, &["invert", "--maps", maps, "-q"]);
+        let (status, _, errors) = run_with(folder, &[("RAYON_NUM_THREADS", threads)], &["invert", "--maps", maps, "-q"]);
         assert_eq!(status, 0, "{errors}");
     }
     for name in ["table1.csv", "table1.reverse.csv", "table1.json", "fit_traces.json", "table2.csv", "table2.reverse.csv", "table2.json"] {

@@ -8,7 +8,8 @@ mod map_copy;
 mod readers;
 
 use map_copy::{change_table2, copied, run, text};
-use pivot_cal::map::{Gear, Table2File, TorqueTable, lookup};
+use pivot_cal::control::lookup;
+use pivot_cal::map::{Gear, Table2File, TorqueTable};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,16 +1,15 @@
 //! What `record` writes, read by packages that are not ours; and message paths as users of Foxglove and `PlotJuggler` write them.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/program.rs"]
+mod program;
 #[path = "common/readers.rs"]
 mod readers;
 
 use assert_cmd::Command;
 use pivot_cal::log::{Recording, Signal, SignalMap, Source, VehicleOverrides, read};
+use program::repo;
 use std::path::{Path, PathBuf};
-
-fn repo(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
 
 /// A log as `record` writes it, with everything that goes wrong in it.
 fn recorded(folder: &Path) -> PathBuf {
@@ -125,12 +124,12 @@ fn with_speed(path: &str) -> Recording {
          yaw_rate = {{ path = \"/imu/twist.twist.angular.z\", unit = \"rad/s\" }}\n"
     );
     let source = Source::Map(SignalMap::from_toml(&map).unwrap());
-    read(&repo("data/demo.mcap"), &source, &VehicleOverrides::default(), &|_| {}).unwrap()
+    read(repo("data/demo.mcap").as_ref(), &source, &VehicleOverrides::default(), &|_| {}).unwrap()
 }
 
 #[test]
 fn paths_that_foxglove_and_plotjuggler_users_write_find_the_same_speed() {
-    let own = detected(&repo("data/demo.mcap"));
+    let own = detected(repo("data/demo.mcap").as_ref());
     assert!(own.signals.speed.value.len() > 10_000);
     // an element by its place from the front and from the back, a slice of one, and by the joint's name as PlotJuggler shows it
     for path in [

@@ -3,7 +3,8 @@
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, WriteOptions, Writer};
-use pivot_cal::log::{Depth, Error, LogSurvey, Recording, SignalMap, Source, VehicleOverrides, Why, read_bytes, survey_bytes};
+use pivot_cal::internals::survey_bytes;
+use pivot_cal::log::{Depth, Error, LogSurvey, Recording, SignalMap, Source, VehicleOverrides, Why, read_bytes};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 

@@ -4,7 +4,9 @@
 use assert_cmd::Command;
 use mcap::Writer;
 use mcap::records::MessageHeader;
-use pivot_cal::log::{Error, Recording, SignalMap, Source, VehicleOverrides, find_logs, read, read_split};
+use pivot_cal::calibrate;
+use pivot_cal::calibrate::{LogSource, read_logs};
+use pivot_cal::log::{Error, Recording, SignalMap, Source, VehicleOverrides, read};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Cursor;
@@ -56,10 +58,14 @@ fn source() -> Source {
     Source::Map(SignalMap::from_toml(MAP).unwrap())
 }
 
+fn read_folder(folder: &Path) -> calibrate::Result<Vec<Recording>> {
+    read_logs(&[folder.to_owned()], &LogSource { signals: source(), ..LogSource::default() }, &|_| {})
+}
+
 fn joined(folder: &Path) -> Recording {
-    let found = find_logs(folder).unwrap();
+    let mut found = read_folder(folder).unwrap();
     assert_eq!(found.len(), 1);
-    read_split(&found[0], &source(), &VehicleOverrides::default(), &|_| {}).unwrap()
+    found.remove(0)
 }
 
 #[test]
@@ -88,8 +94,8 @@ fn a_file_of_a_bag_without_messages_is_skipped_with_a_note() {
 fn a_bag_without_any_message_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     bag(folder.path(), &[0..0, 0..0]);
-    let found = find_logs(folder.path()).unwrap();
-    assert!(matches!(read_split(&found[0], &source(), &VehicleOverrides::default(), &|_| {}), Err(Error::NoMessages { .. })));
+    let calibrate::Error::About { source, .. } = read_folder(folder.path()).unwrap_err() else { panic!("the folder is not named") };
+    assert!(matches!(*source, calibrate::Error::Log(Error::NoMessages { .. })), "{source:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use mcap::records::MessageHeader;
-use pivot_cal::log::{Recording, Result, SignalMap, Source, VehicleOverrides, read, read_bytes};
+use pivot_cal::log::{Recording, SignalMap, Source, VehicleOverrides, read, read_bytes};
 use std::fmt::Write as _;
 use std::io::Cursor;
 use std::path::Path;
@@ -64,7 +64,7 @@ const JSON: [Line; 5] = [
 ];
 
 /// Reads `log` with the map that `lines` make; `series`: with which of the names, or with the message path.
-fn drive(log: &str, lines: &[Line], series: Option<usize>) -> Result<Recording> {
+fn drive(log: &str, lines: &[Line], series: Option<usize>) -> Result<Recording, pivot_cal::log::Error> {
     let mut map = "[vehicle]\nwheelbase_m = 0.92\nwheel_radius_m = 0.12\n[signals]\n".to_owned();
     for (signal, path, names, rest) in lines {
         let path = series.map_or(*path, |series| names[series]);

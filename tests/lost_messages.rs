@@ -11,11 +11,10 @@ use pivot_cal::campaign;
 use pivot_cal::campaign::Survey;
 use pivot_cal::fit;
 use pivot_cal::fit::fit;
+use pivot_cal::internals::{Campaign, VehicleFile, record};
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{Gear, Table1File};
-use pivot_cal::record::{Campaign, record};
 use pivot_cal::signal::Track;
-use pivot_cal::sim::VehicleFile;
 use yardstick::{Cell, Yardstick, inverse, rms};
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;

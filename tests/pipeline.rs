@@ -3,30 +3,24 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
+#[path = "common/program.rs"]
+mod program;
+
 use pivot_cal::campaign;
-use pivot_cal::campaign::{SampleVerdict, Survey};
+use pivot_cal::campaign::Survey;
+use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::fit;
 use pivot_cal::fit::{Fit, fit};
+use pivot_cal::internals::{Campaign, VehicleFile, record};
 use pivot_cal::invert;
 use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, SignalMap, Source, VehicleOverrides, read, read_bytes};
-use pivot_cal::map::{CellStatus, CsvRef, Gear, Table1File};
-use pivot_cal::record::{Campaign, record};
+use pivot_cal::map::{CellStatus, CsvRef, Gear, SampleVerdict, Table1File};
 use pivot_cal::signal::Track;
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::units::RAD_PER_DEG;
-use std::path::PathBuf;
+use program::{repo, text};
 
 /// When the reference drive's answer key starts [ns].
 const MESSY_START_NS: i64 = 1_764_667_800_123_456_789;
-
-fn repo(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(repo(path)).unwrap()
-}
 
 fn survey(recording: &Recording) -> Survey {
     Survey::new(Track::new(recording).unwrap(), &campaign::SurveySettings::default()).unwrap()
@@ -40,7 +34,7 @@ fn messy() -> (Survey, Fit) {
 fn messy_with(change: impl Fn(Track) -> Track) -> (Survey, Fit) {
     let source = Source::Map(SignalMap::from_toml(&text("data/signals/reference.toml")).unwrap());
     let read = |path: &str| {
-        let recording = read(&repo(path), &source, &VehicleOverrides::default(), &|_| {}).unwrap();
+        let recording = read(repo(path).as_ref(), &source, &VehicleOverrides::default(), &|_| {}).unwrap();
         Survey::new(change(Track::new(&recording).unwrap()), &campaign::SurveySettings::default()).unwrap()
     };
     let messy = read("tests/data/reference_messy.zstd.mcap");

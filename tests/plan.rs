@@ -5,11 +5,9 @@
 #[path = "common/yardstick.rs"]
 mod yardstick;
 
+use pivot_cal::internals::{Campaign, VehicleFile, expected, known_maps, record};
 use pivot_cal::map::{Gear, Table1File};
-use pivot_cal::plan::{PlanSettings, Proposal, expected, plan};
-use pivot_cal::record::{Campaign, End, record};
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::verify::known_maps;
+use pivot_cal::plan::{PlanSettings, Proposal, plan};
 use std::sync::LazyLock;
 use yardstick::{Yardstick, rms};
 
@@ -63,9 +61,10 @@ fn record_drives_a_plan_in_the_time_it_promises_and_every_level_happens() {
     let off_s = report.duration_s - PLANNED.seconds;
     assert!(off_s.abs() < 0.1 * f64::from(PLANNED.runs) + 0.5, "{} s instead of {}", report.duration_s, PLANNED.seconds);
     // a spin-up overshoots: it must not end the braking that it is for
+    let ended = |end| serde_json::to_value(end).unwrap();
     let braking: Vec<_> = report.runs.iter().filter(|r| r.torque_nm < 0.0).collect();
-    assert!(!braking.is_empty() && braking.iter().all(|r| r.end == End::Slowed && r.duration_s > 0.2), "{braking:?}");
-    assert!(report.runs.iter().all(|r| r.end != End::NoSpinUp));
+    assert!(!braking.is_empty() && braking.iter().all(|r| ended(r.end) == "slowed" && r.duration_s > 0.2), "{braking:?}");
+    assert!(report.runs.iter().all(|r| ended(r.end) != "no_spin_up"));
 }
 
 #[test]

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use pivot_cal::invert::{InvertSettings, ZeroRow, invert};
+use pivot_cal::invert::{InvertSettings, invert};
 use pivot_cal::map::{
-    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CellStatus, CsvRef, DelayEstimate, DelayStatus, FORMAT_VERSION, FineSurface, Gear,
-    PlantNoise, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle,
+    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CellStatus, CsvRef, DelayEstimate, DelayStatus, FineSurface, Gear, PlantNoise,
+    Stage1Report, Table1File, Units, Vehicle, ZeroRow,
 };
 use proptest::prelude::*;
 
@@ -44,8 +44,8 @@ fn file(accel: &[Vec<f64>]) -> Table1File {
         torque_nm,
     };
     Table1File {
-        format: TABLE1_FORMAT.into(),
-        format_version: FORMAT_VERSION,
+        format: "pivot-cal/table1".into(),
+        format_version: 1,
         tool_version: "0".into(),
         units: Units::default(),
         vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) },

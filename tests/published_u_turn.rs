@@ -4,8 +4,8 @@
 #[path = "common/published_u_turn.rs"]
 mod published_u_turn;
 
-use pivot_cal::guidance::BodyShape;
-use pivot_cal::guidance::u_turn::{Lane, Method, Ranges, UTurnSettings, largest_difference_m, search};
+use pivot_cal::internals::BodyShape;
+use pivot_cal::internals::u_turn::{Lane, Method, Ranges, UTurnSettings, largest_difference_m, search};
 use published_u_turn::{Answer, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, entry_speed_mps};
 
 #[test]

@@ -1,11 +1,12 @@
 //! The report: what it says, that it is safe and whole, and that a browser shows it.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/program.rs"]
+mod program;
 #[path = "common/readers.rs"]
 mod readers;
 
-use assert_cmd::Command;
-use pivot_cal::map::PlanFile;
+use program::{repo, run};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 fn maps(folder: &Path) -> PathBuf {
     let maps = folder.join("maps");
     std::fs::create_dir(&maps).unwrap();
-    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")).unwrap() {
+    for entry in std::fs::read_dir(repo("maps")).unwrap() {
         let path = entry.unwrap().path();
         // not what somebody has planned with the demo's maps
         if path.extension().is_some_and(|e| e == "json" || e == "csv") && !path.ends_with("plan.json") {
@@ -23,15 +24,9 @@ fn maps(folder: &Path) -> PathBuf {
     maps
 }
 
-fn pivot_cal(args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("pivot-cal").unwrap().args(args).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
-}
-
 /// Makes the report of `maps`; the page and the JSON document.
 fn report(maps: &Path) -> (String, Value) {
-    let (status, text, errors) = pivot_cal(&["report", "--json", "--maps", maps.to_str().unwrap()]);
+    let (status, text, errors) = run(Path::new("."), &["report", "--json", "--maps", maps.to_str().unwrap()]);
     assert_eq!(status, 0, "{errors}");
     (std::fs::read_to_string(maps.join("report.html")).unwrap(), serde_json::from_str(&text).unwrap())
 }
@@ -89,7 +84,7 @@ fn every_figure_is_a_picture_of_its_own_too() {
     let folder = tempfile::tempdir().unwrap();
     let maps = maps(folder.path());
     let figures = folder.path().join("figures");
-    let (status, text, errors) = pivot_cal(&["report", "--maps", maps.to_str().unwrap(), "--svg", figures.to_str().unwrap()]);
+    let (status, text, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap(), "--svg", figures.to_str().unwrap()]);
     assert_eq!(status, 0, "{errors}");
     assert!(!text.contains('#'), "no map of characters in a pipe: {text}");
     for name in
@@ -101,7 +96,7 @@ fn every_figure_is_a_picture_of_its_own_too() {
         let (opened, closed) = (svg.matches("<g ").count(), svg.matches("</g>").count());
         assert_eq!(opened, closed, "{name}");
     }
-    let (_, text, _) = pivot_cal(&["report", "-v", "--maps", maps.to_str().unwrap()]);
+    let (_, text, _) = run(Path::new("."), &["report", "-v", "--maps", maps.to_str().unwrap()]);
     assert!(text.contains("coverage, forward gear") && text.lines().any(|l| l.contains('|') && l.contains("###")), "{text}");
 }
 
@@ -122,7 +117,7 @@ fn what_is_absent_is_said_and_is_no_failure() {
     assert_eq!(document["judgement"], "not_judged");
     assert!(page.contains("There is no Table 2 yet") && page.contains("must not be deployed before one does"));
     std::fs::remove_file(maps.join("table1.json")).unwrap();
-    let (status, _, errors) = pivot_cal(&["report", "--maps", maps.to_str().unwrap()]);
+    let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap()]);
     assert_eq!(status, 1);
     assert!(errors.contains("table1.json") && errors.contains("pivot-cal fit"), "{errors}");
 }
@@ -161,7 +156,7 @@ fn drive_manoeuvres(maps: &Path) {
     for name in ["polyline-pure-pursuit", "polyline-lqr", "lateral-forward", "parking", "parking-nose-in", "u-turn"] {
         args.extend(["--scenario", name]);
     }
-    let (status, _, errors) = pivot_cal(&args);
+    let (status, _, errors) = run(Path::new("."), &args);
     assert_eq!(status, 0, "{errors}");
     for (path, bytes) in kept {
         std::fs::write(path, bytes).unwrap();
@@ -170,7 +165,10 @@ fn drive_manoeuvres(maps: &Path) {
         "seconds": 1.6, "gain_nm": 0.0014, "gain_percent": 1.04, "reason": "cells at -24 to 40 N·m <are> known to ±0.22 N·m only" });
     let plan = serde_json::json!({ "seconds": 299.0, "runs": 111, "std_err_nm": 0.134, "std_err_after_nm": 0.087, "entries": [run] });
     let sha256 = pivot_cal::map::sha256_hex(&std::fs::read(maps.join("table1.json")).unwrap());
-    std::fs::write(maps.join("plan.json"), PlanFile::new(sha256, serde_json::from_value(plan).unwrap()).to_json().unwrap()).unwrap();
+    let file = serde_json::json!({
+        "format": "pivot-cal/plan", "format_version": 1, "tool_version": "0.1.0", "table1_sha256": sha256, "plan": plan
+    });
+    std::fs::write(maps.join("plan.json"), file.to_string()).unwrap();
 }
 
 #[test]
@@ -214,7 +212,19 @@ fn manoeuvres_and_the_plan_are_shown_with_the_tables_that_they_belong_to_and_onl
     };
     assert!((mean_m(0).abs() - 0.046).abs() < 0.004 && mean_m(1).abs() < 0.004, "before {} and after {}", mean_m(0), mean_m(1));
 
-    // of other tables they are left out, and that is told
+    // a name in the file cannot leave the folder of the figures
+    edit(&maps.join("manoeuvre_traces.json"), |traces| {
+        let all = traces["manoeuvres"].as_array_mut().unwrap().iter_mut().map(|m| &mut m["verdict"]["name"]);
+        all.filter(|name| **name == "parking").for_each(|name| *name = "../../escaped".into());
+    });
+    let figures = folder.path().join("deep/figures");
+    let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap(), "--svg", figures.to_str().unwrap()]);
+    assert_eq!(status, 0, "{errors}");
+    let names: Vec<_> = std::fs::read_dir(&figures).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(names.iter().any(|name| name.starts_with("manoeuvre-escaped-")), "{names:?}");
+    assert!(names.contains(&"manoeuvre-u-turn.svg".to_owned()) && !folder.path().join("escaped.svg").exists(), "{names:?}");
+
+    // of other tables they are left out
     edit(&maps.join("manoeuvre_traces.json"), |v| v["table2_csv_sha256"][0] = "0".repeat(64).into());
     edit(&maps.join("plan.json"), |v| v["table1_sha256"] = "0".repeat(64).into());
     let (page, document) = report(&maps);
@@ -273,7 +283,7 @@ fn damaged_and_strange_files_are_errors_with_their_name_and_nothing_is_written()
         let path = maps.join(name);
         let good = std::fs::read(&path).unwrap();
         std::fs::write(&path, text).unwrap();
-        let (status, _, errors) = pivot_cal(&["report", "--maps", maps.to_str().unwrap()]);
+        let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap()]);
         assert!(status == 1 && errors.contains(name), "{name}: {errors}");
         assert!(!maps.join("report.html").exists());
         std::fs::write(&path, good).unwrap();

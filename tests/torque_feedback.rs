@@ -3,23 +3,21 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
+#[path = "common/program.rs"]
+mod program;
+
 use pivot_cal::campaign;
-use pivot_cal::campaign::{SampleVerdict, Survey, group_by_angle};
+use pivot_cal::campaign::{AngleGroup, Survey, group_by_angle};
+use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::fit;
-use pivot_cal::fit::{Fit, fit, fit_angles, fit_traced};
+use pivot_cal::fit::{Fit, fit, fit_angles};
+use pivot_cal::internals::{Campaign, Truth, VehicleFile, record};
 use pivot_cal::invert;
 use pivot_cal::invert::invert;
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{AccelMap, ActuatorInput, CellStatus, CsvRef, DelayStatus, Gear, InputSource};
-use pivot_cal::record::{Campaign, record};
+use pivot_cal::map::{AccelMap, ActuatorInput, CellStatus, CsvRef, DelayStatus, Gear, InputSource, SampleVerdict};
 use pivot_cal::signal::{Series, Track};
-use pivot_cal::sim::{Truth, VehicleFile};
-use pivot_cal::units::RAD_PER_DEG;
-use std::path::Path;
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
-}
+use program::text;
 
 /// A campaign's forward runs on the scrubber, its drive's torque limited to so many N·m/s, and the scrubber's exact map. The feedback comes
 /// 25 times a second with 0.3 N·m of noise.
@@ -111,7 +109,8 @@ fn errors(fit: &Fit, truth: &Truth) -> Errors {
 #[test]
 fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     let (recording, truth) = recorded(Some(60.0));
-    let (by_feedback, traces) = fit_traced(vec![surveyed(&recording, |_| ())], &fit::FitSettings::default()).unwrap();
+    let grouped = AngleGroup::of(vec![surveyed(&recording, |_| ())]).into();
+    let (by_feedback, traces) = fit_angles(grouped, false, 90.0, &fit::FitSettings::default()).unwrap();
     let by_command = fitted(&recording, |track| track.feedback_nm = None);
     let (feedback, command) = (errors(&by_feedback, &truth), errors(&by_command, &truth));
     println!("by the feedback {feedback:?}\nby the command {command:?}");
@@ -133,12 +132,15 @@ fn a_drive_with_a_slew_limit_is_followed_by_its_feedback() {
     assert!((0.07..0.30).contains(&dead_time.value_s) && (0.12..0.30).contains(&lag.value_s), "{dead_time:?} {lag:?}");
     assert!(dead_time.std_err_s.unwrap() > 1e-3 && lag.std_err_s.unwrap() > 1e-3, "no first-order drive is known to a tenth of a ms");
     // the picture of the likelihood is in the same dead time, from the command, and has no lag to vary
-    let likelihood = traces.delay.unwrap();
-    assert_eq!(likelihood.lag_s, [0.0]);
-    let log = &likelihood.per_log[0];
-    let least = (0..log.deviance.len()).min_by(|a, b| log.deviance[*a].total_cmp(&log.deviance[*b])).unwrap();
-    assert!((log.found_s - dead_time.value_s).abs() < 1e-5, "{} {dead_time:?}", log.found_s);
-    assert!((log.dead_time_s[least] - dead_time.value_s).abs() < 0.01, "{} {dead_time:?}", log.dead_time_s[least]);
+    let traces: serde_json::Value = serde_json::from_str(&traces.to_json().unwrap()).unwrap();
+    let likelihood = &traces["delay"];
+    assert_eq!(likelihood["lag_s"], serde_json::json!([0.0]));
+    let log = &likelihood["per_log"][0];
+    let numbers = |name: &str| log[name].as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect::<Vec<_>>();
+    let (found_s, dead_times_s, deviance) = (log["found_s"].as_f64().unwrap(), numbers("dead_time_s"), numbers("deviance"));
+    let least = (0..deviance.len()).min_by(|a, b| deviance[*a].total_cmp(&deviance[*b])).unwrap();
+    assert!((found_s - dead_time.value_s).abs() < 1e-5, "{found_s} {dead_time:?}");
+    assert!((dead_times_s[least] - dead_time.value_s).abs() < 0.01, "{} {dead_time:?}", dead_times_s[least]);
     let offset = &actuator.per_log[0].clock_offset;
     assert!(offset.status == DelayStatus::NoneFound && offset.value_s.abs() < 0.01, "{offset:?}");
 }

@@ -1,23 +1,15 @@
 //! `verify` on maps of known quality: good ones pass, each kind of bad one fails, and files that do not belong together are refused.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/known_map.rs"]
+mod known_map;
+
 use assert_cmd::Command;
-use pivot_cal::map::{Axis, CellStatus, Gear, Table1File, Table2File, TorqueTable, Vehicle, WheelAngle, write_whole};
-use pivot_cal::sim::{PhysicalSettings, WorldSettings as World};
-use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, known_maps, verify};
+use known_map::{good, save, vehicle, world};
+use pivot_cal::internals::{PhysicalSettings, WorldSettings as World, known_maps};
+use pivot_cal::map::{Axis, CellStatus, Gear, TorqueTable, WheelAngle};
+use pivot_cal::verify::{MapVerdict, Maps, Metric, Scenario, Statistic, Status, VerifySettings, verify};
 use std::path::Path;
-
-fn vehicle() -> Vehicle {
-    Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) }
-}
-
-fn world() -> World {
-    World::physical(vehicle(), PhysicalSettings::default())
-}
-
-fn good() -> (Table1File, Table2File) {
-    known_maps(&world()).unwrap()
-}
 
 /// Few scenarios and draws: enough for what a test asks.
 fn settings(scenarios: &[&str], draws: usize) -> VerifySettings {
@@ -189,15 +181,6 @@ fn a_physical_plant_can_be_driven_too() {
     let verdict = verify(&maps, &settings).unwrap();
     assert!(verdict.passes(), "{:?}", verdict.notes);
     assert_eq!(verdict.plant.kind, "physical");
-}
-
-fn save(folder: &Path) {
-    let (table1, table2) = good();
-    write_whole(&folder.join("table1.json"), table1.to_json().unwrap().as_bytes()).unwrap();
-    write_whole(&folder.join("table2.json"), table2.to_json().unwrap().as_bytes()).unwrap();
-    for map in &table2.maps {
-        write_whole(&folder.join(&map.csv.file), map.table().unwrap().to_matrix().to_csv().as_bytes()).unwrap();
-    }
 }
 
 fn command(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {

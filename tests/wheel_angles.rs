@@ -3,27 +3,25 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
+#[path = "common/program.rs"]
+mod program;
+
 use pivot_cal::campaign;
 use pivot_cal::campaign::{Grouped, group_by_angle};
+use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::control::{AngleTable, AngleTables, GearTerms};
 use pivot_cal::fit;
 use pivot_cal::fit::{Fit, fit_angles};
+use pivot_cal::internals::{Campaign, Truth, VehicleFile, record};
 use pivot_cal::invert;
 use pivot_cal::invert::{Inversion, invert};
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable, WheelAngle};
-use pivot_cal::record::{Campaign, record};
-use pivot_cal::sim::{Truth, VehicleFile};
-use pivot_cal::units::RAD_PER_DEG;
-use std::path::Path;
+use program::text;
 
 const ANGLES_DEG: [f64; 4] = [0.0, 30.0, 60.0, 90.0];
 /// Between two angles of the campaign.
 const LEFT_OUT_DEG: f64 = 45.0;
-
-fn text(path: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
-}
 
 /// The sample campaign's forward runs on the scrubber, with its own seed or another, and the scrubber's exact map.
 fn recorded(seed: Option<u64>) -> (Recording, Truth) {

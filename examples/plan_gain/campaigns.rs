@@ -2,11 +2,10 @@
 
 use pivot_cal::campaign;
 use pivot_cal::campaign::Survey;
+use pivot_cal::internals::{Campaign, RunGroup, Torques, VehicleFile, record};
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::Gear;
-use pivot_cal::record::{Campaign, RunGroup, Torques, record};
 use pivot_cal::signal::Track;
-use pivot_cal::sim::VehicleFile;
 
 use super::Fallible;
 

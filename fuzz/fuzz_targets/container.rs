@@ -2,7 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pivot_cal::log::{Depth, Source, survey_bytes};
+use pivot_cal::internals::survey_bytes;
+use pivot_cal::log::{Depth, Source};
 
 #[path = "../one_thread.rs"]
 mod one_thread;

@@ -1,8 +1,8 @@
 //! Any text as a message path; what is printed parses again to the same, the whole and its steps one by one.
 #![no_main]
 
+use pivot_cal::internals::MessagePath;
 use libfuzzer_sys::fuzz_target;
-use pivot_cal::log::MessagePath;
 
 fuzz_target!(|text: &str| {
     if let Ok(path) = text.parse::<MessagePath>() {

@@ -50,6 +50,12 @@ pub enum Error {
         /// The reason of each log.
         reasons: String,
     },
+    /// A folder without a readable Table 1.
+    #[error("there is no Table 1; a fit of logs makes it")]
+    NoTable1 {
+        /// The file, and why it cannot be read.
+        source: Box<Error>,
+    },
     /// A requested wheel angle.
     #[error("wheel angle {angle_deg}°: {reason}")]
     WheelAngle {
@@ -59,10 +65,7 @@ pub enum Error {
         reason: String,
     },
     /// A CSV is not the one that `table1.json` describes.
-    #[error(
-        "{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again, or continue with --force",
-        what = edited_csv(path)
-    )]
+    #[error("{what}. The numbers of table1.json would be inverted, not those of the CSV: fit again", what = edited_csv(path))]
     EditedCsv {
         /// The CSV.
         path: std::path::PathBuf,

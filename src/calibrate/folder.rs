@@ -10,13 +10,12 @@ use std::path::Path;
 ///
 /// # Errors
 /// A file that is missing or cannot be read.
-pub fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
+pub(crate) fn read_table1(folder: &Path) -> Result<(MapFolder, Vec<Mismatch>)> {
     MapFolder::read_table1(folder).or_else(|error| match error {
         FolderError::Read { path, source } => {
             let what = if source.kind() == ErrorKind::InvalidData { "read from" } else { "open" };
-            Err::<_, Error>(source.into())
-                .about(|| format!("failed to {what} file `{}`", path.display()))
-                .about(|| "Table 1 is made by `pivot-cal fit LOG…`; --maps names its folder".to_owned())
+            let error = Error::About { what: format!("failed to {what} file `{}`", path.display()), source: Box::new(source.into()) };
+            Err(Error::NoTable1 { source: Box::new(error) })
         }
         FolderError::File { path, source } => Err(source).in_file(&path),
     })

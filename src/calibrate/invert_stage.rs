@@ -26,7 +26,7 @@ pub fn invert_folder(folder: &Path, stage: &InvertStage, listen: &Listener) -> R
         if !stage.force {
             return Err(Error::EditedCsv { path });
         }
-        listen(StageEvent::Warning(format!("{}; the numbers of table1.json are inverted, because --force was given", edited_csv(&path))));
+        listen(StageEvent::Warning(format!("{}; the numbers of table1.json are inverted all the same", edited_csv(&path))));
     }
     let table1 = CsvRef { file: "table1.json".to_owned(), sha256: read.table1_json.sha256 };
     let inversion = invert(&file, table1, &stage.settings).in_file(&path)?;

@@ -23,7 +23,7 @@ pub fn verify_folder(folder: &Path, listen: &Listener) -> Result<MapVerdict> {
 ///
 /// # Errors
 /// A folder that cannot be written.
-pub fn save_verdict(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &Path) -> Result<()> {
+pub(crate) fn save_verdict(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &Path) -> Result<()> {
     write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
     let path = folder.join("verify_traces.json");
     match traces {

@@ -83,7 +83,7 @@ pub(crate) fn choose_angles(recordings: &[Recording], census: &Census, asked: &[
 ///
 /// # Errors
 /// An angle without a map in the file.
-pub fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
+pub(crate) fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
     let is = |a: f64, b: f64| WheelAngle::from_deg(a).is_same_deg(b);
     for angle in asked {
         if !file.maps.iter().any(|m| is(m.wheel_angle_deg, *angle)) {
@@ -98,16 +98,12 @@ pub fn keep_angles(file: &mut Table1File, asked: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// The file as one of a single wheel angle [°], which is then its test angle; reports to `listen` if it holds others.
+/// The file as one of a single wheel angle [°], which is then its test angle.
 ///
 /// # Errors
 /// An angle without a map in the file.
-pub fn only_angle(mut file: Table1File, angle_deg: f64, listen: &Listener) -> Result<Table1File> {
-    let maps = file.maps.len();
+pub(crate) fn only_angle(mut file: Table1File, angle_deg: f64) -> Result<Table1File> {
     keep_angles(&mut file, &[angle_deg])?;
-    if file.maps.len() < maps {
-        listen(StageEvent::Note(format!("the map of {angle_deg}°; table1.json holds those of other wheel angles, too (--angle)")));
-    }
     let is = |a: f64| WheelAngle::from_deg(angle_deg).is_same_deg(a);
     file.report.runs.retain(|run| run.wheel_angle_deg.is_none_or(is));
     file.families.clear();

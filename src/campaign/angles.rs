@@ -22,7 +22,7 @@ const FEWEST_TORQUES: usize = 3;
 
 /// A wheel angle of some runs.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct HeldAngle {
+pub(crate) struct HeldAngle {
     /// The angle [°], left positive: the test angle, or the median of the runs in whole degrees. An angle sensor's bias and noise are some
     /// tenths of a degree, and test angles are usually whole degrees.
     pub wheel_angle_deg: f64,
@@ -38,7 +38,7 @@ pub struct HeldAngle {
 
 impl HeldAngle {
     /// Whether enough torques were held for a map of this angle.
-    pub fn is_campaign(&self) -> bool {
+    pub(crate) fn is_campaign(&self) -> bool {
         self.torques >= FEWEST_TORQUES
     }
 }
@@ -51,7 +51,7 @@ impl fmt::Display for HeldAngle {
 
 /// The wheel angles of some logs.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Census {
+pub(crate) struct Census {
     /// The angles, ascending.
     pub held: Vec<HeldAngle>,
     /// Number of runs during which the wheel turned by more than the width of a group.
@@ -71,7 +71,7 @@ struct AngledRun {
 impl Census {
     /// The census of the runs in `tracks`. If some runs are within the tolerance of the vehicle's test angle, that angle is one of the
     /// groups.
-    pub fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &SurveySettings) -> Self {
+    pub(crate) fn new<'a>(tracks: impl IntoIterator<Item = &'a Track>, settings: &SurveySettings) -> Self {
         let mut census = Self::default();
         let mut runs = Vec::new();
         let mut test_angle_deg = None;
@@ -111,18 +111,18 @@ impl Census {
     }
 
     /// Whether runs were driven at other wheel angles than `test_angle_deg`.
-    pub fn has_others(&self, test_angle_deg: f64) -> bool {
+    pub(crate) fn has_others(&self, test_angle_deg: f64) -> bool {
         self.held.iter().any(|h| (h.wheel_angle_deg - test_angle_deg).abs() > 1e-9)
     }
 
     /// The held angle for `wheel_angle_deg`: the nearest one within the tolerance.
-    pub fn find(&self, wheel_angle_deg: f64, settings: &SurveySettings) -> Option<&HeldAngle> {
+    pub(crate) fn find(&self, wheel_angle_deg: f64, settings: &SurveySettings) -> Option<&HeldAngle> {
         let away = |h: &HeldAngle| (h.wheel_angle_deg - wheel_angle_deg).abs();
         self.held.iter().filter(|h| away(h) <= settings.angle_tolerance_deg).min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
     /// The angles as text.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         if self.held.is_empty() {
             return "none".to_owned();
         }

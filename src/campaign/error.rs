@@ -1,7 +1,7 @@
 //! Errors of logs without usable data for a calibration.
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// A gate removes all samples: each message gives its threshold, the values found, and values that would pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -5,7 +5,7 @@ use crate::signal::Series;
 
 /// An interval of constant command, or of quick changes (each held for less than 0.3 s) taken together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hold {
+pub(crate) struct Hold {
     /// When the command was first given [s].
     pub from_s: f64,
     /// When the next command was given [s].

@@ -5,7 +5,7 @@ use crate::map::LedgerRow;
 use crate::signal::Series;
 
 /// The time that each sample represents [s]: half the distance to both neighbours, at most two periods where messages are missing.
-pub fn sample_seconds(series: &Series) -> Vec<f64> {
+pub(crate) fn sample_seconds(series: &Series) -> Vec<f64> {
     let period = series.median_period_s().min(1.0);
     let n = series.len();
     (0..n)
@@ -18,7 +18,7 @@ pub fn sample_seconds(series: &Series) -> Vec<f64> {
 }
 
 /// Samples and seconds per verdict, in the order of [`SampleVerdict::ALL`], without verdicts that have no samples.
-pub fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) -> Vec<LedgerRow> {
+pub(crate) fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) -> Vec<LedgerRow> {
     let mut counts = [(0u64, 0.0f64); SampleVerdict::ALL.len()];
     for (verdict, seconds) in samples {
         let row = &mut counts[SampleVerdict::ALL.iter().position(|v| *v == verdict).unwrap_or(0)];

@@ -7,7 +7,7 @@ use crate::map::{Gear, RunRow};
 /// are those of the survey, or the final ones of a fit; `encoder_scale` is the encoder's reading over the true speed.
 ///
 /// Values from a model (simulated speed, offset) are left empty.
-pub fn runs(survey: &Survey, verdicts: &[SampleVerdict], encoder_scale: f64) -> Vec<(Hold, RunRow)> {
+pub(crate) fn runs(survey: &Survey, verdicts: &[SampleVerdict], encoder_scale: f64) -> Vec<(Hold, RunRow)> {
     let encoder = &survey.track.encoder_mps;
     let mut rows = Vec::new();
     for hold in &survey.holds {

@@ -25,7 +25,7 @@ pub struct Stretch {
 
 /// A held torque at rest, and whether it set the vehicle in motion: a bound of the breakaway torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StartTrial {
+pub(crate) struct StartTrial {
     /// Gear.
     pub gear: Gear,
     /// Held torque [N·m], gear frame, positive.
@@ -46,11 +46,11 @@ pub struct Survey {
     /// Usable stretches, in order.
     pub stretches: Vec<Stretch>,
     /// Intervals of constant command, in order.
-    pub holds: Vec<Hold>,
+    pub(crate) holds: Vec<Hold>,
     /// Starts from rest, successful or not.
-    pub start_trials: Vec<StartTrial>,
+    pub(crate) start_trials: Vec<StartTrial>,
     /// Scale and delay of the encoder relative to the yaw rate, if there is one.
-    pub alignment: Option<Alignment>,
+    pub(crate) alignment: Option<Alignment>,
     /// Bias of the yaw speed at rest [m/s], if there is one.
     pub yaw_bias_mps: f64,
     /// Range of the wheel angle while the vehicle moved: lowest, median, highest [°].

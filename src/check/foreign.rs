@@ -7,9 +7,9 @@ mod grid;
 mod long_csv;
 mod points;
 
-pub use apollo::points_of_apollo;
-pub use autoware::{Pedal, grid_of_autoware};
-pub use cells::{CsvLine, cells_of_csv};
-pub use grid::{CellGrid, Misread, MisreadKind};
-pub use long_csv::{points_of_long_csv, says_long_form};
-pub use points::{CommandPoint, CommandPoints};
+pub(crate) use apollo::points_of_apollo;
+pub(crate) use autoware::{Pedal, grid_of_autoware};
+pub(crate) use cells::{CsvLine, cells_of_csv};
+pub(crate) use grid::{CellGrid, Misread, MisreadKind};
+pub(crate) use long_csv::{points_of_long_csv, says_long_form};
+pub(crate) use points::{CommandPoint, CommandPoints};

@@ -1,16 +1,6 @@
 //! Wheel angles on the command line.
 
-use crate::calibrate::Error;
 use crate::map::AngleFamily;
-
-/// The error with the flag that requested the wheel angle.
-pub(crate) fn with_flag(error: Error) -> anyhow::Error {
-    match error {
-        Error::WheelAngle { angle_deg, reason } => anyhow::anyhow!("--angle {angle_deg}: {reason}"),
-        Error::About { what, source } => with_flag(*source).context(what),
-        other => other.into(),
-    }
-}
 
 /// A family, in words.
 pub(crate) fn family_text(family: &AngleFamily) -> String {

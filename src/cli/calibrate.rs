@@ -1,7 +1,7 @@
 //! `calibrate LOG…`: fit, invert, verify and report in one go, with one summary at the end.
 
 use crate::calibrate::{CalibrateSettings, Calibrated, FittedLogs, InvertStage, calibrate_with};
-use crate::cli::angles::with_flag;
+use crate::cli::advice::with_advice;
 use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
 use crate::cli::{Ui, fit, invert, verify_text};
@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         invert: InvertStage { settings: InvertSettings { accel_breaks_mps2, ..InvertSettings::default() }, ..InvertStage::default() },
     };
     let listener = UiListener::new(ui, "calibrating");
-    let made = calibrate_with(&arguments.fit.input.logs, maps, &settings, &|event| listener.hear(event)).map_err(with_flag)?;
+    let made = calibrate_with(&arguments.fit.input.logs, maps, &settings, &|event| listener.hear(event)).map_err(with_advice)?;
     let Calibrated { fitted: FittedLogs { fit, is_damaged }, inversion, verdict } = made;
     let damaged = is_damaged && arguments.fit.is_strict();
     ui.document(&json!({ "table1": fit.file, "table2": inversion.file, "verify": verdict }))?;

@@ -12,9 +12,9 @@ pub(crate) struct Arguments {
 }
 
 /// Writes the script for `command`, the whole command line.
-pub(crate) fn run(arguments: &Arguments, mut command: clap::Command, ui: Ui) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<Outcome> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "pivot-cal", &mut script);
-    ui.product(String::from_utf8(script)?);
+    Ui::product(String::from_utf8(script)?);
     Ok(Outcome::Done)
 }

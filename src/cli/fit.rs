@@ -2,7 +2,7 @@
 
 use crate::calibrate::{FitStage, fit_logs};
 use crate::cli::Ui;
-use crate::cli::angles::with_flag;
+use crate::cli::advice::with_advice;
 use crate::cli::breaks::Breaks;
 use crate::cli::listener::UiListener;
 use crate::cli::logs::LogArguments;
@@ -124,7 +124,7 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let listener = UiListener::new(ui, "reading");
     let logs = &arguments.input.logs;
-    let fitted = fit_logs(logs, &arguments.maps, &arguments.stage()?, &|event| listener.hear(event)).map_err(with_flag)?;
+    let fitted = fit_logs(logs, &arguments.maps, &arguments.stage()?, &|event| listener.hear(event)).map_err(with_advice)?;
     ui.document(&fitted.fit.file)?;
     show(&fitted.fit.file, ui);
     Ok(if fitted.fit.sound && !(fitted.is_damaged && arguments.is_strict()) { Outcome::Done } else { Outcome::Rejected })

@@ -2,7 +2,7 @@
 
 use crate::calibrate::{InvertStage, invert_folder};
 use crate::cli::Ui;
-use crate::cli::angles::with_flag;
+use crate::cli::advice::with_advice;
 use crate::cli::breaks::Breaks;
 use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         force: arguments.force,
     };
     let listener = UiListener::new(ui, "inverting");
-    let inversion = invert_folder(&arguments.maps, &stage, &|event| listener.hear(event)).map_err(with_flag)?;
+    let inversion = invert_folder(&arguments.maps, &stage, &|event| listener.hear(event)).map_err(with_advice)?;
     ui.document(&inversion.file)?;
     show(&inversion.file, ui);
     Ok(Outcome::Done)

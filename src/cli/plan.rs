@@ -2,9 +2,8 @@
 
 use crate::calibrate::{only_angle, read_table1};
 use crate::cli::Ui;
-use crate::cli::angles::with_flag;
+use crate::cli::advice::with_advice;
 use crate::cli::breaks::Breaks;
-use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
 use crate::map::{PlanFile, Proposal, WheelAngle, write_whole};
 use crate::plan::PlanSettings;
@@ -51,13 +50,15 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         bail!("--minutes is {}; allowed: above 0, at most 60", arguments.minutes);
     }
     let path = arguments.maps.join("table1.json");
-    let (folder, _) = read_table1(&arguments.maps)?;
+    let (folder, _) = read_table1(&arguments.maps).map_err(with_advice)?;
     let file = folder.table1;
     let angle = arguments.angle.map_or(file.vehicle.test_angle(), WheelAngle::from_deg);
     let steered = !angle.is_same(file.vehicle.test_angle());
-    let listener = UiListener::new(ui, "planning");
-    let kept = only_angle(file, angle.deg(), &|event| listener.hear(event)).map_err(with_flag);
-    let file = kept.with_context(|| path.display().to_string())?;
+    let maps = file.maps.len();
+    let file = only_angle(file, angle.deg()).map_err(with_advice).with_context(|| path.display().to_string())?;
+    if file.maps.len() < maps {
+        ui.say(format!("the map of {}°; table1.json holds those of other wheel angles, too (--angle)", angle.deg()));
+    }
     let settings = PlanSettings {
         budget_s: 60.0 * arguments.minutes,
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),

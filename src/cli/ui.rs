@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// The output of a command.
 #[derive(Debug, Clone, Copy)]
-pub struct Ui {
+pub(crate) struct Ui {
     json: bool,
     quiet: bool,
     verbose: bool,
@@ -13,43 +13,38 @@ pub struct Ui {
 
 impl Ui {
     /// `json`: one JSON document instead of text. `quiet`: errors only. `verbose`: more detail.
-    pub fn new(json: bool, quiet: bool, verbose: bool) -> Self {
+    pub(crate) fn new(json: bool, quiet: bool, verbose: bool) -> Self {
         Self { json, quiet, verbose }
     }
 
-    /// Whether a machine reads standard output.
-    pub fn is_json(self) -> bool {
-        self.json
-    }
-
     /// Whether more detail is requested.
-    pub fn is_verbose(self) -> bool {
+    pub(crate) fn is_verbose(self) -> bool {
         self.verbose
     }
 
     /// A line of the text summary; silent with `--json` or `-q`.
-    pub fn say(self, text: impl AsRef<str>) {
+    pub(crate) fn say(self, text: impl AsRef<str>) {
         if !self.json && !self.quiet {
             let _ = writeln!(anstream::stdout(), "{}", text.as_ref());
         }
     }
 
     /// A line of detail, with `-v` only.
-    pub fn detail(self, text: impl AsRef<str>) {
+    pub(crate) fn detail(self, text: impl AsRef<str>) {
         if self.verbose {
             self.say(text);
         }
     }
 
     /// A picture in plain characters: on a terminal, or with `-v`.
-    pub fn picture(self, text: impl AsRef<str>) {
+    pub(crate) fn picture(self, text: impl AsRef<str>) {
         if self.verbose || std::io::stdout().is_terminal() {
             self.say(text);
         }
     }
 
     /// Text that is the command's product (a completion script); always printed.
-    pub fn product(self, text: impl AsRef<str>) {
+    pub(crate) fn product(text: impl AsRef<str>) {
         let _ = writeln!(anstream::stdout(), "{}", text.as_ref());
     }
 
@@ -57,32 +52,32 @@ impl Ui {
     ///
     /// # Errors
     /// A value that cannot be serialised.
-    pub fn document(self, value: &impl serde::Serialize) -> anyhow::Result<()> {
+    pub(crate) fn document(self, value: &impl serde::Serialize) -> anyhow::Result<()> {
         if self.json {
-            self.product(serde_json::to_string_pretty(value)?);
+            Self::product(serde_json::to_string_pretty(value)?);
         }
         Ok(())
     }
 
     /// A warning; the command continues.
-    pub fn warn(self, text: impl AsRef<str>) {
+    pub(crate) fn warn(self, text: impl AsRef<str>) {
         if !self.quiet {
             let _ = writeln!(anstream::stderr(), "warning: {}", text.as_ref());
         }
     }
 
     /// The error and its causes on one line.
-    pub fn error(self, error: &anyhow::Error) {
+    pub(crate) fn error(error: &anyhow::Error) {
         let _ = writeln!(anstream::stderr(), "error: {error:#}");
     }
 
     /// A bar that counts up to `total` bytes: drawn on a terminal, silent in a pipe.
-    pub fn progress(self, total: u64, what: &str) -> indicatif::ProgressBar {
+    pub(crate) fn progress(self, total: u64, what: &str) -> indicatif::ProgressBar {
         self.bar(total, what, "{msg:14} {bar:32} {bytes}/{total_bytes} {bytes_per_sec} {eta}")
     }
 
     /// A bar that counts runs: drawn on a terminal, silent in a pipe.
-    pub fn progress_runs(self, what: &str) -> indicatif::ProgressBar {
+    pub(crate) fn progress_runs(self, what: &str) -> indicatif::ProgressBar {
         self.bar(0, what, "{msg:14} {bar:32} {pos}/{len} runs {eta}")
     }
 

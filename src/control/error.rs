@@ -4,7 +4,7 @@ use crate::Gear;
 use core::fmt;
 
 /// Result of this module.
-pub type Result<T> = core::result::Result<T, Error>;
+pub(crate) type Result<T> = core::result::Result<T, Error>;
 
 /// Why a pivot cannot be requested, or settings cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]

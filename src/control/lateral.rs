@@ -42,7 +42,7 @@ impl Default for LateralSettings {
 
 /// The lateral module with its memory.
 #[derive(Debug, Clone)]
-pub struct Lateral {
+pub(crate) struct Lateral {
     settings: LateralSettings,
     task: LateralTask,
     target_rad: f64,
@@ -56,7 +56,7 @@ pub struct Lateral {
 
 impl Lateral {
     /// A module at rest, its target straight ahead.
-    pub fn new(settings: LateralSettings) -> Self {
+    pub(crate) fn new(settings: LateralSettings) -> Self {
         let mut start = Self {
             settings,
             task: LateralTask::Rest,
@@ -76,7 +76,7 @@ impl Lateral {
     }
 
     /// One period: the task, the measured angle [rad] → the target angle [rad] and the wheel's status.
-    pub fn step(&mut self, task: LateralTask, angle_rad: f64) -> (f64, AngleStatus) {
+    pub(crate) fn step(&mut self, task: LateralTask, angle_rad: f64) -> (f64, AngleStatus) {
         if task != self.task {
             self.task = task;
             self.forget();

@@ -15,7 +15,7 @@ use crate::numeric::sqrt;
 use crate::{Error, Gear, Result};
 
 /// Largest number of entries of a table.
-pub const MAX_ENTRIES: usize = 32;
+pub(crate) const MAX_ENTRIES: usize = 32;
 
 /// One entry or one point of the curve: a compensation angle and the mean lateral error that it adds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -43,7 +43,7 @@ impl CompensationTable {
     /// & Carlson (1980), *Monotone Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17(2).
     ///
     /// # Errors
-    /// Fewer than two points, more than [`MAX_ENTRIES`], a number that is not finite, points that are not ascending or not monotone.
+    /// Fewer than two points, more than 32, a number that is not finite, points that are not ascending or not monotone.
     pub fn new(entries: &[CompensationEntry], points: &[CompensationEntry]) -> Result<Self> {
         let bad = |field, value: f64, allowed| Err(Error::Setting { field, value, allowed });
         if entries.len() > MAX_ENTRIES || points.len() > MAX_ENTRIES || points.len() < 2 {

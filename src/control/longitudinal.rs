@@ -72,7 +72,7 @@ impl Default for LongitudinalSettings {
 
 /// Commands and messages of the longitudinal module.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LongitudinalOutputs {
+pub(crate) struct LongitudinalOutputs {
     /// Torque [N·m], vehicle frame.
     pub torque_nm: f64,
     /// Gear; `None` is neutral.
@@ -87,7 +87,7 @@ pub struct LongitudinalOutputs {
 
 /// The longitudinal module with its drive law and state.
 #[derive(Debug, Clone)]
-pub struct Longitudinal<L> {
+pub(crate) struct Longitudinal<L> {
     settings: LongitudinalSettings,
     law: L,
     request: Option<PivotRequest>,
@@ -103,7 +103,7 @@ pub struct Longitudinal<L> {
 
 impl<L: DriveLaw> Longitudinal<L> {
     /// A module at rest.
-    pub fn new(settings: LongitudinalSettings, law: L) -> Self {
+    pub(crate) fn new(settings: LongitudinalSettings, law: L) -> Self {
         Self {
             settings,
             law,
@@ -118,17 +118,17 @@ impl<L: DriveLaw> Longitudinal<L> {
     }
 
     /// Phase of the pivot.
-    pub fn phase(&self) -> Phase {
+    pub(crate) fn phase(&self) -> Phase {
         self.phase
     }
 
     /// The request in force, or the last one; `None` before the first.
-    pub fn current(&self) -> Option<&PivotRequest> {
+    pub(crate) fn current(&self) -> Option<&PivotRequest> {
         self.request.as_ref()
     }
 
     /// Accepts planning's request. Ignored during a pivot.
-    pub fn request(&mut self, request: PivotRequest) {
+    pub(crate) fn request(&mut self, request: PivotRequest) {
         if !self.phase.is_active() {
             self.request = Some(request);
             self.go(Event::Requested);
@@ -145,7 +145,7 @@ impl<L: DriveLaw> Longitudinal<L> {
     }
 
     /// One period.
-    pub fn step(&mut self, inputs: &Inputs, angle: AngleStatus) -> LongitudinalOutputs {
+    pub(crate) fn step(&mut self, inputs: &Inputs, angle: AngleStatus) -> LongitudinalOutputs {
         let settings = self.settings;
         match inputs.speed_mps.filter(|v| v.is_finite()) {
             Some(speed_mps) => (self.speed_mps, self.no_speed_s) = (speed_mps, 0.0),

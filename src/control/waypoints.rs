@@ -4,7 +4,7 @@
 //! its end must not be taken for its start.
 
 /// Largest number of waypoints of a path: 10 m of arc every 0.02 m, a full turn with a wheelbase of 1.6 m.
-pub const MAX_WAYPOINTS: usize = 512;
+pub(crate) const MAX_WAYPOINTS: usize = 512;
 
 /// A point of the path with the speed planned there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

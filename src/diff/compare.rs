@@ -11,7 +11,7 @@ const SAME_LENGTH: f64 = 1e-3;
 const LEAST_STD_ERR: f64 = 1e-6;
 
 /// Compares `b` with `a`.
-pub fn compare(a: &DiffSide, b: &DiffSide, settings: &DiffSettings) -> MapComparison {
+pub(crate) fn compare(a: &DiffSide, b: &DiffSide, settings: &DiffSettings) -> MapComparison {
     let reasons = differences(a, b);
     let mut comparison = MapComparison {
         a: a.name.clone(),

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// How a comparison judges.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct DiffSettings {
+pub(crate) struct DiffSettings {
     /// Expected share of false ones among the cells called significant; the probability of finding anything when nothing changed.
     /// Default 0.05.
     pub false_discovery_rate: f64,
@@ -24,7 +24,7 @@ impl Default for DiffSettings {
 /// The outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum DiffVerdict {
+pub(crate) enum DiffVerdict {
     /// No cell differs by more than chance explains.
     Same,
     /// Cells differ by more than chance explains.
@@ -35,7 +35,7 @@ pub enum DiffVerdict {
 
 /// Result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MapComparison {
+pub(crate) struct MapComparison {
     /// The first file.
     pub a: String,
     /// The second file.
@@ -60,7 +60,7 @@ pub struct MapComparison {
 
 /// The comparison of one gear. Changes are b − a, at the breaks of a within the range of both.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MapDiff {
+pub(crate) struct MapDiff {
     /// Gear.
     pub gear: Gear,
     /// Wheel angle [°].
@@ -95,7 +95,7 @@ pub struct MapDiff {
 
 /// A significant change.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Significant {
+pub(crate) struct Significant {
     /// Row break: torque [N·m] in Table 1, speed [m/s] in Table 2.
     pub row: f64,
     /// Column break: speed [m/s] in Table 1, acceleration [m/s²] in Table 2.
@@ -118,7 +118,7 @@ pub struct Significant {
 
 impl MapComparison {
     /// The verdict in one sentence.
-    pub fn sentence(&self) -> String {
+    pub(crate) fn sentence(&self) -> String {
         let (compared, significant): (usize, usize) =
             self.maps.iter().fold((0, 0), |sum, map| (sum.0 + map.compared, sum.1 + map.significant));
         match self.verdict {

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 /// Result of this room.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Why a map cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the fields are what the message says
-pub enum Error {
+pub(crate) enum Error {
     #[error("{}: {source}; give a table1.json, a table2.json, or the folder of a map, whose table2.json is used", path.display())]
     Read { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]

@@ -19,7 +19,7 @@ table{border-collapse:collapse}td,th{padding:.2rem .7rem;border-bottom:1px solid
 @media print{:root{--bg:#fff;--fg:#000;--soft:#444;--line:#999;--zero:#f2f3f5;--none:#ddd}}";
 
 /// The page. Files are named as they were given; it contains nothing more about the machine.
-pub fn html(comparison: &MapComparison) -> String {
+pub(crate) fn html(comparison: &MapComparison) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {

@@ -8,7 +8,7 @@ use std::path::Path;
 /// Which table is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Table {
+pub(crate) enum Table {
     /// Acceleration [m/s²] over torque (rows) and speed (columns).
     Table1,
     /// Torque [N·m] over speed (rows) and desired acceleration (columns).
@@ -17,12 +17,12 @@ pub enum Table {
 
 impl Table {
     /// Unit of the values.
-    pub fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         if self == Self::Table1 { "m/s²" } else { "N·m" }
     }
 
     /// Names of the row and the column axis with units.
-    pub fn axes(self) -> [&'static str; 2] {
+    pub(crate) fn axes(self) -> [&'static str; 2] {
         match self {
             Self::Table1 => ["torque [N·m]", "speed [m/s]"],
             Self::Table2 => ["speed [m/s]", "acceleration [m/s²]"],
@@ -32,7 +32,7 @@ impl Table {
 
 /// A file that is compared.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DiffSide {
+pub(crate) struct DiffSide {
     /// Its path, as given.
     pub name: String,
     /// Which table it is.
@@ -63,7 +63,7 @@ impl DiffSide {
     ///
     /// # Errors
     /// A file that is missing, is no map, or whose arrays do not fit its axes.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         let path = if path.is_dir() { path.join("table2.json") } else { path.to_owned() };
         let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
         // any other file is read as Table 1, whose reader reports its fault

@@ -29,7 +29,7 @@ pub fn fit(surveys: Vec<Survey>, settings: &FitSettings) -> Result<Fit> {
 ///
 /// # Errors
 /// As [`fit`].
-pub fn fit_traced(surveys: Vec<Survey>, settings: &FitSettings) -> Result<(Fit, FitTraces)> {
+pub(crate) fn fit_traced(surveys: Vec<Survey>, settings: &FitSettings) -> Result<(Fit, FitTraces)> {
     let group = AngleGroup::of(surveys);
     let test_angle_deg = group.wheel_angle_deg;
     fit_angles(group.into(), false, test_angle_deg, settings)

@@ -1,7 +1,7 @@
 //! Why there is no fit.
 
 /// Result of this room.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]

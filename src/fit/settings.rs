@@ -46,6 +46,7 @@ pub struct FitSettings {
     pub least_coverage: f64,
     /// Delays and encoder calibration known from runs at other wheel angles of the same logs; default none. Not a setting of a file.
     #[serde(skip)]
+    #[doc(hidden)]
     pub known: Option<KnownCalibration>,
 }
 

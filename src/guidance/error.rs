@@ -1,7 +1,7 @@
 //! Why a manoeuvre cannot be planned, with the nearest feasible parameter.
 
 /// Result of planning.
-pub type Result<T> = core::result::Result<T, Error>;
+pub(crate) type Result<T> = core::result::Result<T, Error>;
 
 /// Why a manoeuvre cannot be planned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -21,7 +21,7 @@ use serde::Serialize;
 
 /// Settings of following a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LookAhead {
+pub(crate) struct LookAhead {
     /// Length of a step of the rear axle [m]. Default 0.02.
     pub step_m: f64,
     /// Distance of the goal along the reference [m]. Default 0.35.
@@ -45,7 +45,7 @@ impl LookAhead {
     ///
     /// # Errors
     /// The first out of its range.
-    pub fn checked(self) -> Result<Self> {
+    pub(crate) fn checked(self) -> Result<Self> {
         within("look_ahead.step_m", self.step_m, 1e-3, 0.5, "0.001 to 0.5")?;
         within("look_ahead.distance_m", self.distance_m, self.step_m, 10.0, "step_m to 10")?;
         within("look_ahead.window_m", self.window_m, self.step_m, 10.0, "step_m to 10")?;
@@ -54,7 +54,7 @@ impl LookAhead {
     }
 
     /// Largest change of the curvature per step [1/m]: that at the wheel limit, where the tangent is steepest.
-    pub fn curvature_step_per_m(&self, wheelbase_m: f64) -> f64 {
+    pub(crate) fn curvature_step_per_m(&self, wheelbase_m: f64) -> f64 {
         (self.wheel_limit_rad.tan() - (self.wheel_limit_rad - self.wheel_step_rad).tan()) / wheelbase_m
     }
 }
@@ -156,7 +156,7 @@ fn arc(from: &PathPose, curvature_per_m: f64, distance_m: f64) -> PathPose {
 }
 
 /// Largest change of wheel angle [rad] and of curvature [1/m] from one pose to the next.
-pub fn largest_steps(path: &PosePath) -> (f64, f64) {
+pub(crate) fn largest_steps(path: &PosePath) -> (f64, f64) {
     path.poses.windows(2).fold((0.0, 0.0), |(angle, curvature): (f64, f64), pair| {
         (
             angle.max((pair[1].wheel_angle_rad - pair[0].wheel_angle_rad).abs()),

@@ -18,7 +18,7 @@ struct ReferencePiece {
 
 /// Straight lines and circles, one after the other; it continues straight before its start and past its end.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ReferenceLine {
+pub(crate) struct ReferenceLine {
     pieces: Vec<ReferencePiece>,
     end: PlanePoint,
     end_course_rad: f64,
@@ -27,7 +27,7 @@ pub struct ReferenceLine {
 
 impl ReferenceLine {
     /// An empty reference that starts at a point with a direction of travel [rad].
-    pub fn starting(start: PlanePoint, course_rad: f64) -> Self {
+    pub(crate) fn starting(start: PlanePoint, course_rad: f64) -> Self {
         Self {
             pieces: vec![ReferencePiece { start, course_rad, bend_per_m: 0.0, from_m: 0.0, length_m: 0.0 }],
             end: start,
@@ -38,7 +38,7 @@ impl ReferenceLine {
 
     /// Appends a piece of `length_m` (none below 0) with curvature `bend_per_m` (left positive in the direction of travel).
     #[must_use]
-    pub fn then(mut self, length_m: f64, bend_per_m: f64) -> Self {
+    pub(crate) fn then(mut self, length_m: f64, bend_per_m: f64) -> Self {
         let piece = ReferencePiece {
             start: self.end,
             course_rad: self.end_course_rad,
@@ -53,12 +53,12 @@ impl ReferenceLine {
     }
 
     /// Length [m].
-    pub fn length_m(&self) -> f64 {
+    pub(crate) fn length_m(&self) -> f64 {
         self.length_m
     }
 
     /// Place and direction of travel [rad] at `s_m` from the start; straight on before the start and past the end.
-    pub fn at(&self, s_m: f64) -> (PlanePoint, f64) {
+    pub(crate) fn at(&self, s_m: f64) -> (PlanePoint, f64) {
         if s_m >= self.length_m {
             return (ahead(self.end, self.end_course_rad, s_m - self.length_m), self.end_course_rad);
         }
@@ -72,7 +72,7 @@ impl ReferenceLine {
 
     /// Position of `place` on the reference [m from the start], searched from `from_m` forward within `window_m` by Newton's iteration
     /// on the distance along the tangent.
-    pub fn project(&self, place: PlanePoint, from_m: f64, window_m: f64) -> f64 {
+    pub(crate) fn project(&self, place: PlanePoint, from_m: f64, window_m: f64) -> f64 {
         let mut s_m = from_m;
         for _ in 0..4 {
             let (on, course) = self.at(s_m);

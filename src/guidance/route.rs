@@ -2,17 +2,17 @@
 //!
 //! Unlike the pivot's own files these allocate: they plan, and their laws run, on a computer.
 
-pub mod clothoid_path;
-pub mod follower;
-pub mod front_axle;
-pub mod lqr;
-pub mod mpc;
-pub mod path_position;
-pub mod polyline;
-pub mod polyline_driver;
-pub mod pure_pursuit;
-pub mod rear_axle;
-pub mod segment_speed;
-pub mod track;
-pub mod tracking;
-pub mod turn_law;
+pub(crate) mod clothoid_path;
+pub(crate) mod follower;
+pub(crate) mod front_axle;
+pub(crate) mod lqr;
+pub(crate) mod mpc;
+pub(crate) mod path_position;
+pub(crate) mod polyline;
+pub(crate) mod polyline_driver;
+pub(crate) mod pure_pursuit;
+pub(crate) mod rear_axle;
+pub(crate) mod segment_speed;
+pub(crate) mod track;
+pub(crate) mod tracking;
+pub(crate) mod turn_law;

@@ -3,7 +3,7 @@
 use crate::map::Gear;
 
 /// Result of this room.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Why a table cannot be inverted.
 #[derive(Debug, thiserror::Error)]

@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 
 /// A piece of the path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Bin {
+pub(crate) struct Bin {
     /// Sum of the errors [m].
     pub sum_m: f64,
     /// Number of errors.
@@ -24,14 +24,14 @@ pub struct Bin {
 
 impl Bin {
     /// Mean error [m].
-    pub fn mean_m(&self) -> f64 {
+    pub(crate) fn mean_m(&self) -> f64 {
         self.sum_m / self.count
     }
 }
 
 /// One run of the calibration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CompensationRun {
+pub(crate) struct CompensationRun {
     /// File name of its log.
     pub log: String,
     /// Compensation angle [rad]; 0 for the base.
@@ -58,7 +58,7 @@ impl CompensationRun {
     ///
     /// # Errors
     /// There is no heading, the signals do not overlap, or the compensation changes.
-    pub fn new(recording: &Recording, settings: &LateralFitSettings) -> Result<Self> {
+    pub(crate) fn new(recording: &Recording, settings: &LateralFitSettings) -> Result<Self> {
         let log = recording.source.file.clone();
         let heading = heading(recording).ok_or_else(|| Error::NoHeading { log: log.clone() })?;
         let paths = &recording.signals.reference_paths;

@@ -1,13 +1,13 @@
 //! Reasons why logs give no compensation table.
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Reason why logs give no compensation table.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the message explains the fields
-pub enum Error {
+pub(crate) enum Error {
     #[error("{log}: the heading is missing: name `yaw`, or `yaw_z` and `yaw_w` of its quaternion, in the signal map")]
     NoHeading { log: String },
     #[error("{log}: none of the {found} reference path(s) has two points or more")]

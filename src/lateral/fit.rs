@@ -13,7 +13,7 @@ use serde::Serialize;
 
 /// Report of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LateralReport {
+pub(crate) struct LateralReport {
     /// Number of pieces of the path per entry, in the order of the entries.
     pub pieces: Vec<usize>,
     /// Slope of the curve between its ends [rad/m].
@@ -33,7 +33,7 @@ const LEAST_STD_ERR_M: f64 = 1e-6;
 ///
 /// # Errors
 /// There is no base or more than one, logs are of another task or too short, the compensation changes within a log, or no entry is left.
-pub fn fit(recordings: &[Recording], settings: &LateralFitSettings) -> Result<(LateralTableFile, LateralReport)> {
+pub(crate) fn fit(recordings: &[Recording], settings: &LateralFitSettings) -> Result<(LateralTableFile, LateralReport)> {
     for (field, value, low, high) in [
         ("threshold_m", settings.threshold_m, 1e-4, 10.0),
         ("piece_m", settings.piece_m, 0.1, 10.0),

@@ -3,7 +3,7 @@
 //! Pool adjacent violators. Source: Barlow, Bartholomew, Bremner & Brunk (1972), *Statistical Inference under Order Restrictions*, §1.2.
 
 /// The fitted values, as many as `values`; weights positive.
-pub fn isotonic(values: &[f64], weights: &[f64]) -> Vec<f64> {
+pub(crate) fn isotonic(values: &[f64], weights: &[f64]) -> Vec<f64> {
     // (mean, weight, count)
     let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
     for (&value, &weight) in values.iter().zip(weights) {

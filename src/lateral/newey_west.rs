@@ -6,7 +6,7 @@
 
 /// A mean and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Mean {
+pub(crate) struct Mean {
     /// Mean.
     pub mean: f64,
     /// Standard error; infinite for fewer than two values.
@@ -14,7 +14,7 @@ pub struct Mean {
 }
 
 /// Weighted mean of `values` in their order, with its standard error. A weight is the number of readings of a value.
-pub fn newey_west(values: &[f64], weights: &[f64]) -> Mean {
+pub(crate) fn newey_west(values: &[f64], weights: &[f64]) -> Mean {
     let n = values.len().min(weights.len());
     let total: f64 = weights[..n].iter().sum();
     if n == 0 || total <= 0.0 {

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Weighting of means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Weighting {
+pub(crate) enum Weighting {
     /// By distance: all pieces of the path have the same weight, for any duration.
     Distance,
     /// By control periods: all readings have the same weight.
@@ -14,7 +14,7 @@ pub enum Weighting {
 
 /// Settings of the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LateralFitSettings {
+pub(crate) struct LateralFitSettings {
     /// Entries at or beyond this are dropped [m]. Default 0.3: at larger errors the tracking law is at its limits.
     pub threshold_m: f64,
     /// Weighting of means. Default: by distance.

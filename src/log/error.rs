@@ -6,7 +6,7 @@ use crate::map;
 use crate::units::{Dimension, UnknownUnit};
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Error of a log or a signal map.
 #[derive(Debug, thiserror::Error)]

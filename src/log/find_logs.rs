@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// The first of `named` that matches nothing. The caller adds its text before the reason.
-pub fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
+pub(crate) fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
     if named.is_dir() {
         let metadata = named.join("metadata.yaml");
         return if metadata.is_file() { Ok(vec![bag(named, &metadata)?]) } else { Ok(each(folder(named)?)) };

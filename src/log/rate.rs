@@ -26,7 +26,7 @@ const MOST_REPEATS: usize = 20;
 /// A moving value that is measured for each message changes with each message. It is repeated if runs of equal values have a common length
 /// k ≥ 2: at least 80 % of the runs of up to 20 messages have the length k, or a multiple of k where two values were equal (± a lost
 /// message). If more than 20 % of the runs are longer than that, it is a held command with steps of any length.
-pub fn rate(signal: &Signal) -> Option<Rate> {
+pub(crate) fn rate(signal: &Signal) -> Option<Rate> {
     let mut spacing: Vec<i64> = signal.time_ns.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = spacing.len() / 2;
     let median = (!spacing.is_empty()).then(|| *spacing.select_nth_unstable(middle).1).filter(|median| *median > 0)?;

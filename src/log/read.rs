@@ -37,12 +37,17 @@ pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_lateral(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+pub(crate) fn read_lateral(
+    path: &Path,
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Recording> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(read_input(LogInput::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)?.finish())
 }
 
-/// Like [`read_lateral`], from memory, under the name `name`.
+/// Like `read_lateral`, from memory, under the name `name`.
 ///
 /// # Errors
 /// As [`read`].

@@ -45,8 +45,10 @@ pub struct Signals {
     /// Emergency stop: 1 active, 0 not.
     pub estop: Option<Signal>,
     /// Signals of the lateral calibration, by name, if they were read.
+    #[doc(hidden)]
     pub lateral: BTreeMap<SignalName, Signal>,
     /// The reference as complete polylines, sorted by time, if it was named as such; `lateral` then holds no reference point.
+    #[doc(hidden)]
     pub reference_paths: Vec<ReferencePath>,
 }
 

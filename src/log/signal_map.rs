@@ -115,7 +115,7 @@ pub struct SignalMap {
     /// The vehicle data of the map.
     pub vehicle: VehicleOverrides,
     /// The signals.
-    pub signals: BTreeMap<SignalName, SignalSpec>,
+    pub(crate) signals: BTreeMap<SignalName, SignalSpec>,
 }
 
 /// Vehicle data from outside the log; each field overrides that of a lower source.
@@ -134,7 +134,7 @@ pub struct VehicleOverrides {
 
 /// Path of a signal and conversion of its values: SI = unit(scale · raw + offset).
 #[derive(Debug, Clone, PartialEq)]
-pub struct SignalSpec {
+pub(crate) struct SignalSpec {
     /// The message path.
     pub path: MessagePath,
     /// Unit of the value; SI by default.
@@ -156,7 +156,7 @@ pub struct SignalSpec {
 /// A value that stands for a gear.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
-pub enum Code {
+pub(crate) enum Code {
     /// A number.
     Number(f64),
     /// A string, or the name of a number in the schema.
@@ -165,7 +165,7 @@ pub enum Code {
 
 impl SignalSpec {
     /// A signal at `path` in `unit`, with defaults for the other fields.
-    pub fn new(path: MessagePath, unit: Unit) -> Self {
+    pub(crate) fn new(path: MessagePath, unit: Unit) -> Self {
         Self { path, unit, scale: 1.0, offset: 0.0, stamp: None, relative_to_gear: false, unsigned: false, codes: Vec::new() }
     }
 }
@@ -203,8 +203,7 @@ impl SignalMap {
     /// The TOML cannot be read, a key is not known (the nearest known key is given), or a path or unit is wrong.
     ///
     /// ```
-    /// let map = pivot_cal::log::SignalMap::from_toml("[signals]\nspeed = { path = '/wheel.v', unit = 'km/h' }")?;
-    /// assert_eq!(map.signals.len(), 1);
+    /// pivot_cal::log::SignalMap::from_toml("[signals]\nspeed = { path = '/wheel.v', unit = 'km/h' }")?;
     /// assert!(pivot_cal::log::SignalMap::from_toml("[signals]\nsped = { path = '/wheel.v' }").is_err());
     /// # Ok::<(), pivot_cal::log::Error>(())
     /// ```

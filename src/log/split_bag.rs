@@ -17,7 +17,12 @@ use std::path::PathBuf;
 ///
 /// # Errors
 /// As [`crate::log::read`]; the first error, if no file can be used.
-pub fn read_split(paths: &[PathBuf], source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
+pub(crate) fn read_split(
+    paths: &[PathBuf],
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Recording> {
     let mut overrides = *overrides;
     let mut whole: Option<RecordingPart> = None;
     let mut skipped = Vec::new();

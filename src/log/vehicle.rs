@@ -6,7 +6,7 @@ use crate::map::Vehicle;
 use std::collections::BTreeMap;
 
 /// Name of the metadata record that `record` writes.
-pub const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
+pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
 
 impl VehicleOverrides {
     /// These values; `other` where they are missing.

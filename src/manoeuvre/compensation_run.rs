@@ -1,7 +1,6 @@
 //! The compensation scenario: a path driven with mounting errors, once without and once with the run-time law, on the same noise.
 
-use crate::control::Inputs;
-use crate::control::lateral_compensation::{CompensationEntry, CompensationSettings, CompensationTable, LateralCompensation};
+use crate::control::{CompensationEntry, CompensationSettings, CompensationTable, Inputs, LateralCompensation};
 use crate::guidance::path::PosePath;
 use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};
@@ -113,5 +112,49 @@ impl CompensationScenario {
         let start = ManoeuvreStart::default();
         let stage = drive_manoeuvre(plant, seed, &start, &mounting, settings.limits.period_s, controller, &mut observers)?;
         Ok((observers.0.figures, stage))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::manoeuvre::{Manoeuvre, ManoeuvreKind, ManoeuvreSettings, replay_manoeuvre};
+    use crate::verify::reference_maps::known_maps;
+    use crate::verify::{Maps, Metric};
+
+    #[test]
+    fn the_path_is_learned_on_and_then_measured_round_a_bend_of_90_degrees() {
+        for direction in Gear::ALL {
+            let scenario = CompensationScenario::new(direction);
+            let path = scenario.path(0.9);
+            // a metre beyond the measured stretch, for the stop
+            assert!((path.length_m() - (scenario.learning_m + scenario.measured_m + 1.0)).abs() < 1e-6, "{} m", path.length_m());
+            assert!(path.poses.iter().all(|pose| pose.direction == direction));
+            let turned_rad = path.poses.last().unwrap().heading_rad - path.poses[0].heading_rad;
+            assert!((turned_rad - direction.sign() * std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{turned_rad}");
+            // no bend where the compensation is estimated
+            assert!(path.poses.iter().filter(|pose| pose.s_m < scenario.learning_m).all(|pose| pose.curvature_per_m == 0.0));
+        }
+    }
+
+    #[test]
+    fn both_errors_push_to_the_same_side_in_either_direction() {
+        for direction in Gear::ALL {
+            let scenario = CompensationScenario::new(direction);
+            assert!(scenario.yaw_deg * direction.sign() * scenario.steering_zero_deg < 0.0, "{scenario:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_table_both_drives_are_the_same() {
+        let settings = ManoeuvreSettings::new().unwrap();
+        let (table1, table2) = known_maps(&settings.vehicle).unwrap();
+        let maps = Maps::new(table1, table2).unwrap();
+        let manoeuvre = Manoeuvre::all().into_iter().find(|m| matches!(m.kind, ManoeuvreKind::Compensation(_))).unwrap();
+        let mut compensated = 0;
+        let values = replay_manoeuvre(&maps, &settings, &manoeuvre, |m| compensated += u32::from(m.compensation_rad != 0.0)).unwrap();
+        assert_eq!((values.get(Metric::AsExpected), values.get(Metric::LateralRatio), compensated), (Some(1.0), Some(1.0), 0));
+        assert!(values.get(Metric::LateralBeforeM).unwrap() > 0.01, "the mounting errors must show");
     }
 }

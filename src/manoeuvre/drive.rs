@@ -10,7 +10,7 @@ use crate::verify::drive::{Driver, Observer, drive, inputs, steps_of};
 
 /// Mounting errors of navigation and steering.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Mounting {
+pub(crate) struct Mounting {
     /// Navigation's heading minus the vehicle's [rad].
     pub yaw_rad: f64,
     /// True wheel angle minus reported wheel angle [rad]: the true angle at a command of 0.

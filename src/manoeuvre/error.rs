@@ -3,7 +3,7 @@
 use crate::{control, guidance, map, record, sim, verify};
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Why a manoeuvre cannot be driven.
 #[derive(Debug, thiserror::Error)]

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// The verdicts on the manoeuvres, and the requested traces and logs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct JudgedManoeuvres {
+pub(crate) struct JudgedManoeuvres {
     /// The verdict on each manoeuvre, to be added to the verdict on the map ([`crate::verify::MapVerdict::with_scenarios`]).
     pub verdicts: Vec<ScenarioVerdict>,
     /// Their torque source, in words; `None` without a manoeuvre.
@@ -31,7 +31,7 @@ pub struct JudgedManoeuvres {
 ///
 /// # Errors
 /// A vehicle that cannot be simulated, a path that cannot be planned. A badly driven manoeuvre is a verdict, not an error.
-pub fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wanted<'_>) -> Result<JudgedManoeuvres> {
+pub(crate) fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted: Wanted<'_>) -> Result<JudgedManoeuvres> {
     let vehicle = &settings.vehicle;
     let varied = draws(vehicle, &settings.spread, settings.draws, settings.seed)?;
     let total = settings.manoeuvres.iter().filter(|m| m.reason_against(maps, vehicle).is_none()).count() * (varied.len() + 1);
@@ -121,7 +121,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::manoeuvre::ManoeuvreKind;
-    use crate::verify::{Status, known_maps};
+    use crate::verify::Status;
+    use crate::verify::reference_maps::known_maps;
 
     #[test]
     fn traces_and_logs_come_with_the_verdicts_and_do_not_change_them() {

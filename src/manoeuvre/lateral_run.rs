@@ -14,7 +14,7 @@ use crate::sim;
 
 /// One run of the lateral calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CalibrationDrive {
+pub(crate) struct CalibrationDrive {
     /// The tracking law.
     pub law: LawName,
     /// Compensation angle [rad].
@@ -27,7 +27,7 @@ pub struct CalibrationDrive {
 
 /// Form of the reference in a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LoggedReference {
+pub(crate) enum LoggedReference {
     /// The matched point, every period.
     Point,
     /// The whole path, once.
@@ -59,7 +59,11 @@ fn lateral_run(vehicle: &sim::WorldSettings, run: &CalibrationDrive, observer: i
 ///
 /// # Errors
 /// A vehicle that cannot be simulated, or any error of the MCAP writer.
-pub fn lateral_log(vehicle: &sim::WorldSettings, run: &CalibrationDrive, reference: LoggedReference) -> Result<(Vec<u8>, DriveStage)> {
+pub(crate) fn lateral_log(
+    vehicle: &sim::WorldSettings,
+    run: &CalibrationDrive,
+    reference: LoggedReference,
+) -> Result<(Vec<u8>, DriveStage)> {
     let mut log = ManoeuvreLog::new(&vehicle.vehicle);
     if reference == LoggedReference::Path {
         log = log.without_points();
@@ -69,4 +73,35 @@ pub fn lateral_log(vehicle: &sim::WorldSettings, run: &CalibrationDrive, referen
     }
     let stage = lateral_run(vehicle, run, &mut log)?;
     Ok((log.finish()?, stage))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::sim::VehicleFile;
+    use std::collections::BTreeMap;
+
+    /// Messages by topic, and the last stage.
+    fn logged(reference: LoggedReference) -> (BTreeMap<String, usize>, DriveStage) {
+        let run = CalibrationDrive { law: LawName::Lqr, compensation_rad: 0.0, mounting: Mounting::default(), seed: 1 };
+        let (bytes, stage) = lateral_log(&VehicleFile::bundled().unwrap().settings(), &run, reference).unwrap();
+        let mut topics = BTreeMap::new();
+        for message in mcap::MessageStream::new(&bytes).unwrap() {
+            *topics.entry(message.unwrap().channel.topic.clone()).or_insert(0) += 1;
+        }
+        (topics, stage)
+    }
+
+    #[test]
+    fn the_reference_is_in_the_log_as_it_was_asked_for() {
+        let (points, stage) = logged(LoggedReference::Point);
+        assert_eq!(stage, DriveStage::Arrived);
+        assert!(points["/reference/matched_point"] > 1000 && !points.contains_key("/reference/path"), "{points:?}");
+        let (path, _) = logged(LoggedReference::Path);
+        assert_eq!(path["/reference/path"], 1);
+        assert!(!path.contains_key("/reference/matched_point"), "{path:?}");
+        // the rest of the log is the same
+        assert_eq!(path["/odom"], points["/odom"]);
+    }
 }

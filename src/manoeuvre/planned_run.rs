@@ -121,7 +121,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::manoeuvre::{Manoeuvre, ManoeuvreKind, ManoeuvreSettings, replay_manoeuvre};
-    use crate::verify::{Maps, known_maps};
+    use crate::verify::Maps;
+    use crate::verify::reference_maps::known_maps;
 
     #[test]
     fn every_planned_manoeuvre_ends_where_it_should_and_touches_nothing() {

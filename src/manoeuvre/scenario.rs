@@ -140,9 +140,9 @@ impl Manoeuvre {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::manoeuvre::Error;
+    use crate::manoeuvre::error::Error;
     use crate::sim::VehicleFile;
-    use crate::verify::known_maps;
+    use crate::verify::reference_maps::known_maps;
     use std::collections::BTreeSet;
 
     #[test]

@@ -21,7 +21,7 @@ const FORMAT: &str = "pivot-cal/manoeuvre_traces";
 
 /// `manoeuvre_traces.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ManoeuvreTraces {
+pub(crate) struct ManoeuvreTraces {
     /// Always `pivot-cal/manoeuvre_traces`.
     pub format: String,
     /// Version of this layout.
@@ -38,7 +38,7 @@ pub struct ManoeuvreTraces {
 
 /// One manoeuvre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ManoeuvreTrace {
+pub(crate) struct ManoeuvreTrace {
     /// Its verdict.
     pub verdict: ScenarioVerdict,
     /// The path of the rear axle's middle, a piece per direction of travel.
@@ -57,7 +57,7 @@ pub struct ManoeuvreTrace {
 
 /// Points with a direction of travel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TracePiece {
+pub(crate) struct TracePiece {
     /// Direction of travel.
     pub gear: Gear,
     /// Points [m].
@@ -66,7 +66,7 @@ pub struct TracePiece {
 
 /// Lateral error along a piece of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ErrorTrace {
+pub(crate) struct ErrorTrace {
     /// Whether the lateral compensation was in use.
     pub compensated: bool,
     /// Time since the start [s].
@@ -96,7 +96,7 @@ impl ManoeuvreTraces {
     ///
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
-    pub fn to_json(&self) -> Result<String> {
+    pub(crate) fn to_json(&self) -> Result<String> {
         Ok(serde_json::to_string(self)? + "\n")
     }
 
@@ -104,7 +104,7 @@ impl ManoeuvreTraces {
     ///
     /// # Errors
     /// JSON that is not of this format and version.
-    pub fn from_json(text: &str) -> Result<Self> {
+    pub(crate) fn from_json(text: &str) -> Result<Self> {
         Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
     }
 }

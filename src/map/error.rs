@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// Result of this room.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Errors of a table or its file. Rows and columns in messages count from 1, as in a spreadsheet, with the header included.
 #[derive(Debug, thiserror::Error)]

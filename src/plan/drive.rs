@@ -1,5 +1,6 @@
 //! Runs that could be driven, simulated on the fitted surface as `record` drives them.
 
+use crate::campaign::driving::{AT_REST_MPS, CYCLE_S, End, RunCommand, RunDriver, RunOrder, SETTLED_S};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::step_timing::StepTiming;
@@ -8,10 +9,10 @@ use crate::fit::noise::model::{Reading, UNKNOWN_SPEED_MPS};
 use crate::map::{AccelTable, Gear, PlannedRun};
 use crate::signal::Series;
 
-/// Step of the simulation [s].
-const STEP_S: f64 = 5e-3;
-/// Steps between two readings, and between two decisions of the driver.
+/// Steps of the simulation between two readings, and between two decisions of the driver.
 const STEPS_PER_READING: u32 = 4;
+/// Step of the simulation [s].
+const STEP_S: f64 = CYCLE_S / STEPS_PER_READING as f64;
 /// Time between two readings [s].
 pub(crate) const READING_S: f64 = STEP_S * STEPS_PER_READING as f64;
 /// Age of the speed that the driver sees, in steps: half a reading's time and its way through the vehicle.
@@ -26,10 +27,8 @@ pub(crate) const STALL_S: f64 = 1.0;
 pub(crate) const PAUSE_S: f64 = 0.0;
 /// A level after a spin-up ends below this speed [m/s].
 const END_MPS: f64 = 0.03;
-/// The wheel is seen to rest below this speed [m/s].
-const AT_REST_MPS: f64 = 0.035;
-/// Time to settle at rest and at the wheel angle around a run, besides the pause [s]: twice 0.3, and the driver's cycles.
-const SETTLE_S: f64 = 0.63;
+/// Time to settle at rest and at the wheel angle around a run, besides the pause [s], with the driver's cycles.
+const SETTLE_S: f64 = 2.0 * SETTLED_S + 0.03;
 /// Longest spin-up [s].
 const LONGEST_SPIN_UP_S: f64 = 5.0;
 /// Longest coast [s].
@@ -134,25 +133,26 @@ impl PlannedVehicle {
     /// Drives a run as `record` does; `None` when its speed is never reached, or when it ends before it differs from a shorter one.
     pub(crate) fn drive(&self, run: &PlannedRun) -> Option<Driven> {
         let mut way = SimulatedWay::new(self, 0.0, 0.0);
-        if let Some(spin_up_nm) = run.spin_up_nm {
-            way.command(spin_up_nm);
-            while way.seen_mps() < run.start_speed_mps {
-                way.decide();
-                if way.t_s > LONGEST_SPIN_UP_S {
-                    return None;
-                }
+        let order = RunOrder {
+            start_speed_mps: if run.spin_up_nm.is_some() { run.start_speed_mps } else { 0.0 },
+            spin_up_limit_s: LONGEST_SPIN_UP_S,
+            end_speed_mps: run.end_speed_mps,
+            speed_limit_mps: run.speed_limit_mps,
+            stall_s: STALL_S,
+            hold_s: run.hold_s,
+        };
+        let mut driver = RunDriver::new(way.t_s);
+        loop {
+            match driver.decide(&order, way.t_s, way.seen_mps(), way.moved_s) {
+                RunCommand::SpinUp => way.command(run.spin_up_nm?),
+                RunCommand::Level => way.command(run.torque_nm),
+                RunCommand::Ended(End::NoSpinUp) => return None,
+                RunCommand::Ended(_) => break,
             }
-        }
-        way.command(run.torque_nm);
-        let from_s = way.t_s;
-        while way.t_s - from_s < run.hold_s && way.seen_mps() < run.speed_limit_mps {
             way.decide();
-            let slowed = run.spin_up_nm.is_some() && way.seen_mps() < run.end_speed_mps;
-            if slowed || way.t_s - from_s.max(way.moved_s) > STALL_S {
-                break;
-            }
         }
-        if run.hold_s > HOLDS_S[0] && way.t_s - from_s < HOLDS_S[0] {
+        let held_s = way.t_s - driver.level_from_s()?;
+        if run.hold_s > HOLDS_S[0] && held_s < HOLDS_S[0] {
             return None;
         }
         way.command(0.0);

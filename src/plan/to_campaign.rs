@@ -6,7 +6,7 @@ use crate::record::{Campaign, RunGroup, Torques, WheelAngles};
 
 impl Proposal {
     /// The campaign: one group per entry, the most useful first. The wheel angle is the vehicle's test angle if none is given.
-    pub fn to_campaign(&self, wheel_angle: Option<WheelAngle>) -> Campaign {
+    pub(crate) fn to_campaign(&self, wheel_angle: Option<WheelAngle>) -> Campaign {
         let angles = wheel_angle.map(|angle| WheelAngles::One(angle.deg()));
         let runs = self.entries.iter().map(|entry| RunGroup { wheel_angle_deg: angles.clone(), ..group(entry) });
         Campaign { name: "plan".to_owned(), runs: runs.collect(), ..Campaign::default() }

@@ -1,7 +1,7 @@
 //! Errors of recording a campaign.
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Error of recording a campaign.
 #[derive(Debug, thiserror::Error)]

@@ -29,7 +29,7 @@ struct ChannelEntry {
 
 /// A log under construction.
 #[derive(Default)]
-pub struct LogWriter {
+pub(crate) struct LogWriter {
     topics: Vec<OpenTopic>,
     by_name: BTreeMap<String, usize>,
     entries: Vec<ChannelEntry>,
@@ -38,12 +38,12 @@ pub struct LogWriter {
 
 impl LogWriter {
     /// An empty log.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
     }
 
     /// Adds a metadata record.
-    pub fn metadata<'a>(&mut self, name: &str, entries: impl IntoIterator<Item = (&'a str, String)>) {
+    pub(crate) fn metadata<'a>(&mut self, name: &str, entries: impl IntoIterator<Item = (&'a str, String)>) {
         let metadata = entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
         self.metadata.push(mcap::records::Metadata { name: name.to_owned(), metadata });
     }
@@ -53,7 +53,7 @@ impl LogWriter {
     ///
     /// # Errors
     /// The type differs from that of the topic's first message.
-    pub fn write(&mut self, topic: &str, log_time_ns: u64, publish_time_ns: u64, message: &RosMessage<'_>) -> Result<()> {
+    pub(crate) fn write(&mut self, topic: &str, log_time_ns: u64, publish_time_ns: u64, message: &RosMessage<'_>) -> Result<()> {
         let index = if let Some(&index) = self.by_name.get(topic) {
             index
         } else {
@@ -72,20 +72,15 @@ impl LogWriter {
     }
 
     /// Number of messages so far.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.entries.len()
-    }
-
-    /// Whether it has no messages.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
     }
 
     /// The file's bytes.
     ///
     /// # Errors
     /// Any error of the MCAP writer.
-    pub fn finish(mut self) -> Result<Vec<u8>> {
+    pub(crate) fn finish(mut self) -> Result<Vec<u8>> {
         let mut writer = mcap::WriteOptions::new()
             .profile("ros2")
             .library(concat!("pivot-cal ", env!("CARGO_PKG_VERSION")))

@@ -5,14 +5,14 @@ use crate::record::schema::TypeName;
 
 /// Time of a message [ns since 1970].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct MessageStamp {
+pub(crate) struct MessageStamp {
     /// Nanoseconds since 1970-01-01 UTC.
     pub ns: u64,
 }
 
 /// `sensor_msgs/msg/JointState`: each array has the length of `names` or is empty.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointState<'a> {
+pub(crate) struct JointState<'a> {
     /// `header.stamp`.
     pub stamp: MessageStamp,
     /// `header.frame_id`.
@@ -29,7 +29,7 @@ pub struct JointState<'a> {
 
 /// `geometry_msgs/msg/TwistStamped`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TwistStamped<'a> {
+pub(crate) struct TwistStamped<'a> {
     /// `header.stamp`.
     pub stamp: MessageStamp,
     /// `header.frame_id`.
@@ -42,7 +42,7 @@ pub struct TwistStamped<'a> {
 
 /// `nav_msgs/msg/Odometry` of a vehicle on a plane, with zero covariances.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Odometry<'a> {
+pub(crate) struct Odometry<'a> {
     /// `header.stamp`.
     pub stamp: MessageStamp,
     /// `header.frame_id`, the world.
@@ -63,7 +63,7 @@ pub struct Odometry<'a> {
 
 /// `geometry_msgs/msg/PointStamped` on the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointStamped<'a> {
+pub(crate) struct PointStamped<'a> {
     /// `header.stamp`.
     pub stamp: MessageStamp,
     /// `header.frame_id`.
@@ -76,7 +76,7 @@ pub struct PointStamped<'a> {
 
 /// `nav_msgs/msg/Path` on the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PathMessage<'a> {
+pub(crate) struct PathMessage<'a> {
     /// `header.stamp`, also used for every pose.
     pub stamp: MessageStamp,
     /// `header.frame_id`, also used for every pose.
@@ -87,7 +87,7 @@ pub struct PathMessage<'a> {
 
 /// A message of one of the standard types.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RosMessage<'a> {
+pub(crate) enum RosMessage<'a> {
     /// `std_msgs/msg/Float64`.
     Float64(f64),
     /// `std_msgs/msg/Int8`.
@@ -110,7 +110,7 @@ pub enum RosMessage<'a> {
 
 impl RosMessage<'_> {
     /// The type's full name.
-    pub fn type_name(&self) -> TypeName {
+    pub(crate) fn type_name(&self) -> TypeName {
         match self {
             Self::Float64(_) => "std_msgs/msg/Float64",
             Self::Int8(_) => "std_msgs/msg/Int8",
@@ -125,9 +125,9 @@ impl RosMessage<'_> {
     }
 
     /// The CDR bytes.
-    pub fn to_cdr(&self) -> Vec<u8> {
+    pub(crate) fn to_cdr(self) -> Vec<u8> {
         let mut cdr = Cdr::new();
-        match self {
+        match &self {
             Self::Float64(value) => cdr.f64(*value),
             Self::Int8(value) => cdr.i8(*value),
             Self::Bool(value) => cdr.bool(*value),

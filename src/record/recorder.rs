@@ -1,8 +1,9 @@
 //! Drives a campaign on a simulated vehicle and records its log.
 
+use crate::campaign::driving::CYCLE_S;
 use crate::record::campaign::Campaign;
 use crate::record::error::{Error, Result};
-use crate::record::runner::{CYCLE_S, RunOutcome, Runner};
+use crate::record::runner::{RunOutcome, Runner};
 use crate::record::topics::Topics;
 use crate::sim::{VehicleFile, World};
 use serde::{Deserialize, Serialize};
@@ -75,7 +76,7 @@ pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> 
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::record::runner::End;
+    use crate::campaign::driving::End;
 
     const VEHICLE: &str = "[vehicle]\nwheelbase_m = 0.9\nwheel_radius_m = 0.12\n";
 

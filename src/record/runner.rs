@@ -1,29 +1,12 @@
 //! The driver of the campaign. From the sensor readings, it steers to the angle, spins up, holds the level, coasts and pauses.
 
+use crate::campaign::driving::{AT_REST_MPS, End, RunCommand, RunDriver, RunOrder, SETTLED_S};
 use crate::map::{Gear, Vehicle};
 use crate::record::campaign::RunPlan;
 use crate::record::event::EventKind;
 use crate::sim::{Fault, Measurement, Random, Stream, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
-
-/// Reason for the end of a level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum End {
-    /// It was held for the planned time.
-    TimeUp,
-    /// The speed limit was reached.
-    SpeedLimit,
-    /// A braking level reached its end speed.
-    Slowed,
-    /// The wheel did not move.
-    Stalled,
-    /// The emergency stop was pressed.
-    EmergencyStop,
-    /// The spin-up did not reach its speed.
-    NoSpinUp,
-}
 
 /// One driven run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -46,14 +29,8 @@ pub struct RunOutcome {
     pub end: End,
 }
 
-/// Time between two decisions [s]: a typical control cycle.
-pub(crate) const CYCLE_S: f64 = 0.02;
-/// The wheel counts as at its angle within this [°] ...
+/// The wheel counts as at its angle within this [°].
 const AT_ANGLE_DEG: f64 = 1.5;
-/// ... and as at rest below this speed [m/s], three quanta of a typical encoder with its noise ...
-const AT_REST_MPS: f64 = 0.035;
-/// ... for this time [s].
-const SETTLED_S: f64 = 0.3;
 /// A longer spin-up is aborted [s].
 const SPIN_UP_LIMIT_S: f64 = 10.0;
 /// Longer steering is aborted [s], and the run is driven at the current wheel angle.
@@ -64,8 +41,7 @@ const DITHER_S: f64 = 0.3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum RunPhase {
     Steer,
-    SpinUp,
-    Hold,
+    Drive(RunDriver),
     Coast,
     Pause,
 }
@@ -122,20 +98,11 @@ impl Runner {
             self.moved_at_s = now_s;
         }
         match self.phase {
-            RunPhase::Steer => self.steer(now_s, &seen, angle_rad, &run, world),
-            RunPhase::SpinUp => {
-                if speed_mps >= run.settings.start_speed_mps {
-                    self.go(RunPhase::Hold, now_s);
-                } else if now_s - self.since_s > SPIN_UP_LIMIT_S {
-                    self.begin_level(&run, now_s, speed_mps);
-                    self.end_level(End::NoSpinUp, now_s, speed_mps);
-                }
-            }
-            RunPhase::Hold | RunPhase::Coast | RunPhase::Pause => {}
+            RunPhase::Steer => self.steer(now_s, &seen, angle_rad, world),
+            RunPhase::Drive(_) | RunPhase::Coast | RunPhase::Pause => {}
         }
         match self.phase {
-            RunPhase::Hold => self.hold(now_s, speed_mps, &run, world, &mut command),
-            RunPhase::SpinUp => command.torque_nm = sign * run.settings.spin_up_nm,
+            RunPhase::Drive(driver) => self.drive(driver, (now_s, speed_mps), &run, world, &mut command),
             RunPhase::Coast => {
                 if now_s - self.moved_at_s > SETTLED_S && now_s - self.since_s > SETTLED_S {
                     world.set_estop(false);
@@ -159,14 +126,14 @@ impl Runner {
         self.settled_since_s = now_s;
     }
 
-    fn steer(&mut self, now_s: f64, seen: &Measurement, angle_rad: f64, run: &RunPlan, world: &mut World) {
+    fn steer(&mut self, now_s: f64, seen: &Measurement, angle_rad: f64, world: &mut World) {
         if (seen.wheel_angle_rad - angle_rad).abs() > AT_ANGLE_DEG * RAD_PER_DEG {
             self.settled_since_s = now_s;
         }
         let settled = now_s - self.settled_since_s >= SETTLED_S && now_s - self.moved_at_s >= SETTLED_S;
         if settled || now_s - self.since_s > STEER_LIMIT_S {
             world.begin_run();
-            self.go(if run.settings.start_speed_mps > 0.0 { RunPhase::SpinUp } else { RunPhase::Hold }, now_s);
+            self.go(RunPhase::Drive(RunDriver::new(now_s)), now_s);
         }
     }
 
@@ -191,22 +158,35 @@ impl Runner {
         self.go(RunPhase::Coast, now_s);
     }
 
-    fn hold(&mut self, now_s: f64, speed_mps: f64, run: &RunPlan, world: &mut World, command: &mut WorldCommand) {
+    fn drive(
+        &mut self,
+        mut driver: RunDriver,
+        (now_s, speed_mps): (f64, f64),
+        run: &RunPlan,
+        world: &mut World,
+        command: &mut WorldCommand,
+    ) {
         let settings = &run.settings;
+        let order = RunOrder {
+            start_speed_mps: settings.start_speed_mps,
+            spin_up_limit_s: SPIN_UP_LIMIT_S,
+            end_speed_mps: settings.end_speed_mps,
+            speed_limit_mps: settings.speed_limit_mps,
+            stall_s: settings.stall_s,
+            hold_s: settings.hold_s,
+        };
+        let decided = driver.decide(&order, now_s, speed_mps, self.moved_at_s);
+        self.phase = RunPhase::Drive(driver);
+        if decided == RunCommand::SpinUp {
+            command.torque_nm = settings.gear.sign() * settings.spin_up_nm;
+            return;
+        }
         if self.outcome.is_none() {
             self.begin_level(run, now_s, speed_mps);
         }
-        let held_s = now_s - self.since_s;
-        let end = if settings.start_speed_mps > 0.0 && speed_mps < settings.end_speed_mps {
-            Some(End::Slowed)
-        } else if speed_mps >= settings.speed_limit_mps {
-            Some(End::SpeedLimit)
-        } else if now_s - self.moved_at_s > settings.stall_s {
-            Some(End::Stalled)
-        } else if held_s >= settings.hold_s {
-            Some(End::TimeUp)
-        } else {
-            self.happen(held_s, run, world, command)
+        let end = match decided {
+            RunCommand::Ended(end) => Some(end),
+            _ => self.happen(now_s - driver.level_from_s().unwrap_or(now_s), run, world, command),
         };
         if let Some(end) = end {
             if self.event_on {

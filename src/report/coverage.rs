@@ -86,7 +86,7 @@ fn shares(map: &AccelMap) -> Vec<String> {
 
 /// The coverage of one gear in plain characters, for a terminal: highest torque first, speed to the right; `#` measured, `+` interpolated,
 /// `.` extrapolated. Wide tables are thinned out to 64 columns.
-pub fn coverage_text(map: &AccelMap) -> String {
+pub(crate) fn coverage_text(map: &AccelMap) -> String {
     let stride = map.speed_mps.len().div_ceil(MOST_COLUMNS).max(1);
     let mut text = format!("coverage, {} gear (# measured, + interpolated, . extrapolated)\n", map.gear);
     let rows: Vec<usize> = (0..map.torque_nm.len()).rev().collect();

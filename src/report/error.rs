@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Why there is no report. A missing optional file is not an error: the page notes it.
 #[derive(Debug, thiserror::Error)]

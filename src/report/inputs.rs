@@ -18,11 +18,11 @@ pub struct ReportFiles {
     /// `fit_traces.json`, of the same fit.
     pub fit_traces: Option<FitTraces>,
     /// `verify_traces.json`, of the same Table 2.
-    pub closed_loop: Option<ClosedLoop>,
+    pub(crate) closed_loop: Option<ClosedLoop>,
     /// `manoeuvre_traces.json`, of the same Table 2.
-    pub manoeuvres: Option<ManoeuvreTraces>,
+    pub(crate) manoeuvres: Option<ManoeuvreTraces>,
     /// `plan.json`, of the same Table 1.
-    pub plan: Option<PlanFile>,
+    pub(crate) plan: Option<PlanFile>,
     /// Name and SHA-256 of every file that was read, and of the tables' CSVs.
     pub files: Vec<(String, String)>,
     /// Missing files and mismatches; empty if there are none.
@@ -36,7 +36,7 @@ pub struct ReportFiles {
 /// Whether a map may be deployed, according to the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Judgement {
+pub(crate) enum Judgement {
     /// The verdict on these tables is a pass.
     Pass,
     /// The verdict is a fail.
@@ -102,7 +102,7 @@ impl ReportFiles {
     }
 
     /// Whether the map may be deployed.
-    pub fn judgement(&self) -> Judgement {
+    pub(crate) fn judgement(&self) -> Judgement {
         match &self.verdict {
             Some(verdict) if self.verdict_is_current && !verdict.passes() => Judgement::Fail,
             Some(verdict) if self.verdict_is_current && pivots_left_out(verdict) == 0 => Judgement::Pass,

@@ -2,7 +2,7 @@
 
 use crate::map::{Gear, Table1File, Table2File, Vehicle};
 use crate::sim::{PhysicalSettings, WorldSettings};
-use crate::verify::known_maps;
+use crate::verify::reference_maps::known_maps;
 
 /// Table 1 and Table 2 of the forward gear.
 pub(crate) fn known() -> (Table1File, Table2File) {

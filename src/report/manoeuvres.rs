@@ -7,6 +7,7 @@ use crate::report::html::TableColumn::{Number, Text};
 use crate::report::html::{TableColumn, table};
 use crate::report::overhead::overhead;
 use crate::report::section::{Figures, Section};
+use crate::report::slug::slug;
 use crate::report::svg::num;
 use crate::verify::{Class, LimitCheck, Metric, ScenarioVerdict, Status};
 use maud::{Markup, html};
@@ -139,7 +140,8 @@ fn from_above(figures: &mut Figures, title: &str, border: &str, all: &[&Manoeuvr
         @for pair in all.chunks(2) {
             div.row {
                 @for trace in pair {
-                    (figures.svg(overhead(trace, &format!("manoeuvre-{}", trace.verdict.name), &trace.verdict.name, 490.0)))
+                    @let number = figures.pictures.len() + 1;
+                    (figures.svg(overhead(trace, &format!("manoeuvre-{}", slug(&trace.verdict.name, number)), &trace.verdict.name, 490.0)))
                 }
             }
         }

@@ -4,7 +4,7 @@ use crate::signal::{Series, median};
 
 /// signal(t) ≈ scale · reference(t − `delay_s`): scale and delay of a signal relative to a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Alignment {
+pub(crate) struct Alignment {
     /// Signal over reference.
     pub scale: f64,
     /// Delay of the signal after the reference [s].
@@ -16,13 +16,13 @@ const DELAY_RANGE_S: f64 = 0.3;
 
 impl Alignment {
     /// No difference.
-    pub const SAME: Self = Self { scale: 1.0, delay_s: 0.0 };
+    pub(crate) const SAME: Self = Self { scale: 1.0, delay_s: 0.0 };
 
     /// Compares `signal` with `reference` over the samples for which `usable(t)` holds. The result is the delay within ±0.3 s, to 1 ms,
     /// with the smallest median absolute difference after scaling (a cross-correlation that is robust to outliers such as slip).
     ///
     /// `None` with fewer than 50 usable moving samples, or if the speed is too low to compare (0.1 m/s).
-    pub fn of(signal: &Series, reference: &Series, usable: impl Fn(f64) -> bool) -> Option<Self> {
+    pub(crate) fn of(signal: &Series, reference: &Series, usable: impl Fn(f64) -> bool) -> Option<Self> {
         let mut points: Vec<(f64, f64)> =
             signal.t_s.iter().zip(&signal.value).filter(|(t, v)| v.abs() > 0.1 && usable(**t)).map(|(t, v)| (*t, *v)).collect();
         if points.len() < 50 || reference.len() < 50 {

@@ -1,7 +1,7 @@
 //! Errors of the signals of a log.
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Error of the signals of a log.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -4,7 +4,7 @@ use crate::signal::Series;
 
 /// The new samples of `series`, if each value is logged `repeats` times: the first of each run of equal values, and every `repeats`-th in
 /// longer runs.
-pub fn new_values_only(series: &Series, repeats: usize) -> Series {
+pub(crate) fn new_values_only(series: &Series, repeats: usize) -> Series {
     if repeats < 2 {
         return series.clone();
     }

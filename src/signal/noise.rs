@@ -1,7 +1,7 @@
 //! Robust measures of noise: median, noise of a slowly varying signal, quantum.
 
 /// Median of finite values: the mean of the middle two for an even number, NaN without values.
-pub fn median(values: &[f64]) -> f64 {
+pub(crate) fn median(values: &[f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
@@ -18,7 +18,7 @@ pub(crate) fn median_of(values: &mut [f64]) -> f64 {
 
 /// Outliers by Hampel's rule: the distance from the median of the seven values around exceeds `mads` scaled median absolute deviations and
 /// `mads` times `floor` (Hampel 1974, *The influence curve and its role in robust estimation*).
-pub fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
+pub(crate) fn hampel(values: &[f64], mads: f64, floor: f64) -> Vec<bool> {
     let n = values.len();
     let mut around = [0.0f64; 7];
     (0..n)
@@ -57,14 +57,14 @@ pub(crate) fn median_of_few(values: &mut [f64]) -> f64 {
 /// Standard deviation of white noise on a slowly varying signal, from the median absolute second difference:
 /// a second difference of white noise has standard deviation √6·σ, and the median of its magnitude is 0.6745 of that.
 /// 0 for fewer than three values.
-pub fn noise_std(values: &[f64]) -> f64 {
+pub(crate) fn noise_std(values: &[f64]) -> f64 {
     let mut second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     if second.is_empty() { 0.0 } else { median_of(&mut second) / (0.674_489_750_196_082 * 6f64.sqrt()) }
 }
 
 /// Quantum of a digitised signal: the smallest step that explains nearly all differences between neighbouring values; 0 if the values are
 /// continuous.
-pub fn quantum(values: &[f64]) -> f64 {
+pub(crate) fn quantum(values: &[f64]) -> f64 {
     let scale = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > scale * 1e-9).collect();
     if steps.len() < 20 {

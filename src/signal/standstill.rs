@@ -8,7 +8,7 @@ const FEWEST_AT_REST: usize = 20;
 
 /// Distinguishes rest from motion by the mean of each speed source over a short window.
 #[derive(Debug, Clone)]
-pub struct RestDetector {
+pub(crate) struct RestDetector {
     sources: Vec<RestingSource>,
     half_width_s: f64,
 }
@@ -23,15 +23,15 @@ struct RestingSource {
 
 impl RestDetector {
     /// Half of the averaging window [s]: three to eleven samples at usual rates, short compared with a stop.
-    pub const HALF_WIDTH_S: f64 = 0.06;
+    pub(crate) const HALF_WIDTH_S: f64 = 0.06;
     /// Time at both ends of a rest that is not used for the bias [s].
-    pub const MARGIN_S: f64 = 0.25;
+    pub(crate) const MARGIN_S: f64 = 0.25;
 
     /// From the speed sources [m/s]. A source is at rest where its mean over ±[`Self::HALF_WIDTH_S`] is within 3 standard errors of its
     /// bias, or half a quantum, or 4 mm/s, whichever is largest. The bias (of a gyro, for example) is first the median of the smoothed
     /// signal near zero, then the mean over the rest detected with it, without [`Self::MARGIN_S`] at either end: a start is detected some
     /// 50 ms late, and its first few millimetres per second would otherwise count as bias in every rest.
-    pub fn new<'a>(sources: impl IntoIterator<Item = &'a Series>) -> Self {
+    pub(crate) fn new<'a>(sources: impl IntoIterator<Item = &'a Series>) -> Self {
         let half_width_s = Self::HALF_WIDTH_S;
         let sources: Vec<RestingSource> = sources
             .into_iter()
@@ -75,13 +75,14 @@ impl RestDetector {
     }
 
     /// Whether every source with a sample near `t_s` is at rest; `false` if there is no such sample.
-    pub fn is_at_rest(&self, t_s: f64) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_at_rest(&self, t_s: f64) -> bool {
         let mut before: Vec<usize> = self.sources.iter().map(|w| w.series.t_s.partition_point(|t| *t < t_s)).collect();
         self.rests(t_s, &mut before)
     }
 
     /// The same at several ascending times.
-    pub fn are_at_rest(&self, times_s: impl IntoIterator<Item = f64>) -> impl Iterator<Item = bool> {
+    pub(crate) fn are_at_rest(&self, times_s: impl IntoIterator<Item = f64>) -> impl Iterator<Item = bool> {
         let mut before = vec![0; self.sources.len()];
         times_s.into_iter().map(move |t_s| self.rests(t_s, &mut before))
     }
@@ -108,7 +109,7 @@ impl RestDetector {
     }
 
     /// Bias of each source at rest [m/s], in the given order.
-    pub fn biases_mps(&self) -> Vec<f64> {
+    pub(crate) fn biases_mps(&self) -> Vec<f64> {
         self.sources.iter().map(|w| w.bias_mps).collect()
     }
 }

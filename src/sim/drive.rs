@@ -91,7 +91,7 @@ impl DriveSettings {
 
 /// Effective torque [N·m] over one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TorqueStep {
+pub(crate) struct TorqueStep {
     /// At its start.
     pub start_nm: f64,
     /// Half way.
@@ -102,7 +102,7 @@ pub struct TorqueStep {
 
 /// The drive's state.
 #[derive(Debug, Clone)]
-pub struct Drive {
+pub(crate) struct Drive {
     settings: DriveSettings,
     slew_per_step_nm: f64,
     /// The same while the setpoint's magnitude falls.
@@ -140,7 +140,7 @@ impl Drive {
     ///
     /// # Errors
     /// A setting is out of its range.
-    pub fn new(settings: &DriveSettings, step_s: f64) -> Result<Self> {
+    pub(crate) fn new(settings: &DriveSettings, step_s: f64) -> Result<Self> {
         settings.check()?;
         let steps = settings.dead_time_s / step_s;
         let whole = (steps + 1e-9).floor();
@@ -177,14 +177,14 @@ impl Drive {
     }
 
     /// Changes the saturation [N·m], as for a low battery.
-    pub fn set_torque_limit_nm(&mut self, limit_nm: f64) {
+    pub(crate) fn set_torque_limit_nm(&mut self, limit_nm: f64) {
         self.settings.torque_limit_nm = limit_nm.max(0.0);
         self.wanted_nm = self.limited(self.last_command_nm);
     }
 
     /// Effective torque now [N·m].
     #[inline]
-    pub fn effective_nm(&self) -> f64 {
+    pub(crate) fn effective_nm(&self) -> f64 {
         self.effective_nm
     }
 
@@ -195,7 +195,7 @@ impl Drive {
     }
 
     /// Sets `command_nm` as the command of all past time: no command is delayed, and the effective torque equals the command.
-    pub fn settle(&mut self, command_nm: f64) {
+    pub(crate) fn settle(&mut self, command_nm: f64) {
         self.untouched = false;
         let settled_nm = self.limited(command_nm);
         (self.last_command_nm, self.wanted_nm) = (command_nm, settled_nm);
@@ -209,7 +209,7 @@ impl Drive {
     /// Advances one step under `command_nm` (a command that is not a number counts as zero).
     #[allow(clippy::inline_always)] // three numbers returned through memory would stall every step of the world
     #[inline(always)]
-    pub fn step(&mut self, command_nm: f64) -> TorqueStep {
+    pub(crate) fn step(&mut self, command_nm: f64) -> TorqueStep {
         if command_nm != self.last_command_nm {
             self.untouched = false;
             self.last_command_nm = command_nm;
@@ -259,7 +259,7 @@ impl Drive {
 
     /// The command after quantisation and saturation [N·m]; NaN counts as zero.
     #[inline]
-    pub fn limited(&self, command_nm: f64) -> f64 {
+    pub(crate) fn limited(&self, command_nm: f64) -> f64 {
         let limit = self.settings.torque_limit_nm;
         let quantum = self.settings.torque_quantum_nm;
         let coded = if quantum > 0.0 { (command_nm / quantum).round() * quantum } else { command_nm };

@@ -1,7 +1,7 @@
 //! Errors of the simulator's settings.
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Error of the simulator's settings.
 #[derive(Debug, thiserror::Error)]

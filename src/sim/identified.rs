@@ -130,7 +130,7 @@ struct GearMotion {
 
 /// The identified plant's state.
 #[derive(Debug, Clone)]
-pub struct IdentifiedMotion {
+pub(crate) struct IdentifiedMotion {
     forward: GearMotion,
     reverse: Option<GearMotion>,
     cell: Cell,
@@ -158,7 +158,7 @@ impl IdentifiedMotion {
     ///
     /// # Errors
     /// A number is out of its range, or the vehicle never moves on the surface.
-    pub fn new(settings: &IdentifiedSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
+    pub(crate) fn new(settings: &IdentifiedSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         settings.check()?;
         let vehicle = vehicle.checked()?;
         let way = |d: &GearSurface| GearMotion { surface: Surface::new(&d.table), breakaway_nm: d.breakaway_nm };
@@ -192,35 +192,35 @@ impl IdentifiedMotion {
     }
 
     /// Draws the offset of the next run.
-    pub fn begin_run(&mut self) {
+    pub(crate) fn begin_run(&mut self) {
         self.run_offset_mps2 = if self.run_offset_std_dev > 0.0 { self.run_offset_std_dev * self.run.normal() } else { 0.0 };
     }
 
     /// Current speed [m/s].
     #[inline]
-    pub fn speed_mps(&self) -> f64 {
+    pub(crate) fn speed_mps(&self) -> f64 {
         self.speed_mps
     }
 
     /// Acceleration at the end of the last step [m/s²].
     #[inline]
-    pub fn accel_mps2(&self) -> f64 {
+    pub(crate) fn accel_mps2(&self) -> f64 {
         self.accel_mps2
     }
 
     /// Sets the speed directly [m/s].
-    pub fn set_speed(&mut self, speed_mps: f64) {
+    pub(crate) fn set_speed(&mut self, speed_mps: f64) {
         self.speed_mps = speed_mps;
         self.accel_mps2 = 0.0;
     }
 
     /// Mass on which a slope acts along the wheel [kg].
-    pub fn slope_mass_kg(&self) -> f64 {
+    pub(crate) fn slope_mass_kg(&self) -> f64 {
         self.slope_mass_kg
     }
 
     /// Inertia of wheel and motor as mass at the rim [kg].
-    pub fn wheel_mass_kg(&self) -> f64 {
+    pub(crate) fn wheel_mass_kg(&self) -> f64 {
         self.wheel_mass_kg
     }
 
@@ -243,7 +243,7 @@ impl IdentifiedMotion {
     /// Advances one step.
     #[allow(clippy::inline_always)] // three numbers returned through memory would stall every step of the world
     #[inline(always)]
-    pub fn step(&mut self, load: &Load) -> SpeedStep {
+    pub(crate) fn step(&mut self, load: &Load) -> SpeedStep {
         let start_mps = self.speed_mps;
         let sign = if start_mps == 0.0 {
             let Some(sign) = self.departure(load) else {

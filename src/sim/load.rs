@@ -6,7 +6,7 @@ use crate::sim::pose::SpeedStep;
 
 /// Loads on the wheel over one step, vehicle frame, referred to the wheel.
 #[derive(Debug, Clone, Copy)]
-pub struct Load {
+pub(crate) struct Load {
     /// Torque from the drive to the floor.
     pub torque: TorqueStep,
     /// Slope and pushes as torque at the wheel [N·m], + forward.

@@ -21,7 +21,7 @@ pub enum MotionSettings {
 /// The plant's state: front-wheel speed and its random parts.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)] // one per world: a box would only add an indirection to every step
-pub enum Motion {
+pub(crate) enum Motion {
     /// Inertia, friction, scrub.
     Physical(PhysicalMotion),
     /// Table 1 of a fit.
@@ -33,7 +33,7 @@ impl Motion {
     ///
     /// # Errors
     /// A setting is out of its range.
-    pub fn new(settings: &MotionSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
+    pub(crate) fn new(settings: &MotionSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         Ok(match settings {
             MotionSettings::Physical(settings) => Self::Physical(PhysicalMotion::new(settings, vehicle, step_s, seed)?),
             MotionSettings::Identified(settings) => Self::Identified(IdentifiedMotion::new(settings, vehicle, step_s, seed)?),
@@ -42,7 +42,7 @@ impl Motion {
 
     /// Current speed [m/s], vehicle frame.
     #[inline]
-    pub fn speed_mps(&self) -> f64 {
+    pub(crate) fn speed_mps(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.speed_mps(),
             Self::Identified(motion) => motion.speed_mps(),
@@ -51,7 +51,7 @@ impl Motion {
 
     /// Acceleration at the end of the last step [m/s²].
     #[inline]
-    pub fn accel_mps2(&self) -> f64 {
+    pub(crate) fn accel_mps2(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.accel_mps2(),
             Self::Identified(motion) => motion.accel_mps2(),
@@ -59,7 +59,7 @@ impl Motion {
     }
 
     /// Sets the speed directly [m/s].
-    pub fn set_speed(&mut self, speed_mps: f64) {
+    pub(crate) fn set_speed(&mut self, speed_mps: f64) {
         match self {
             Self::Physical(motion) => motion.set_speed(speed_mps),
             Self::Identified(motion) => motion.set_speed(speed_mps),
@@ -67,7 +67,7 @@ impl Motion {
     }
 
     /// Draws the values that differ between runs.
-    pub fn begin_run(&mut self) {
+    pub(crate) fn begin_run(&mut self) {
         match self {
             Self::Physical(motion) => motion.begin_run(),
             Self::Identified(motion) => motion.begin_run(),
@@ -81,14 +81,14 @@ impl Motion {
     }
 
     /// Sets the wheel angle of the next steps (the identified plant belongs to one angle and ignores it).
-    pub fn set_angle(&mut self, angle: &WheelAngleTerms) {
+    pub(crate) fn set_angle(&mut self, angle: &WheelAngleTerms) {
         if let Self::Physical(motion) = self {
             motion.set_angle(angle);
         }
     }
 
     /// Mass on which a slope acts along the wheel [kg].
-    pub fn slope_mass_kg(&self) -> f64 {
+    pub(crate) fn slope_mass_kg(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.slope_mass_kg(),
             Self::Identified(motion) => motion.slope_mass_kg(),
@@ -96,7 +96,7 @@ impl Motion {
     }
 
     /// Inertia of wheel and motor alone as mass at the rim [kg]: it spins up when the wheel slips.
-    pub fn wheel_mass_kg(&self) -> f64 {
+    pub(crate) fn wheel_mass_kg(&self) -> f64 {
         match self {
             Self::Physical(motion) => motion.wheel_mass_kg(),
             Self::Identified(motion) => motion.wheel_mass_kg(),
@@ -105,7 +105,7 @@ impl Motion {
 
     /// Advances one step.
     #[inline]
-    pub fn step(&mut self, load: &Load) -> SpeedStep {
+    pub(crate) fn step(&mut self, load: &Load) -> SpeedStep {
         match self {
             Self::Physical(motion) => motion.step(load),
             Self::Identified(motion) => motion.step(load),

@@ -12,7 +12,7 @@ use crate::sim::random::{Random, RandomDisturbance, Stream};
 
 /// The physical plant's state.
 #[derive(Debug, Clone)]
-pub struct PhysicalMotion {
+pub(crate) struct PhysicalMotion {
     plant: Plant,
     step_s: f64,
     at: [AtAngle; 3],
@@ -31,7 +31,7 @@ impl PhysicalMotion {
     ///
     /// # Errors
     /// A setting is out of its range.
-    pub fn new(settings: &PhysicalSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
+    pub(crate) fn new(settings: &PhysicalSettings, vehicle: &Vehicle, step_s: f64, seed: u64) -> Result<Self> {
         let plant = Plant::new(settings, vehicle)?;
         let mut motion = Self {
             plant,
@@ -50,7 +50,7 @@ impl PhysicalMotion {
     }
 
     /// Draws the friction of the next run (never below a fifth of the nominal).
-    pub fn begin_run(&mut self) {
+    pub(crate) fn begin_run(&mut self) {
         let spread = self.plant.settings.friction_spread;
         self.run_factor = if spread > 0.0 { (1.0 + spread * self.run.normal()).max(0.2) } else { 1.0 };
         self.draw_curves();
@@ -62,24 +62,24 @@ impl PhysicalMotion {
 
     /// Current speed [m/s].
     #[inline]
-    pub fn speed_mps(&self) -> f64 {
+    pub(crate) fn speed_mps(&self) -> f64 {
         self.speed_mps
     }
 
     /// Acceleration at the end of the last step [m/s²].
     #[inline]
-    pub fn accel_mps2(&self) -> f64 {
+    pub(crate) fn accel_mps2(&self) -> f64 {
         self.accel_mps2
     }
 
     /// Sets the speed directly [m/s].
-    pub fn set_speed(&mut self, speed_mps: f64) {
+    pub(crate) fn set_speed(&mut self, speed_mps: f64) {
         self.speed_mps = speed_mps;
         self.accel_mps2 = 0.0;
     }
 
     /// Sets the wheel angle at start, middle and end of the next steps.
-    pub fn set_angle(&mut self, angle: &WheelAngleTerms) {
+    pub(crate) fn set_angle(&mut self, angle: &WheelAngleTerms) {
         self.steady = angle.sin[0] == angle.sin[1] && angle.sin[1] == angle.sin[2];
         for (at, (sin, cos)) in self.at.iter_mut().zip(angle.sin.into_iter().zip(angle.cos)) {
             *at = self.plant.at_angle(sin, cos);
@@ -90,12 +90,12 @@ impl PhysicalMotion {
     }
 
     /// Mass on which a slope acts along the wheel [kg].
-    pub fn slope_mass_kg(&self) -> f64 {
+    pub(crate) fn slope_mass_kg(&self) -> f64 {
         self.plant.settings.slope_share * self.plant.effective_mass_kg(1.0, 0.0)
     }
 
     /// Inertia of wheel and motor as mass at the rim [kg].
-    pub fn wheel_mass_kg(&self) -> f64 {
+    pub(crate) fn wheel_mass_kg(&self) -> f64 {
         self.plant.wheel_mass_kg
     }
 
@@ -132,7 +132,7 @@ impl PhysicalMotion {
 
     /// Advances one step.
     #[inline]
-    pub fn step(&mut self, load: &Load) -> SpeedStep {
+    pub(crate) fn step(&mut self, load: &Load) -> SpeedStep {
         let start_mps = self.speed_mps;
         let mut external_nm = load.external_nm;
         let sign = if start_mps == 0.0 {

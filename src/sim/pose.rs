@@ -7,7 +7,7 @@
 
 /// Front-wheel speed [m/s] over one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SpeedStep {
+pub(crate) struct SpeedStep {
     /// At its start.
     pub start_mps: f64,
     /// Half way.
@@ -19,20 +19,20 @@ pub struct SpeedStep {
 impl SpeedStep {
     /// Whether the wheel is at rest during the whole step.
     #[inline]
-    pub fn is_rest(&self) -> bool {
+    pub(crate) fn is_rest(&self) -> bool {
         self.start_mps == 0.0 && self.mid_mps == 0.0 && self.end_mps == 0.0
     }
 
     /// Rolled distance in the step [m], by Simpson's rule.
     #[inline]
-    pub fn distance_m(&self, step_s: f64) -> f64 {
+    pub(crate) fn distance_m(&self, step_s: f64) -> f64 {
         step_s * (self.start_mps + 4.0 * self.mid_mps + self.end_mps) * (1.0 / 6.0)
     }
 }
 
 /// Sine and cosine of the wheel angle over one step: at its start, middle and end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WheelAngleTerms {
+pub(crate) struct WheelAngleTerms {
     /// sin δ.
     pub sin: [f64; 3],
     /// cos δ.
@@ -45,13 +45,13 @@ pub struct WheelAngleTerms {
 
 impl WheelAngleTerms {
     /// For a constant angle [rad].
-    pub fn fixed(angle_rad: f64) -> Self {
+    pub(crate) fn fixed(angle_rad: f64) -> Self {
         let (sin, cos) = angle_rad.sin_cos();
         Self { sin: [sin; 3], cos: [cos; 3], across: cos.abs() < 1e-15, end_rad: angle_rad }
     }
 
     /// For three angles [rad].
-    pub fn moving(angles_rad: [f64; 3]) -> Self {
+    pub(crate) fn moving(angles_rad: [f64; 3]) -> Self {
         Self { sin: angles_rad.map(f64::sin), cos: angles_rad.map(f64::cos), across: false, end_rad: angles_rad[2] }
     }
 
@@ -68,7 +68,7 @@ impl WheelAngleTerms {
 
 /// Pose of the rear axle's middle.
 #[derive(Debug, Clone)]
-pub struct Body {
+pub(crate) struct Body {
     x_m: f64,
     y_m: f64,
     heading_rad: f64,
@@ -87,7 +87,7 @@ const SMALL_RAD: f64 = 3e-3;
 
 impl Body {
     /// At the origin, heading along x.
-    pub fn new(wheelbase_m: f64) -> Self {
+    pub(crate) fn new(wheelbase_m: f64) -> Self {
         Self {
             x_m: 0.0,
             y_m: 0.0,
@@ -102,25 +102,25 @@ impl Body {
 
     /// x of the rear axle's middle [m].
     #[inline]
-    pub fn x_m(&self) -> f64 {
+    pub(crate) fn x_m(&self) -> f64 {
         self.x_m
     }
 
     /// y of the rear axle's middle [m].
     #[inline]
-    pub fn y_m(&self) -> f64 {
+    pub(crate) fn y_m(&self) -> f64 {
         self.y_m
     }
 
     /// Heading [rad], counter-clockwise, not wrapped.
     #[inline]
-    pub fn heading_rad(&self) -> f64 {
+    pub(crate) fn heading_rad(&self) -> f64 {
         self.heading_rad
     }
 
     /// θ̇ at the end of the last step [rad/s].
     #[inline]
-    pub fn yaw_rate_rad_s(&self) -> f64 {
+    pub(crate) fn yaw_rate_rad_s(&self) -> f64 {
         self.yaw_rate_rad_s
     }
 
@@ -132,7 +132,7 @@ impl Body {
 
     /// Advances one step of `step_s`.
     #[inline]
-    pub fn step(&mut self, step_s: f64, speed: SpeedStep, angle: &WheelAngleTerms) {
+    pub(crate) fn step(&mut self, step_s: f64, speed: SpeedStep, angle: &WheelAngleTerms) {
         if angle.across {
             let yaw_per_m = angle.sin[0] * self.per_wheelbase;
             self.heading_rad += speed.distance_m(step_s) * yaw_per_m;

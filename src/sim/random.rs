@@ -62,7 +62,7 @@ impl Random {
 /// x⁺ = ρ·x + σ·√(1 − ρ²)·n with ρ = exp(−T/τ): an Ornstein-Uhlenbeck process, held over intervals of [`RandomDisturbance::INTERVAL_S`].
 /// This is the exact discretisation, so that its standard deviation is σ at every instant.
 #[derive(Debug, Clone)]
-pub struct RandomDisturbance {
+pub(crate) struct RandomDisturbance {
     random: Random,
     std_dev: f64,
     decay: f64,
@@ -74,10 +74,10 @@ pub struct RandomDisturbance {
 
 impl RandomDisturbance {
     /// Hold time of a value [s]: short compared with any time constant in use, long compared with the step.
-    pub const INTERVAL_S: f64 = 0.01;
+    pub(crate) const INTERVAL_S: f64 = 0.01;
 
     /// A process with standard deviation `std_dev` and time constant `time_s`, stepped every `step_s`.
-    pub fn new(seed: u64, std_dev: f64, time_s: f64, step_s: f64) -> Self {
+    pub(crate) fn new(seed: u64, std_dev: f64, time_s: f64, step_s: f64) -> Self {
         let every = (Self::INTERVAL_S / step_s).round().max(1.0);
         let decay = if time_s > 0.0 { (-every * step_s / time_s).exp() } else { 0.0 };
         let mut random = Random::new(seed, Stream::Disturbance);
@@ -87,7 +87,7 @@ impl RandomDisturbance {
 
     /// The value of this step; advances the time by one step.
     #[inline]
-    pub fn step(&mut self) -> f64 {
+    pub(crate) fn step(&mut self) -> f64 {
         if self.std_dev > 0.0 {
             if self.left == 0 {
                 self.left = self.every;

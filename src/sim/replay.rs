@@ -12,7 +12,7 @@ use crate::units::RAD_PER_DEG;
 
 /// A recorded run, gear frame. The slices have equal lengths and ascending times.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RecordedRun<'a> {
+pub(crate) struct RecordedRun<'a> {
     /// Gear.
     pub gear: Gear,
     /// Times [s]. They should begin a dead time and some lags before `score_from_s`, for the effective torque at that instant.
@@ -27,7 +27,7 @@ pub struct RecordedRun<'a> {
 
 /// A replay and its errors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Replay {
+pub(crate) struct Replay {
     /// Index of the first compared sample.
     pub first: usize,
     /// Simulated speed at the samples from `first` on [m/s].
@@ -44,7 +44,7 @@ pub struct Replay {
 ///
 /// # Errors
 /// The slices have different lengths, fewer than two samples are compared, or a setting is out of its range.
-pub fn replay(settings: &WorldSettings, run: &RecordedRun<'_>) -> Result<Replay> {
+pub(crate) fn replay(settings: &WorldSettings, run: &RecordedRun<'_>) -> Result<Replay> {
     let n = run.t_s.len();
     let first = run.t_s.partition_point(|&t| t < run.score_from_s);
     if run.torque_nm.len() != n || run.speed_mps.len() != n || first + 2 > n {
@@ -110,7 +110,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::{AccelTable, Axis, Vehicle};
-    use crate::sim::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, SensorSettings, Truth, World, WorldCommand};
+    use crate::sim::sensor_settings::SensorSettings;
+    use crate::sim::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, World, WorldCommand};
 
     fn vehicle() -> Vehicle {
         Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }

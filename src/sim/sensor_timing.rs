@@ -67,7 +67,7 @@ impl Timing {
 }
 
 /// Largest number of readings in transit.
-pub const KEPT: usize = 16;
+pub(crate) const KEPT: usize = 16;
 
 /// One reading.
 #[derive(Debug, Clone, Copy, PartialEq)]

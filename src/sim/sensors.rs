@@ -176,7 +176,8 @@ impl Sensors {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::sim::{EncoderSettings, Timing};
+    use crate::sim::Timing;
+    use crate::sim::sensor_settings::EncoderSettings;
 
     fn readings(settings: &SensorSettings, speed_mps: f64) -> Vec<f64> {
         let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };

@@ -27,7 +27,7 @@ pub struct WorldSettings {
 }
 
 /// Default step of the simulation [s].
-pub const DEFAULT_STEP_S: f64 = 1e-3;
+pub(crate) const DEFAULT_STEP_S: f64 = 1e-3;
 
 impl WorldSettings {
     /// A physical vehicle with typical drive, steering and sensors.
@@ -156,7 +156,7 @@ mod tests {
     use crate::map::{
         AccelMap, Actuator, ActuatorInput, BreakawayTorque, CsvRef, DelayEstimate, DelayStatus, FineSurface, Gear, PlantNoise, Table1File,
     };
-    use crate::sim::{SensorSettings, World, WorldCommand};
+    use crate::sim::{World, WorldCommand};
     use std::f64::consts::FRAC_PI_2;
 
     /// A fit with a = (τ − 8)/13 forward and no reverse table.

@@ -38,7 +38,7 @@ impl SteeringSettings {
 
 /// Wheel angle [rad] over one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct AngleStep {
+pub(crate) struct AngleStep {
     /// At its start.
     pub start_rad: f64,
     /// Half way.
@@ -49,7 +49,7 @@ pub struct AngleStep {
 
 /// The steering's state.
 #[derive(Debug, Clone)]
-pub struct Steering {
+pub(crate) struct Steering {
     rate_rad_s: f64,
     lag_s: f64,
     limit_rad: f64,
@@ -68,7 +68,7 @@ impl Steering {
     ///
     /// # Errors
     /// A setting is out of its range.
-    pub fn new(settings: &SteeringSettings, step_s: f64) -> Result<Self> {
+    pub(crate) fn new(settings: &SteeringSettings, step_s: f64) -> Result<Self> {
         settings.check()?;
         let half_step_s = 0.5 * step_s;
         Ok(Self {
@@ -84,29 +84,29 @@ impl Steering {
     }
 
     /// Sets the wheel angle directly (limited to the mechanical stop).
-    pub fn place(&mut self, angle_rad: f64) {
+    pub(crate) fn place(&mut self, angle_rad: f64) {
         self.angle_rad = angle_rad.clamp(-self.limit_rad, self.limit_rad);
     }
 
     /// Locks or releases the wheel.
-    pub fn set_stuck(&mut self, stuck: bool) {
+    pub(crate) fn set_stuck(&mut self, stuck: bool) {
         self.stuck = stuck;
     }
 
     /// Multiplies the rate limit: 0.1 is a slow steering, 1 a normal one.
-    pub fn set_rate_factor(&mut self, factor: f64) {
+    pub(crate) fn set_rate_factor(&mut self, factor: f64) {
         self.rate_factor = factor.max(0.0);
     }
 
     /// Current wheel angle [rad].
     #[inline]
-    pub fn angle_rad(&self) -> f64 {
+    pub(crate) fn angle_rad(&self) -> f64 {
         self.angle_rad
     }
 
     /// Advances one step toward `target_rad` (a NaN target holds the wheel); `None` if the wheel did not move.
     #[inline]
-    pub fn step(&mut self, target_rad: f64) -> Option<AngleStep> {
+    pub(crate) fn step(&mut self, target_rad: f64) -> Option<AngleStep> {
         if self.angle_rad == target_rad || self.stuck || target_rad.is_nan() {
             return None;
         }

@@ -5,7 +5,7 @@ use crate::sim::drive::TorqueStep;
 
 /// The contact between wheel and floor.
 #[derive(Debug, Clone)]
-pub struct Traction {
+pub(crate) struct Traction {
     grip_nm: f64,
     slip_mps: f64,
     /// Step over wheel mass and radius [m/s per N·m].
@@ -14,24 +14,24 @@ pub struct Traction {
 
 impl Traction {
     /// A dry floor under a wheel of `wheel_mass_kg` at its rim.
-    pub fn new(wheel_mass_kg: f64, wheel_radius_m: f64, step_s: f64) -> Self {
+    pub(crate) fn new(wheel_mass_kg: f64, wheel_radius_m: f64, step_s: f64) -> Self {
         Self { grip_nm: f64::INFINITY, slip_mps: 0.0, slip_per_nm: step_s / (wheel_mass_kg * wheel_radius_m) }
     }
 
     /// Largest torque on the floor [N·m]; infinity for a dry floor.
-    pub fn set_grip_nm(&mut self, grip_nm: f64) {
+    pub(crate) fn set_grip_nm(&mut self, grip_nm: f64) {
         self.grip_nm = grip_nm.max(0.0);
     }
 
     /// Speed of the rim over the floor [m/s]; 0 while the wheel rolls.
     #[inline]
-    pub fn slip_mps(&self) -> f64 {
+    pub(crate) fn slip_mps(&self) -> f64 {
         self.slip_mps
     }
 
     /// Torque that reaches the floor over one step.
     #[inline]
-    pub fn step(&mut self, torque: TorqueStep) -> TorqueStep {
+    pub(crate) fn step(&mut self, torque: TorqueStep) -> TorqueStep {
         let grip = self.grip_nm;
         if self.slip_mps == 0.0 && torque.start_nm.abs().max(torque.end_nm.abs()) <= grip {
             return torque;

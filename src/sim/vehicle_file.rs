@@ -84,7 +84,7 @@ impl VehicleFile {
 ///
 /// # Errors
 /// The text is not valid TOML of this form.
-pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T> {
+pub(crate) fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
         let message = error.message().to_owned();

@@ -4,7 +4,7 @@ use crate::map::{FolderError, Gear};
 use std::path::PathBuf;
 
 /// Result of this module.
-pub type Result<T> = std::result::Result<T, Error>;
+pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 /// Why a map cannot be judged.
 #[derive(Debug, thiserror::Error)]

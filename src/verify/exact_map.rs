@@ -8,7 +8,7 @@ use crate::verify::Result;
 
 /// a(v, τ) of the plant, one fine table per gear.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ExactMap {
+pub(crate) struct ExactMap {
     forward: AccelTable,
     reverse: Option<AccelTable>,
     limit_nm: f64,
@@ -20,7 +20,7 @@ impl ExactMap {
     ///
     /// # Errors
     /// Settings that cannot be simulated.
-    pub fn new(world: &WorldSettings) -> Result<Self> {
+    pub(crate) fn new(world: &WorldSettings) -> Result<Self> {
         let limit_nm = world.drive.torque_limit_nm.min(world.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY));
         Ok(match &world.motion {
             MotionSettings::Identified(identified) => Self {
@@ -39,7 +39,7 @@ impl ExactMap {
     }
 
     /// a(v, τ) of `gear`.
-    pub fn table(&self, gear: Gear) -> Option<&AccelTable> {
+    pub(crate) fn table(&self, gear: Gear) -> Option<&AccelTable> {
         match gear {
             Gear::Forward => Some(&self.forward),
             Gear::Reverse => self.reverse.as_ref(),
@@ -47,12 +47,12 @@ impl ExactMap {
     }
 
     /// Largest torque of the drive [N·m].
-    pub fn limit_nm(&self) -> f64 {
+    pub(crate) fn limit_nm(&self) -> f64 {
         self.limit_nm
     }
 
     /// Torque that sets a resting wheel in motion [N·m], forward gear.
-    pub fn breakaway_nm(&self) -> f64 {
+    pub(crate) fn breakaway_nm(&self) -> f64 {
         self.breakaway_nm
     }
 }

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 /// A verdict, and the requested traces and logs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Verified {
+pub(crate) struct Verified {
     /// The verdict.
     pub verdict: MapVerdict,
     /// The runs of the comparison over time; `None` when they were not requested or the verdict has no comparison.
@@ -43,7 +43,7 @@ pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
 ///
 /// # Errors
 /// As [`verify`], and any error of the MCAP writer.
-pub fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
+pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
     let tested = settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()).count();
     let total = tested * (settings.draws + 1) + comparison_runs(settings);
     let done = || {
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::map::Vehicle;
     use crate::sim::{PhysicalSettings, WorldSettings as World};
-    use crate::verify::known_maps;
+    use crate::verify::reference_maps::known_maps;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn maps() -> Maps {

@@ -135,7 +135,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Vehicle;
-    use crate::verify::known_maps;
+    use crate::verify::reference_maps::known_maps;
 
     fn maps() -> Maps {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Table 2 of a gear at a wheel angle, from its CSV.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AngleMap {
+pub(crate) struct AngleMap {
     /// Gear.
     pub gear: Gear,
     /// Wheel angle [°], left positive.
@@ -27,13 +27,13 @@ pub struct Maps {
     /// Table 2 of reverse gear, from its CSV; absent when reverse gear was not tested.
     pub reverse: Option<TorqueTable>,
     /// Table 2 of every wheel angle, the test angle included, if `table2.json` has several; otherwise empty.
-    pub angles: Vec<AngleMap>,
+    pub(crate) angles: Vec<AngleMap>,
     /// SHA-256 of the CSV files that were read, those of the test angle first, forward before reverse.
     pub csv_sha256: Vec<String>,
     /// Mismatches that were accepted.
     pub forced: Vec<String>,
     /// The lateral compensation table, when the folder has one.
-    pub lateral: Option<LateralTableFile>,
+    pub(crate) lateral: Option<LateralTableFile>,
 }
 
 impl Maps {

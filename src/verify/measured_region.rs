@@ -4,7 +4,7 @@ use crate::map::{CellStatus, Gear, Table2File, TorqueMap};
 
 /// The cells of Table 2 that were measured or lie between measured ones.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Region {
+pub(crate) struct Region {
     maps: Vec<Cells>,
 }
 
@@ -18,7 +18,7 @@ struct Cells {
 
 impl Region {
     /// From the cells' status in `table2.json`.
-    pub fn new(table2: &Table2File) -> Self {
+    pub(crate) fn new(table2: &Table2File) -> Self {
         let cells = |map: &TorqueMap| Cells {
             gear: map.gear,
             speed_mps: map.speed_mps.clone(),
@@ -29,7 +29,7 @@ impl Region {
     }
 
     /// Whether a look-up lies within the axes, and its nearest cell was measured or interpolated.
-    pub fn contains(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> bool {
+    pub(crate) fn contains(&self, gear: Gear, speed_mps: f64, accel_mps2: f64) -> bool {
         let Some(cells) = self.maps.iter().find(|m| m.gear == gear) else { return false };
         let place = nearest(&cells.speed_mps, speed_mps).zip(nearest(&cells.accel_mps2, accel_mps2));
         let status = place.and_then(|(i, j)| cells.status.get(i)?.get(j));
@@ -50,7 +50,7 @@ fn nearest(breaks: &[f64], x: f64) -> Option<usize> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::verify::known_maps;
+    use crate::verify::reference_maps::known_maps;
     use crate::{map::Vehicle, sim};
 
     fn region(change: impl Fn(&mut TorqueMap)) -> Region {

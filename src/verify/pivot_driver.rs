@@ -208,7 +208,9 @@ mod tests {
     use crate::map::Vehicle;
     use crate::sim::{PhysicalSettings, WorldSettings};
     use crate::verify::bench::PivotMoment;
-    use crate::verify::{Maps, Metric, Values, VerifySettings, known_maps, replay};
+    use crate::verify::judge::replay;
+    use crate::verify::reference_maps::known_maps;
+    use crate::verify::{Maps, Metric, Values, VerifySettings};
 
     fn maps() -> Maps {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };

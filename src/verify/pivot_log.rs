@@ -128,3 +128,52 @@ fn waypoints(request: &PivotRequest) -> String {
         text
     })
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::{PlanningSettings, Pose, SteeringFault};
+    use crate::sim::{PhysicalSettings, WorldSettings};
+    use crate::verify::judge::verify_with;
+    use crate::verify::reference_maps::known_maps;
+    use crate::verify::settings::Wanted;
+    use crate::verify::{Scenario, VerifySettings};
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn tasks_and_the_wheels_status_are_named() {
+        assert_eq!(task_name(LateralTask::Hold(-FRAC_PI_2)), "hold -90.00°");
+        assert_eq!([LateralTask::Rest, LateralTask::Restore, LateralTask::Freeze].map(task_name), ["rest", "restore", "freeze"]);
+        assert_eq!(angle_name(AngleStatus::Fault(SteeringFault::Stuck)), "fault: Stuck");
+    }
+
+    #[test]
+    fn waypoints_are_rows_of_place_and_speed_that_end_at_rest() {
+        let request = PlanningSettings::new(0.92, FRAC_PI_2).plan(FRAC_PI_2, Pose::default()).unwrap();
+        let text = waypoints(&request);
+        let rows: Vec<Vec<f64>> = text.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+        assert_eq!((text.lines().next(), rows.len()), (Some("x_m,y_m,speed_mps"), request.path.waypoints().len()));
+        // the front wheel goes round the middle of the rear axle
+        assert!(rows.iter().all(|row| (row[0].hypot(row[1]) - 0.92).abs() < 1e-3));
+        assert_eq!(rows.last().unwrap()[2], 0.0);
+    }
+
+    #[test]
+    fn a_phase_is_written_when_it_changes_and_the_motion_in_every_period() {
+        let vehicle = crate::map::Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let (table1, table2) = known_maps(&WorldSettings::physical(vehicle, PhysicalSettings::default())).unwrap();
+        let maps = Maps::new(table1, table2).unwrap();
+        let scenarios = Scenario::all().into_iter().filter(|s| s.name == "left-90").collect();
+        let settings = VerifySettings { scenarios, draws: 0, comparison_draws: 0, ..VerifySettings::new().unwrap() };
+        let logs = verify_with(&maps, &settings, Wanted { logs: true, ..Wanted::default() }).unwrap().logs;
+        let mut topics = std::collections::BTreeMap::new();
+        for message in mcap::MessageStream::new(&logs[0].bytes).unwrap() {
+            *topics.entry(message.unwrap().channel.topic.clone()).or_insert(0) += 1;
+        }
+        let periods = topics["/odom"];
+        assert!(periods > 300 && topics["/pivot/speed_actual"] == periods && topics["/pivot/arc"] < periods, "{topics:?}");
+        assert_eq!((topics["/pivot/waypoints"], topics["/pivot/task"]), (1, 3));
+        assert!((4..10).contains(&topics["/pivot/phase"]), "{topics:?}");
+    }
+}

@@ -16,7 +16,7 @@ const FORMAT: &str = "pivot-cal/verify_traces";
 
 /// `verify_traces.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ClosedLoop {
+pub(crate) struct ClosedLoop {
     /// Always `pivot-cal/verify_traces`.
     pub format: String,
     /// Version of this layout.
@@ -41,7 +41,7 @@ pub struct ClosedLoop {
 
 /// One law over time, true values of the simulated plant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LawTraces {
+pub(crate) struct LawTraces {
     /// Name as in the comparison.
     pub name: String,
     /// Front-wheel speed [m/s], gear frame.
@@ -56,7 +56,7 @@ pub struct LawTraces {
 
 /// One quantity over time. A run that has ended keeps its last value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Bands {
+pub(crate) struct Bands {
     /// On the fitted plant.
     pub nominal: Vec<f64>,
     /// 5 of 100 draws are below.
@@ -154,7 +154,7 @@ impl ClosedLoop {
     ///
     /// # Errors
     /// Not JSON, another format or version, a missing field.
-    pub fn from_json(text: &str) -> Result<Self> {
+    pub(crate) fn from_json(text: &str) -> Result<Self> {
         Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
     }
 
@@ -162,7 +162,7 @@ impl ClosedLoop {
     ///
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
-    pub fn to_json(&self) -> Result<String> {
+    pub(crate) fn to_json(&self) -> Result<String> {
         Ok(serde_json::to_string(self)? + "\n")
     }
 }

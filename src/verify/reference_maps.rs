@@ -148,3 +148,38 @@ fn torque_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &WorldSet
         },
     })
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::sim::{Truth, VehicleFile};
+    use crate::units::RAD_PER_DEG;
+
+    #[test]
+    fn both_maps_are_those_of_the_vehicle_and_belong_together() {
+        let vehicle = VehicleFile::bundled().unwrap();
+        let (table1, table2) = known_maps(&vehicle.settings()).unwrap();
+        let truth: Truth = vehicle.truth().unwrap();
+        let angle_rad = vehicle.vehicle.test_angle_deg * RAD_PER_DEG;
+        assert_eq!(table1.maps.iter().map(|m| m.gear).collect::<Vec<_>>(), Gear::ALL);
+        for (accel, torque) in table1.maps.iter().zip(&table2.maps) {
+            let of = |v: f64, u: f64| truth.gear_accel_mps2(accel.gear, v, u, angle_rad);
+            for (i, u) in accel.torque_nm.iter().enumerate() {
+                for (j, v) in accel.speed_mps.iter().enumerate().skip(1) {
+                    // lines between the nodes of the fine grid
+                    assert!((accel.accel_mps2[i][j] - of(*v, *u)).abs() < 2e-3, "{v} m/s, {u} N·m");
+                }
+            }
+            for (i, v) in torque.speed_mps.iter().enumerate().skip(1) {
+                for (j, a) in torque.accel_mps2.iter().enumerate().filter(|(j, _)| torque.status[i][*j] == CellStatus::Measured) {
+                    assert!((of(*v, torque.torque_nm[i][j]) - a).abs() < 2e-3, "{v} m/s, {a} m/s²");
+                }
+            }
+            assert_eq!(torque.dead_band.high_nm, accel.breakaway.torque_nm);
+        }
+        assert_eq!(table2.table1.sha256, sha256_hex(table1.to_json().unwrap().as_bytes()));
+        assert_eq!(Table1File::from_json(&table1.to_json().unwrap()).unwrap(), table1);
+        assert_eq!(Table2File::from_json(&table2.to_json().unwrap()).unwrap(), table2);
+    }
+}

@@ -42,7 +42,7 @@ const LEAD_S: f64 = 1.0;
 ///
 /// # Errors
 /// A Table 1 that cannot be simulated.
-pub fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>> {
+pub(crate) fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<ReplayedRun>> {
     let mut settings = sim::WorldSettings::identified(table1)?;
     let source = &survey.track.source;
     let known = table1.actuator.per_log.iter().find(|log| log.sha256 == source.sha256);
@@ -108,5 +108,69 @@ impl Recorded {
 
     fn run(&self, gear: Gear) -> RecordedRun<'_> {
         RecordedRun { gear, t_s: &self.t_s, torque_nm: &self.torque_nm, speed_mps: &self.speed_mps, score_from_s: self.score_from_s }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::campaign::SurveySettings;
+    use crate::log::{Source, VehicleOverrides, read_bytes};
+    use crate::map::{DelayEstimate, DelayStatus, LogActuator};
+    use crate::record::{Campaign, record};
+    use crate::signal::Track;
+    use crate::sim::VehicleFile;
+    use crate::verify::reference_maps::known_maps;
+
+    const CAMPAIGN: &str = "[[runs]]\ntorque_nm = [16, 28]\nhold_s = 2\nspeed_limit_mps = 0.9\n\
+                            [[runs]]\ngear = \"reverse\"\ntorque_nm = [20]\nhold_s = 2\nspeed_limit_mps = 0.9\n";
+
+    /// Three runs of the bundled vehicle, and its own Table 1.
+    fn driven() -> (Table1File, Survey) {
+        let vehicle = VehicleFile::bundled().unwrap();
+        let bytes = record(&vehicle, &Campaign::from_toml(CAMPAIGN).unwrap(), Some(1)).unwrap().bytes;
+        let log = read_bytes(bytes, "three.mcap", &Source::Detect, &VehicleOverrides::default()).unwrap();
+        let survey = Survey::new(Track::new(&log).unwrap(), &SurveySettings::default()).unwrap();
+        (known_maps(&vehicle.settings()).unwrap().0, survey)
+    }
+
+    #[test]
+    fn the_vehicles_own_map_explains_its_runs() {
+        let (table1, survey) = driven();
+        let runs = replayed(&table1, &survey).unwrap();
+        assert_eq!(runs.iter().map(|r| r.gear).collect::<Vec<_>>(), [Gear::Forward, Gear::Forward, Gear::Reverse]);
+        for run in &runs {
+            assert!(!run.fitted && run.file == "three.mcap" && run.samples > 20 && run.seconds > 0.5, "{run:?}");
+            // the disturbance of a run adds to the encoder's noise
+            assert!(run.r_squared.unwrap() > 0.97 && run.rmse_mps < 0.05 && run.max_mps >= run.rmse_mps, "{run:?}");
+        }
+        assert!(runs.windows(2).all(|pair| pair[0].from_s < pair[1].from_s));
+    }
+
+    #[test]
+    fn a_log_of_the_fit_is_replayed_with_its_own_dead_time() {
+        let (mut table1, survey) = driven();
+        let held_out = replayed(&table1, &survey).unwrap();
+        let delay = |value_s| DelayEstimate { value_s, std_err_s: None, status: DelayStatus::Estimated };
+        let source = &survey.track.source;
+        let late = LogActuator {
+            sha256: source.sha256.clone(),
+            file: source.file.clone(),
+            dead_time: delay(table1.actuator.dead_time.value_s + 0.1),
+            clock_offset: delay(0.0),
+        };
+        table1.actuator.per_log.push(late);
+        let fitted = replayed(&table1, &survey).unwrap();
+        assert!(fitted.iter().all(|run| run.fitted));
+        // a tenth of a second too late is seen in every run
+        assert!(fitted.iter().zip(&held_out).all(|(late, right)| late.rmse_mps > right.rmse_mps), "{fitted:?}");
+    }
+
+    #[test]
+    fn a_gear_without_a_map_is_skipped() {
+        let (mut table1, survey) = driven();
+        table1.maps.retain(|map| map.gear == Gear::Forward);
+        assert_eq!(replayed(&table1, &survey).unwrap().len(), 2);
     }
 }

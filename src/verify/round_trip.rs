@@ -79,7 +79,7 @@ impl RoundTripVerdict {
 ///
 /// # Errors
 /// A surface of Table 1 that is not sound.
-pub fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<Vec<RoundTripVerdict>> {
+pub(crate) fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::Result<Vec<RoundTripVerdict>> {
     let test_angle = maps.table2.vehicle.test_angle();
     let mut all = Vec::new();
     for gear in Gear::ALL {
@@ -213,7 +213,7 @@ mod tests {
     use super::*;
     use crate::map::Vehicle;
     use crate::sim::{PhysicalSettings, WorldSettings as World};
-    use crate::verify::known_maps;
+    use crate::verify::reference_maps::known_maps;
 
     fn maps() -> Maps {
         let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };

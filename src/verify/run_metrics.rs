@@ -210,3 +210,110 @@ impl<'b, L: DriveLaw> Observer<PivotDriver<'b, L>> for PivotMetrics<'_> {
         self.add(period.moment, period.mean_speed_mps);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::{AngleStatus, DriveStep, LateralTask, Outputs};
+    use crate::map::{Table2File, Vehicle};
+    use crate::sim::{Measurement, PhysicalSettings, WorldSettings};
+    use crate::verify::measured_region::Region;
+    use crate::verify::reference_maps::known_maps;
+    use std::f64::consts::FRAC_PI_2;
+
+    const PERIOD_S: f64 = 0.02;
+
+    fn world() -> WorldSettings {
+        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        WorldSettings::physical(vehicle, PhysicalSettings::default())
+    }
+
+    /// Calls `look` with the metrics of a turn by 90° that begins at rest at the origin.
+    fn with_metrics(look: impl FnOnce(&mut PivotMetrics<'_>)) {
+        let table2: Table2File = known_maps(&world()).unwrap().1;
+        let (control, region) = (PivotSettings::new(0.92, FRAC_PI_2), Region::new(&table2));
+        let bench = PivotBench {
+            control: &control,
+            period_s: PERIOD_S,
+            torque_limit_nm: 44.0,
+            breakaway_nm: 5.0,
+            planned_nm: [10.0, 20.0],
+            region: &region,
+        };
+        let mut metrics = PivotMetrics::new(&bench, &control, &world());
+        metrics.begin(&TrueState::default(), FRAC_PI_2);
+        look(&mut metrics);
+    }
+
+    fn moment(phase: Phase, state: TrueState, torque_nm: f64) -> PivotMoment {
+        let drive = DriveStep { torque_nm, speed_mps: 0.2, ..DriveStep::default() };
+        let command = Outputs {
+            torque_nm,
+            wheel_angle_rad: FRAC_PI_2,
+            gear: Some(Gear::Forward),
+            phase,
+            direction: None,
+            angle: AngleStatus::Reached,
+            task: LateralTask::Hold(FRAC_PI_2),
+            restore: false,
+            drive: (phase == Phase::Driving).then_some(drive),
+        };
+        PivotMoment { state, seen: Measurement::default(), command }
+    }
+
+    #[test]
+    fn acceleration_and_jerk_are_differences_of_the_mean_speeds() {
+        with_metrics(|metrics| {
+            for mean_mps in [0.0, 0.02, 0.02, 0.02] {
+                metrics.add(&moment(Phase::Driving, TrueState::default(), 10.0), mean_mps);
+            }
+            // 0.02 m/s within a period of 0.02 s, and the acceleration gone in the next one
+            assert!((metrics.peak_accel_mps2 - 1.0).abs() < 1e-9 && (metrics.peak_jerk_mps3 - 50.0).abs() < 1e-9);
+            assert_eq!(metrics.start_jerk_mps3, metrics.peak_jerk_mps3);
+            assert!((metrics.arc_m - 0.06 * PERIOD_S).abs() < 1e-12);
+        });
+    }
+
+    #[test]
+    fn a_jerk_later_than_half_a_second_is_none_of_the_start() {
+        with_metrics(|metrics| {
+            for k in 0..40 {
+                metrics.add(&moment(Phase::Driving, TrueState::default(), 10.0), if k < 30 { 0.0 } else { 0.1 });
+            }
+            assert!(metrics.peak_jerk_mps3 > 200.0 && metrics.start_jerk_mps3 == 0.0);
+        });
+    }
+
+    #[test]
+    fn the_drift_is_the_way_of_the_reference_point_and_torque_at_the_limit_is_saturated() {
+        with_metrics(|metrics| {
+            let away = TrueState { x_m: 0.03, y_m: -0.04, ..TrueState::default() };
+            metrics.add(&moment(Phase::Driving, away, 44.0), 0.0);
+            metrics.add(&moment(Phase::Driving, TrueState::default(), 43.0), 0.0);
+            assert!((metrics.drift_m - 0.05).abs() < 1e-9);
+            assert_eq!((metrics.saturated, metrics.driving_periods), (1.0, 2.0));
+        });
+    }
+
+    #[test]
+    fn a_turn_beyond_its_end_overshoots_and_its_error_is_what_remains() {
+        with_metrics(|metrics| {
+            let turned = |deg: f64| TrueState { heading_rad: deg * RAD_PER_DEG, t_s: 4.0, ..TrueState::default() };
+            metrics.add(&moment(Phase::Driving, turned(92.0), 0.0), 0.0);
+            metrics.end(&turned(89.5));
+            assert!((metrics.overshoot_rad / RAD_PER_DEG - 2.0).abs() < 1e-9);
+            assert!((metrics.heading_error_rad / RAD_PER_DEG - 0.5).abs() < 1e-9 && metrics.time_s == 4.0);
+        });
+    }
+
+    #[test]
+    fn after_a_failure_only_torque_that_drives_counts() {
+        with_metrics(|metrics| {
+            let failed = Phase::Failed(crate::control::Failure::ObstacleStop);
+            metrics.add(&moment(failed, TrueState::default(), -20.0), 0.1);
+            assert_eq!(metrics.drive_after_failure_nm, 0.0);
+            assert!((metrics.travel_after_failure_m - 0.1 * PERIOD_S).abs() < 1e-12);
+        });
+    }
+}

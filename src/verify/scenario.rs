@@ -33,7 +33,7 @@ impl Class {
 /// A disturbance of the vehicle; values that depend on the vehicle are relative to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Disturbance {
+pub(crate) enum Disturbance {
     /// An obstacle: emergency stop.
     Obstacle,
     /// The steering no longer moves.
@@ -66,7 +66,7 @@ pub enum Disturbance {
 
 /// When a disturbance begins.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Onset {
+pub(crate) struct Onset {
     /// In this phase …
     pub phase: Phase,
     /// … after this time in it [s].
@@ -76,7 +76,7 @@ pub struct Onset {
 /// The expected end of a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Expected {
+pub(crate) enum Expected {
     /// Every turn succeeds.
     Success,
     /// The turn fails for this reason.
@@ -99,9 +99,9 @@ pub struct Scenario {
     /// Wheel angle at the start [°].
     pub start_wheel_deg: f64,
     /// Its disturbance and the onset; without an onset from the start.
-    pub disturbance: Option<(Disturbance, Option<Onset>)>,
+    pub(crate) disturbance: Option<(Disturbance, Option<Onset>)>,
     /// Its expected end.
-    pub expected: Expected,
+    pub(crate) expected: Expected,
 }
 
 impl Scenario {

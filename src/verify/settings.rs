@@ -25,6 +25,7 @@ pub struct VerifySettings {
     /// The drive law; `None`, the default, is the usual one for the map's vehicle.
     pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
+    #[doc(hidden)]
     pub plant: Option<sim::WorldSettings>,
 }
 
@@ -49,7 +50,7 @@ impl VerifySettings {
 
 /// Outputs beside the verdict. Default none.
 #[derive(Clone, Copy, Default)]
-pub struct Wanted<'a> {
+pub(crate) struct Wanted<'a> {
     /// The runs over time, for the report.
     pub traces: bool,
     /// A log of each nominal run.
@@ -60,7 +61,7 @@ pub struct Wanted<'a> {
 
 /// The log of a nominal run.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RunLog {
+pub(crate) struct RunLog {
     /// Name of the scenario.
     pub name: String,
     /// Bytes of an MCAP file of standard ROS 2 messages.

@@ -11,7 +11,7 @@ use crate::verify::scenario::Class;
 use serde::{Deserialize, Serialize};
 
 /// Value of the `format` field of a `verify.json`.
-pub const FORMAT: &str = "pivot-cal/verify";
+pub(crate) const FORMAT: &str = "pivot-cal/verify";
 
 /// Whether a scenario or a map keeps its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +28,7 @@ pub enum Status {
 /// `verify.json`. The same maps, settings and seed give the same bytes: it holds no time of day.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapVerdict {
-    /// Always [`FORMAT`].
+    /// Always `pivot-cal/verify`.
     pub format: String,
     /// Version of this layout.
     pub format_version: u32,

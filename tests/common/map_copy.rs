@@ -1,7 +1,12 @@
 //! Copies of the committed map, altered.
 #![allow(dead_code, clippy::unwrap_used)] // every test takes what it needs
 
+#[path = "program.rs"]
+mod program;
+
 use pivot_cal::map::{Table1File, Table2File, sha256_hex};
+use program::repo;
+pub(crate) use program::run;
 use std::path::{Path, PathBuf};
 
 /// The committed map in a folder of its own, `maps`.
@@ -9,7 +14,7 @@ pub(crate) fn copied() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let maps = folder.path().join("maps");
     std::fs::create_dir(&maps).unwrap();
-    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("maps")).unwrap() {
+    for entry in std::fs::read_dir(repo("maps")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|e| e == "csv" || e == "json") {
             std::fs::copy(&path, maps.join(path.file_name().unwrap())).unwrap();
@@ -47,15 +52,6 @@ pub(crate) fn change_table1(maps: &Path, change: impl FnOnce(&mut Table1File)) {
     let json = file.to_json().unwrap();
     std::fs::write(maps.join("table1.json"), &json).unwrap();
     change_table2(maps, |table2| table2.table1.sha256 = sha256_hex(json.as_bytes()));
-}
-
-/// Runs the program; exit status, standard output, standard error.
-pub(crate) fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::Command::cargo_bin("pivot-cal").unwrap().current_dir(folder).args(args).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let errors = text(&output.stderr);
-    assert!(!errors.contains("panicked"), "{errors}");
-    (output.status.code().unwrap(), text(&output.stdout), errors)
 }
 
 /// The text with one of its numbers changed in the last decimal.

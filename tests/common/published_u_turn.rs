@@ -5,8 +5,10 @@
 
 #![allow(dead_code)] // the test and the example use different parts
 
-use pivot_cal::guidance::u_turn::{Car, Lane, UTurnScene, UTurnSettings, UTurnShape, UTurnTrack, beyond_m, drive};
-use pivot_cal::guidance::{BodyShape, PlanePoint, Polygon, Result};
+use pivot_cal::internals::u_turn::{Car, Lane, UTurnScene, UTurnSettings, UTurnShape, UTurnTrack, beyond_m, drive};
+use pivot_cal::internals::{BodyShape, PlanePoint, Polygon};
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// The yaw rate that both published pairs of entry speed and curvature have in common [rad/s]: 1.63·0.205 = 0.3342, 1.585·0.21 = 0.3329.
 pub(crate) const YAW_RATE_RAD_S: f64 = 1.0 / 3.0;
@@ -96,7 +98,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// None: the published corners are convex.
-    pub(crate) fn new() -> Result<Self> {
+    pub(crate) fn new() -> Fallible<Self> {
         let p = PlanePoint::new;
         Ok(Self {
             scene: UTurnScene {
@@ -117,15 +119,15 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub(crate) fn track(body: BodyShape, run_up_m: f64, speed_mps: f64, rate_deg_s: f64, settings: &UTurnSettings) -> Result<UTurnTrack> {
-        drive(&Self::car(body), &UTurnShape { run_up_m, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }, settings)
+    pub(crate) fn track(body: BodyShape, run_up_m: f64, speed_mps: f64, rate_deg_s: f64, settings: &UTurnSettings) -> Fallible<UTurnTrack> {
+        Ok(drive(&Self::car(body), &UTurnShape { run_up_m, speed_mps, steering_rate_rad_s: rate_deg_s.to_radians() }, settings)?)
     }
 
     /// Shortest and longest run-up of a turn that keep the clearance [m].
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub(crate) fn run_ups(&self, body: BodyShape, (speed_mps, rate_deg_s): (f64, f64), settings: &UTurnSettings) -> Result<[f64; 2]> {
+    pub(crate) fn run_ups(&self, body: BodyShape, (speed_mps, rate_deg_s): (f64, f64), settings: &UTurnSettings) -> Fallible<[f64; 2]> {
         const FROM_M: f64 = 11.0;
         let track = Self::track(body, FROM_M, speed_mps, rate_deg_s, settings)?;
         let clearance_m = self.scene.clearance_m;
@@ -146,7 +148,7 @@ impl PublishedCase {
     ///
     /// # Errors
     /// A turn that cannot be driven.
-    pub(crate) fn findings(&self, body: BodyShape, hypothesis: &Hypothesis, settings: &UTurnSettings) -> Result<Vec<PublishedFinding>> {
+    pub(crate) fn findings(&self, body: BodyShape, hypothesis: &Hypothesis, settings: &UTurnSettings) -> Fallible<Vec<PublishedFinding>> {
         let track = |run_up, speed, rate| Self::track(body, run_up, speed, rate, settings);
         let [shortest, longest] = self.run_ups(body, hypothesis.run_up_turn, settings)?;
         let car = Self::car(body);

@@ -1,10 +1,10 @@
 //! What a map is judged by: the torque that it tells for the accelerations of the simulator's own map, over cells fixed beforehand.
 
+use pivot_cal::control::RAD_PER_DEG;
+use pivot_cal::internals::VehicleFile;
 use pivot_cal::invert;
 use pivot_cal::invert::invert;
 use pivot_cal::map::{AccelTable, CsvRef, Gear, Table1File};
-use pivot_cal::sim::VehicleFile;
-use pivot_cal::units::RAD_PER_DEG;
 
 use super::Fallible;
 

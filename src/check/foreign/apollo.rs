@@ -4,7 +4,7 @@
 use crate::check::foreign::{CommandPoint, CommandPoints, Misread, MisreadKind};
 
 /// Reads every `calibration { … }` message, at any depth; other messages are skipped.
-pub fn points_of_apollo(text: &str) -> (CommandPoints, Vec<Misread>) {
+pub(crate) fn points_of_apollo(text: &str) -> (CommandPoints, Vec<Misread>) {
     let (mut points, mut misread) = (CommandPoints { command: "command".to_owned(), ..CommandPoints::default() }, Vec::new());
     let mut bad = |kind, line, what: String| misread.push(Misread { kind, line, column: 0, what });
     let tokens = tokens(text);

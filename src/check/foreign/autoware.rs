@@ -7,7 +7,7 @@ use crate::check::foreign::{CellGrid, CsvLine, Misread};
 
 /// Which pedal a map belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pedal {
+pub(crate) enum Pedal {
     /// Acceleration rises with the pedal.
     Accel,
     /// Acceleration falls with the pedal.
@@ -15,7 +15,7 @@ pub enum Pedal {
 }
 
 /// The grid of an Autoware map. The file's name says which pedal it is (`brake` or `accel` in it), otherwise by the direction of most steps.
-pub fn grid_of_autoware(file_name: &str, cells: &[CsvLine]) -> (Pedal, CellGrid, Vec<Misread>) {
+pub(crate) fn grid_of_autoware(file_name: &str, cells: &[CsvLine]) -> (Pedal, CellGrid, Vec<Misread>) {
     let (grid, misread) = CellGrid::of_cells(cells);
     let name = file_name.to_ascii_lowercase();
     let pedal = if name.contains("brake") {

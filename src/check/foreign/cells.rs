@@ -2,7 +2,7 @@
 
 /// One line of the text: its number, counted from 1, and its cells without blanks around them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CsvLine {
+pub(crate) struct CsvLine {
     /// Line, counted from 1.
     pub line: u64,
     /// The line's cells.
@@ -11,7 +11,7 @@ pub struct CsvLine {
 
 /// The lines of `text` that are not blank. As in the loaders of most controllers, there are no quotes, and a separator at the end of a line
 /// begins no further cell.
-pub fn cells_of_csv(text: &str) -> Vec<CsvLine> {
+pub(crate) fn cells_of_csv(text: &str) -> Vec<CsvLine> {
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
     lines
         .filter(|(_, line)| !line.trim().is_empty())

@@ -4,7 +4,7 @@ use crate::check::foreign::CsvLine;
 
 /// A part that could not be read, and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Misread {
+pub(crate) struct Misread {
     /// What is wrong.
     pub kind: MisreadKind,
     /// Line of the text, counted from 1.
@@ -17,7 +17,7 @@ pub struct Misread {
 
 /// Kind of an unreadable part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MisreadKind {
+pub(crate) enum MisreadKind {
     /// Nothing, or less than a table.
     TooSmall,
     /// A line with more or fewer cells than the first.
@@ -30,7 +30,7 @@ pub enum MisreadKind {
 
 /// A matrix with breaks. `None` is a cell that could not be read.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct CellGrid {
+pub(crate) struct CellGrid {
     /// The first cell of the first line.
     pub corner: String,
     /// Breaks of the rows.
@@ -45,7 +45,7 @@ pub struct CellGrid {
 
 impl CellGrid {
     /// From the cells of a text: first line the column breaks, first cell of every other line its row break.
-    pub fn of_cells(cells: &[CsvLine]) -> (Self, Vec<Misread>) {
+    pub(crate) fn of_cells(cells: &[CsvLine]) -> (Self, Vec<Misread>) {
         let mut misread = Vec::new();
         let Some((header, rows)) = cells.split_first() else {
             let what = "the file is empty; a map has a line of column breaks and a line per row break".to_owned();
@@ -87,12 +87,12 @@ impl CellGrid {
     }
 
     /// Number of rows and columns.
-    pub fn shape(&self) -> (usize, usize) {
+    pub(crate) fn shape(&self) -> (usize, usize) {
         (self.values.len(), self.column_breaks.len())
     }
 
     /// Value of row `i` and column `j`, `None` when it could not be read.
-    pub fn at(&self, i: usize, j: usize) -> Option<f64> {
+    pub(crate) fn at(&self, i: usize, j: usize) -> Option<f64> {
         self.values.get(i)?.get(j).copied().flatten()
     }
 }

@@ -17,12 +17,12 @@ fn column(header: &CsvLine, names: &[&str]) -> Option<usize> {
 }
 
 /// Whether the header names speed, acceleration and a command, each in a column of its own.
-pub fn says_long_form(header: &CsvLine) -> bool {
+pub(crate) fn says_long_form(header: &CsvLine) -> bool {
     [SPEED, ACCEL, COMMAND].into_iter().all(|names| column(header, names).is_some())
 }
 
 /// The points, line by line: a line that cannot be read is reported and skipped.
-pub fn points_of_long_csv(cells: &[CsvLine]) -> (CommandPoints, Vec<Misread>) {
+pub(crate) fn points_of_long_csv(cells: &[CsvLine]) -> (CommandPoints, Vec<Misread>) {
     let mut misread = Vec::new();
     let Some((header, rows)) = cells.split_first() else { return (CommandPoints::default(), misread) };
     let columns = [SPEED, ACCEL, COMMAND].map(|names| column(header, names).unwrap_or(usize::MAX));

@@ -2,7 +2,7 @@
 
 /// One point of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CommandPoint {
+pub(crate) struct CommandPoint {
     /// Line of the text, counted from 1.
     pub line: u64,
     /// Speed [m/s].
@@ -15,7 +15,7 @@ pub struct CommandPoint {
 
 /// All points in the order of the file, and the name of the command.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct CommandPoints {
+pub(crate) struct CommandPoints {
     /// The points.
     pub points: Vec<CommandPoint>,
     /// Name of the command.
@@ -24,7 +24,7 @@ pub struct CommandPoints {
 
 impl CommandPoints {
     /// The points by speed, ascending, each row by acceleration, ascending; the file's order decides between equal ones.
-    pub fn rows(&self) -> Vec<(f64, Vec<CommandPoint>)> {
+    pub(crate) fn rows(&self) -> Vec<(f64, Vec<CommandPoint>)> {
         let mut points = self.points.clone();
         points.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.accel.total_cmp(&b.accel)));
         let mut rows: Vec<(f64, Vec<CommandPoint>)> = Vec::new();

@@ -331,3 +331,51 @@ fn left_out(map: &AccelMap, others: &[&AccelMap], family: &AngleFamily) -> Resul
 fn round6(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::sim::VehicleFile;
+    use crate::verify::reference_maps::known_maps;
+
+    /// The bundled vehicle's own forward maps.
+    fn maps(angles_deg: &[f64]) -> Vec<AccelMap> {
+        let settings = VehicleFile::bundled().unwrap().settings();
+        let at = |angle_deg: &f64| {
+            let mut world = settings.clone();
+            world.vehicle.test_angle_deg = *angle_deg;
+            known_maps(&world).unwrap().0.maps.remove(0)
+        };
+        angles_deg.iter().map(at).collect()
+    }
+
+    #[test]
+    fn the_inertia_is_that_of_the_rigid_vehicle_and_an_angle_left_out_is_predicted() {
+        let found = families(&maps(&[30.0, 60.0, 90.0])).unwrap();
+        assert_eq!(found.len(), 1);
+        let family = &found[0].reported;
+        let vehicle = VehicleFile::bundled().unwrap();
+        let (motion, radius_m) = (vehicle.motion, vehicle.vehicle.wheel_radius_m);
+        let turning_kg = motion.yaw_inertia_kgm2 / vehicle.vehicle.wheelbase_m.powi(2) - motion.mass_kg;
+        // η·M per drive torque: the efficiency is part of the drive's response, whose slope is 1 by definition
+        let ratio = family.inertia[1] / family.inertia[0];
+        let wheel_kg = motion.wheel_inertia_kgm2 / (radius_m * radius_m);
+        assert!((ratio - turning_kg / (motion.mass_kg + wheel_kg)).abs() < 0.02, "{ratio} {family:?}");
+        assert_eq!((family.left_out.len(), family.departure_from), (1, DepartureFrom::AnglesLeftOut));
+        assert!(family.left_out[0].wheel_angle_deg == 60.0 && family.left_out[0].rms_nm < 0.5, "{:?}", family.left_out);
+    }
+
+    #[test]
+    fn a_single_angle_and_angles_of_both_sides_make_no_family() {
+        assert!(families(&maps(&[90.0])).unwrap().is_empty());
+        assert!(families(&maps(&[-60.0, 60.0])).unwrap().is_empty());
+    }
+
+    #[test]
+    fn with_two_angles_the_departure_is_assumed() {
+        let found = families(&maps(&[60.0, 90.0])).unwrap();
+        assert_eq!(found[0].reported.departure_from, DepartureFrom::Assumed);
+        assert!(found[0].reported.left_out.is_empty() && found[0].reported.departure_nm > 0.0);
+    }
+}

@@ -7,6 +7,7 @@
 use crate::campaign::{AngleGroup, Grouped, Survey};
 use crate::fit::angles::shared_delays::{Pooled, Shared};
 use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::rounds::drive_choice::with_better_input;
 use crate::fit::table1::actuator::Delays;
 use crate::fit::table1::angle_fit::AngleFit;
 use crate::fit::{Error, FitSettings, Result};
@@ -40,6 +41,11 @@ impl<'a> Task<'a> {
     /// Chooses the torque input for all logs together.
     pub(crate) fn new(grouped: &'a Grouped, asked: bool, test_angle_deg: f64, settings: &'a FitSettings) -> Self {
         let choice = TorqueChoice::new(grouped.groups.iter().flat_map(|g| &g.surveys), settings);
+        let test = grouped.groups.iter().find(|g| (g.wheel_angle_deg - test_angle_deg).abs() < SAME_ANGLE_DEG);
+        let choice = match test {
+            Some(group) => with_better_input(&group.surveys, choice, settings),
+            None => choice,
+        };
         Self { grouped, asked, test_angle_deg, choice, settings }
     }
 

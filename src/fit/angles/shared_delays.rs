@@ -144,3 +144,28 @@ impl Pooled {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_pooled_by_their_standard_errors() {
+        let mut pool = Pool::default();
+        assert_eq!(pool.mean(), None);
+        pool.add(0.050, 0.010);
+        pool.add(0.060, 0.020);
+        // weights 4 to 1
+        let Some((mean, std_err)) = pool.mean() else { unreachable!("there are two values") };
+        assert!((mean - 0.052).abs() < 1e-12 && (std_err - 0.01 * 0.8f64.sqrt()).abs() < 1e-12, "{mean} {std_err}");
+    }
+
+    #[test]
+    fn no_value_counts_for_more_than_a_delay_can_be_known() {
+        let mut pool = Pool::default();
+        pool.add(0.050, 0.0);
+        pool.add(0.060, 0.0);
+        let known = pool.mean().map(|(mean, std_err)| ((mean - 0.055).abs() < 1e-12, std_err > 0.0));
+        assert_eq!(known, Some((true, true)));
+    }
+}

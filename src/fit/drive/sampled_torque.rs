@@ -34,7 +34,7 @@ pub(crate) struct SampledCursor<'a> {
 }
 
 impl SampledCursor<'_> {
-    /// As [`SampledTorque::at`].
+    /// Effective torque at `t_s` on the command's clock. The dead time is already subtracted: pass t − T_d.
     pub(crate) fn at(&mut self, t_s: f64) -> Torque {
         let times = &self.sampled.t_s;
         while times.get(self.passed).is_some_and(|&t| t <= t_s) {
@@ -81,7 +81,8 @@ impl SampledTorque {
     }
 
     /// Effective torque at `t_s` on the command's clock. The dead time is already subtracted: pass t − T_d.
-    pub(crate) fn at(&self, t_s: f64) -> Torque {
+    #[cfg(test)]
+    fn at(&self, t_s: f64) -> Torque {
         self.after(self.t_s.partition_point(|&t| t <= t_s), t_s)
     }
 

@@ -39,7 +39,22 @@ pub(crate) fn all_segments(
     so_far: Option<SoFar>,
     transients: &[Vec<(f64, f64)>],
 ) -> Vec<Segment> {
-    let of_log = |(number, log)| OfLog { number, log, calibration, lagged: &lagged[number], so_far }.segments(&transients[number]);
+    segments_of(logs, calibration, lagged, so_far, transients, |log, run| logs[log].chosen[run])
+}
+
+/// The segments of the stretches for which `is_wanted` holds, by log and stretch; otherwise as [`all_segments`].
+pub(crate) fn segments_of(
+    logs: &[LogData],
+    calibration: &Calibration,
+    lagged: &[EffectiveTorque],
+    so_far: Option<SoFar>,
+    transients: &[Vec<(f64, f64)>],
+    is_wanted: impl Fn(usize, usize) -> bool,
+) -> Vec<Segment> {
+    let of_log = |(number, log)| {
+        let of_log = OfLog { number, log, calibration, lagged: &lagged[number], so_far };
+        of_log.segments(&transients[number], |run| is_wanted(number, run))
+    };
     logs.iter().enumerate().flat_map(of_log).collect()
 }
 
@@ -59,11 +74,11 @@ struct StartFromRest {
 }
 
 impl OfLog<'_> {
-    fn segments(&self, transients: &[(f64, f64)]) -> Vec<Segment> {
+    fn segments(&self, transients: &[(f64, f64)], is_wanted: impl Fn(usize) -> bool) -> Vec<Segment> {
         let (condemned, gaps) = (self.condemned(), self.gaps());
         let mut cursor = self.lagged.cursor();
         let mut segments = Vec::new();
-        for (run, stretch) in self.log.survey.stretches.iter().enumerate().filter(|(run, _)| self.log.chosen[*run]) {
+        for (run, stretch) in self.log.survey.stretches.iter().enumerate().filter(|(run, _)| is_wanted(*run)) {
             let breakaway = self.breakaway(stretch, &gaps, &mut cursor);
             let to_s = if self.so_far.is_some() { stretch.stopped_s.unwrap_or(stretch.to_s) } else { stretch.to_s };
             let mut whole = self.whole(run, stretch, breakaway.as_ref(), to_s);

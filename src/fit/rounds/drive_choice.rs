@@ -93,6 +93,24 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
     DriveChoice { drive: best.drive, others: rest.collect() }
 }
 
+/// The input of a fit: the torque feedback stays where the choice made it the input, unless a drive behind the command predicts runs left out
+/// clearly better. A feedback on the motor's side of an elastic drive agrees with the command and is not the torque at the wheel.
+pub(crate) fn with_better_input(surveys: &[Survey], choice: TorqueChoice, settings: &FitSettings) -> TorqueChoice {
+    if !choice.is_feedback() || settings.drive.is_some() {
+        return choice;
+    }
+    let command = choice.with_command();
+    let scored_with = |choice: &TorqueChoice| -> Option<ScoredDrive> {
+        let examined = Examined::new(surveys, choice, settings).ok()?;
+        let drive = choose(&examined, surveys, choice, settings).drive;
+        scored(State::from_guess(examined.guess(choice, settings, &[drive]), settings)).ok()
+    };
+    match (scored_with(&choice), scored_with(&command)) {
+        (Some(feedback), Some(drive)) if is_better(&drive, &feedback) => command,
+        _ => choice,
+    }
+}
+
 /// Whether a drive is clearly better than one that was tried before.
 fn is_better(drive: &ScoredDrive, before: &ScoredDrive) -> bool {
     let (lower, std_err) = difference(before, drive);

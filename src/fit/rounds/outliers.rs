@@ -8,7 +8,7 @@ use crate::fit::motion::integration::courses;
 use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::Pass;
 use crate::fit::motion::segment::Segment;
-use crate::fit::motion::segmentation::all_segments;
+use crate::fit::motion::segmentation::segments_of;
 use crate::fit::motion::so_far::SoFar;
 use crate::fit::noise::model::Noise;
 use crate::fit::surface::lattice::LatticeSurface;
@@ -48,10 +48,13 @@ impl Judge<'_> {
             log.cuts = Cuts::default();
         }
         let calm = calm(self.noise, &self.surfaces.forward);
-        let chosen: Vec<Vec<bool>> = logs.iter().map(|l| l.chosen.clone()).collect();
+        // only runs that were cut are looked at again
+        let mut again: Option<BTreeSet<(usize, usize)>> = None;
         let so_far = SoFar { surfaces: self.surfaces, noise: self.noise };
         for pass in 0..PASSES {
-            let mut segments = all_segments(logs, self.calibration, self.lagged, Some(so_far), self.transients);
+            let mut segments = segments_of(logs, self.calibration, self.lagged, Some(so_far), self.transients, |log, run| {
+                again.as_ref().map_or_else(|| logs[log].chosen[run], |again| again.contains(&(log, run)))
+            });
             replace_coarse(&mut segments, logs, self.calibration, self.lagged, SoFar { noise: &calm, ..so_far });
             let courses = courses(&segments, self.lagged, self.calibration);
             let white = Pass { courses: &courses, surfaces: self.surfaces, noise: &calm }.along(None).white;
@@ -61,13 +64,9 @@ impl Judge<'_> {
             if found.is_empty() {
                 break;
             }
-            // only runs that were cut are looked at again
-            for (k, log) in logs.iter_mut().enumerate() {
-                log.chosen.iter_mut().enumerate().for_each(|(run, chosen)| *chosen = found.contains(&(k, run)));
-            }
+            again = Some(found);
         }
-        for (log, chosen) in logs.iter_mut().zip(chosen) {
-            log.chosen = chosen;
+        for log in logs {
             join(&mut log.cuts);
         }
     }

@@ -162,3 +162,34 @@ pub(crate) fn force(lattice: &Lattice, theta: &mut [f64]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_step_is_the_least_that_keeps_the_bound() {
+        let rises = [vec![-1.0, 1.0]];
+        // both move as far, and by less where the data hold faster
+        let even = programme(&Mat::identity(2, 2), &[1.0, 1.0], &rises, &[1.0, 0.0], 0.5).unwrap();
+        assert!((even[0] + 0.75).abs() < 1e-6 && (even[1] - 0.75).abs() < 1e-6, "{even:?}");
+        let stiff = Mat::from_fn(2, 2, |a, b| {
+            if a != b {
+                0.0
+            } else if a == 0 {
+                8.0
+            } else {
+                1.0
+            }
+        });
+        let uneven = programme(&stiff, &[8f64.powf(-0.5), 1.0], &rises, &[1.0, 0.0], 0.5).unwrap();
+        assert!((uneven[0] + 1.5 / 9.0).abs() < 1e-6 && (uneven[1] - 12.0 / 9.0).abs() < 1e-6, "{uneven:?}");
+    }
+
+    #[test]
+    fn a_bound_that_holds_asks_for_no_step() {
+        let step = programme(&Mat::identity(2, 2), &[1.0, 1.0], &[vec![-1.0, 1.0]], &[0.0, 2.0], 0.5).unwrap();
+        assert!(step.iter().all(|s| s.abs() < 1e-6), "{step:?}");
+    }
+}

@@ -88,3 +88,57 @@ impl Gram {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows over the columns 2, 3, 0 and the speed: not in order, and with one left out.
+    const ROWS: [[f64; 4]; 3] = [[1.0, 2.0, -1.0, 0.5], [0.0, 1.0, 3.0, -2.0], [4.0, -1.0, 0.0, 1.0]];
+
+    fn local() -> LocalGram {
+        LocalGram::new(vec![2, 3, 0, u32::MAX])
+    }
+
+    #[test]
+    fn the_sum_over_segments_is_the_product_of_all_rows() {
+        let mut gram = Gram::new(5);
+        for rows in [&ROWS[..1], &ROWS[1..]] {
+            let mut segment = local();
+            segment.add(&rows.concat(), 4);
+            gram.add(&segment);
+        }
+        let dense = |row: &[f64; 4]| [row[2], 0.0, row[0], row[1], row[3]];
+        let whole = gram.whole();
+        for a in 0..5 {
+            for b in 0..5 {
+                let expected: f64 = ROWS.iter().map(dense).map(|x| x[a] * x[b]).sum();
+                assert!((whole[(a, b)] - expected).abs() < 1e-12, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_may_end_before_the_last_columns() {
+        let (mut short, mut long) = (local(), local());
+        short.add(&[1.0, 2.0, 3.0, -1.0], 2);
+        long.add(&[1.0, 2.0, 0.0, 0.0, 3.0, -1.0, 0.0, 0.0], 4);
+        let whole = |segment: &LocalGram| {
+            let mut gram = Gram::new(5);
+            gram.add(segment);
+            gram.whole()
+        };
+        assert_eq!(whole(&short), whole(&long));
+    }
+
+    #[test]
+    fn sums_add_up() {
+        let mut segment = local();
+        segment.add(&ROWS.concat(), 4);
+        let mut gram = Gram::new(5);
+        gram.add(&segment);
+        let once = gram.clone();
+        gram.add_all(&once);
+        assert_eq!(gram.whole(), once.whole() * faer::Scale(2.0));
+    }
+}

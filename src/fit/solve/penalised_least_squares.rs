@@ -192,3 +192,59 @@ pub(crate) fn nuisance_prior_std(logs: usize, two_sources: bool) -> Vec<f64> {
     }
     prior
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn block(name: &'static str, range: std::ops::Range<usize>) -> CoefficientBlock {
+        CoefficientBlock { name, range, penalised: true, physics: false }
+    }
+
+    /// A diagonal system of two blocks of ten coefficients and one nuisance column; `right` of each block and of the column.
+    fn system(right: [f64; 3]) -> System {
+        let at = |k: usize| right[(k / 10).min(2)];
+        System { matrix: Mat::from_fn(21, 21, |a, b| if a == b { 4.0 } else { 0.0 }), right: Col::from_fn(21, at), design: 20 }
+    }
+
+    #[test]
+    fn a_given_penalty_and_a_prior_are_ridges() {
+        let blocks = [block("a", 0..10), block("b", 10..20)];
+        let solution = system([8.0, 8.0, 8.0]).solve(&blocks, &[1.0, 4.0], 0, &[0.5]).unwrap();
+        let expected = |ridge: f64| 8.0 / (4.0 + ridge);
+        assert!((solution.beta[0] - expected(1.0)).abs() < 1e-12 && (solution.beta[10] - expected(4.0)).abs() < 1e-12);
+        // 1/0.5² of the nuisance column
+        assert!((solution.beta[20] - expected(4.0)).abs() < 1e-12 && (solution.covariance[(20, 20)] - 0.125).abs() < 1e-12);
+        assert!((solution.degrees[0] - 8.0).abs() < 1e-9 && (solution.degrees[1] - 5.0).abs() < 1e-9, "{:?}", solution.degrees);
+    }
+
+    #[test]
+    fn the_penalty_follows_the_data_and_a_block_without_a_signal_vanishes() {
+        let blocks = [block("signal", 0..10), block("none", 10..20)];
+        let solution = system([400.0, 0.01, 0.0]).solve(&blocks, &[], SETTLING_ROUNDS, &[1e-9]).unwrap();
+        assert!(solution.settled);
+        // coefficients of 100 with a standard error of a half: λ = edf / ‖β‖²
+        assert!((solution.penalties[0] * 1e4 - 1.0).abs() < 0.1 && (solution.beta[0] - 100.0).abs() < 0.1, "{:?}", solution.penalties);
+        assert!(solution.penalties[1] == f64::INFINITY && solution.beta[10..20].iter().all(|b| *b == 0.0), "{:?}", solution.penalties);
+        assert!(solution.beta[20].abs() < 1e-9, "a column that is given stays");
+    }
+
+    #[test]
+    fn equations_less_a_part_are_those_of_the_rest() {
+        let whole = system([8.0, 2.0, 1.0]);
+        let rest = whole.without(&system([3.0, 1.0, 1.0]));
+        assert_eq!((rest.right[0], rest.right[10], rest.right[20], rest.matrix[(3, 3)]), (5.0, 1.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn the_encoder_is_exact_without_a_second_source() {
+        let (two, one) = (nuisance_prior_std(2, true), nuisance_prior_std(2, false));
+        assert_eq!((two.len(), two[nuisance::ENCODER_SCALE]), (nuisance::DEAD_TIME + 2, 0.05));
+        assert!(
+            one[nuisance::ENCODER_SCALE] < 1e-6
+                && one[nuisance::ENCODER_DELAY] < 1e-6
+                && one[nuisance::DEAD_TIME] == two[nuisance::DEAD_TIME]
+        );
+    }
+}

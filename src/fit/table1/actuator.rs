@@ -211,3 +211,16 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
         if values.len() > 1 { (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt() } else { 0.0 };
     (mean, spread)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_of_a_mean_is_that_of_the_spread() {
+        assert_eq!(mean_and_error(&[0.05]), (0.05, 0.0));
+        let (mean, error) = mean_and_error(&[0.04, 0.05, 0.06]);
+        // standard deviation 0.01 over √3
+        assert!((mean - 0.05).abs() < 1e-12 && (error - 0.01 / 3f64.sqrt()).abs() < 1e-12, "{mean} {error}");
+    }
+}

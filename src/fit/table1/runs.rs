@@ -166,3 +166,55 @@ pub(crate) fn residual_rms_mps2(estimate: &Estimate) -> f64 {
     }
     (sum / count.max(1) as f64).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::map::Gear;
+
+    fn compared(recorded: f64, simulated: f64) -> Compared {
+        Compared { log: 0, t_s: 0.0, recorded, simulated, offset: 0.0 }
+    }
+
+    fn row(log: &str, start_s: f64, offset_mps2: f64) -> RunRow {
+        RunRow {
+            log: log.to_owned(),
+            wheel_angle_deg: None,
+            start_s,
+            duration_s: 2.0,
+            gear: Gear::Forward,
+            torque_nm: 20.0,
+            start_speed_mps: 0.0,
+            end_speed_mps: 0.9,
+            used_s: 2.0,
+            speed_rmse_mps: None,
+            r_squared: None,
+            offset_mps2: Some(offset_mps2),
+            rejected: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_errors_of_a_run_need_five_readings() {
+        let off: Vec<Compared> = (0..6).map(|k| compared(f64::from(k), f64::from(k) + 0.1)).collect();
+        assert!((rmse(&off).unwrap() - 0.1).abs() < 1e-12);
+        assert!((r_squared(&off).unwrap() - (1.0 - 6.0 * 0.01 / 17.5)).abs() < 1e-12);
+        assert!(rmse(&off[..4]).is_none() && r_squared(&off[..4]).is_none());
+        let still: Vec<Compared> = (0..6).map(|_| compared(0.5, 0.4)).collect();
+        assert!(r_squared(&still).is_none(), "a speed that does not vary has nothing to explain");
+    }
+
+    #[test]
+    fn a_run_that_disagrees_is_named_with_its_log() {
+        let mut rows: Vec<RunRow> = (0..10).map(|k| row("a.mcap", 5.0 * f64::from(k), 1e-3 * f64::from(k % 3))).collect();
+        assert!(disagreements(&rows).is_empty());
+        rows.push(row("b.mcap", 70.0, -0.08));
+        let notes = disagreements(&rows);
+        assert_eq!(notes.len(), 1);
+        assert!(notes[0].starts_with("b.mcap: ") && notes[0].contains("at 70.0 s (20 N·m, forward, -0.080 m/s²)"), "{notes:?}");
+        // a short run hardly shows an offset, and few runs show no spread
+        rows.last_mut().unwrap().used_s = 0.3;
+        assert!(disagreements(&rows).is_empty() && disagreements(&rows[8..]).is_empty());
+    }
+}

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Results of the checks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PathJudgement {
+pub(crate) struct PathJudgement {
     /// Distance of the last pose from the goal [m].
     pub position_m: f64,
     /// |heading error| of the last pose [rad].
@@ -23,7 +23,7 @@ pub struct PathJudgement {
 }
 
 /// Judges a path in a scene.
-pub fn judge(scene: &ParkingScene, path: &PosePath) -> PathJudgement {
+pub(crate) fn judge(scene: &ParkingScene, path: &PosePath) -> PathJudgement {
     let (goal, obstacles) = (scene.goal(), scene.obstacles());
     let (position_m, heading_rad) = path.poses.last().map_or((f64::INFINITY, f64::INFINITY), |end| {
         let turns = (end.heading_rad - goal.heading_rad).sin_cos();

@@ -19,7 +19,7 @@ use serde::Serialize;
 
 /// An entry circle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SlotEntry {
+pub(crate) struct SlotEntry {
     /// Radius of the rear axle's middle [m].
     pub radius_m: f64,
     /// Point of contact with the first line, along the row [m].
@@ -32,12 +32,12 @@ pub struct SlotEntry {
 
 impl ParkingScene {
     /// Smallest radius that planning uses: at the wheel limit less the reserve [m].
-    pub fn least_radius_m(&self) -> f64 {
+    pub(crate) fn least_radius_m(&self) -> f64 {
         self.body.wheelbase_m / (self.look_ahead.wheel_limit_rad - self.wheel_reserve_rad).tan()
     }
 
     /// The circle of a radius [m].
-    pub fn circle(&self, radius_m: f64) -> SlotEntry {
+    pub(crate) fn circle(&self, radius_m: f64) -> SlotEntry {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let (side, obstacle) = if self.nose_in { (-1.0, self.slot.obstacle_left) } else { (1.0, self.slot.obstacle_right) };
         let axis_m = (self.line_m() - radius_m * (1.0 - side * cos)) / sin;
@@ -52,7 +52,7 @@ impl ParkingScene {
 ///
 /// # Errors
 /// No circle passes the corner; the error holds the nearest width of the slot at which one does.
-pub fn entry_circle(scene: &ParkingScene) -> Result<SlotEntry> {
+pub(crate) fn entry_circle(scene: &ParkingScene) -> Result<SlotEntry> {
     let least_m = scene.least_radius_m();
     if let Some(entry) = smallest(scene) {
         return Ok(entry);

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// A stage of parking.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum ParkingStage {
+pub(crate) enum ParkingStage {
     /// Forward along the first line, past the slot.
     Start,
     /// Back along the first line to the entry circle, until the vehicle is aligned with the line.
@@ -28,7 +28,7 @@ pub enum ParkingStage {
 
 /// Start of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct StageSpan {
+pub(crate) struct StageSpan {
     /// The stage.
     pub stage: ParkingStage,
     /// Index of its first pose.
@@ -37,7 +37,7 @@ pub struct StageSpan {
 
 /// A path into the slot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ParkingPlan {
+pub(crate) struct ParkingPlan {
     /// Poses of the rear axle's middle, every step.
     pub path: PosePath,
     /// Its stages in order.
@@ -58,7 +58,7 @@ const SHUFFLES: usize = 3;
 /// # Errors
 /// A scene or start with a number out of range; a slot too small; a radius too large for it; no path that passes the checks. Each names the nearest
 /// feasible parameter.
-pub fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingPlan> {
+pub(crate) fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingPlan> {
     let scene = scene.checked()?;
     finite_start(start.x_m, start.y_m, start.heading_rad)?;
     finite_start(0.0, 0.0, start.wheel_angle_rad)?;
@@ -288,7 +288,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::guidance::parking::scene::usual_scene as scene;
-    use crate::guidance::parking::{Success, success};
+    use crate::guidance::parking::success::{Success, success};
     use proptest::prelude::*;
 
     /// Starts on a grid beside the row, askew by up to `askew_deg`.

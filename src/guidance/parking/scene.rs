@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// A slot in a row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Slot {
+pub(crate) struct Slot {
     /// Width across its axis [m].
     pub width_m: f64,
     /// Depth along its axis [m].
@@ -27,7 +27,7 @@ pub struct Slot {
 
 impl Slot {
     /// A perpendicular slot between two obstacles, 0.2 m wider than necessary and deep enough, with an aisle of three lengths.
-    pub fn usual(body: &BodyShape, safety_m: f64) -> Self {
+    pub(crate) fn usual(body: &BodyShape, safety_m: f64) -> Self {
         Self {
             width_m: body.width_m + 2.0 * safety_m + 0.2,
             depth_m: body.length_m() + 2.0 * safety_m,
@@ -41,7 +41,7 @@ impl Slot {
 
 /// The inputs of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ParkingScene {
+pub(crate) struct ParkingScene {
     /// Outline.
     pub body: BodyShape,
     /// Slot.
@@ -62,7 +62,7 @@ pub struct ParkingScene {
 
 impl ParkingScene {
     /// The defaults for a body and a slot.
-    pub fn new(body: BodyShape, slot: Slot) -> Self {
+    pub(crate) fn new(body: BodyShape, slot: Slot) -> Self {
         Self {
             body,
             slot,
@@ -79,7 +79,7 @@ impl ParkingScene {
     ///
     /// # Errors
     /// The first number out of its range; a slot too narrow or too shallow, with the nearest feasible size.
-    pub fn checked(self) -> Result<Self> {
+    pub(crate) fn checked(self) -> Result<Self> {
         self.body.checked()?;
         self.look_ahead.checked()?;
         self.tolerance.checked()?;
@@ -110,35 +110,35 @@ impl ParkingScene {
     }
 
     /// Least width of the slot: the vehicle's with the safety distance on either side [m].
-    pub fn least_width_m(&self) -> f64 {
+    pub(crate) fn least_width_m(&self) -> f64 {
         self.body.width_m + 2.0 * self.safety_m
     }
 
     /// Distance of the first line from the row's edge, for the middle of the rear axle [m].
-    pub fn line_m(&self) -> f64 {
+    pub(crate) fn line_m(&self) -> f64 {
         self.line_distance_m + 0.5 * self.body.width_m
     }
 
     /// Direction of travel into the slot.
-    pub fn gear_in(&self) -> Gear {
+    pub(crate) fn gear_in(&self) -> Gear {
         if self.nose_in { Gear::Forward } else { Gear::Reverse }
     }
 
     /// Direction of travel out of the slot.
-    pub fn gear_out(&self) -> Gear {
+    pub(crate) fn gear_out(&self) -> Gear {
         if self.nose_in { Gear::Reverse } else { Gear::Forward }
     }
 
     /// Parked position of the rear axle's middle along the slot's axis from the mouth [m], negative inside: the rear, or the nose, keeps
     /// the safety distance from the slot's end.
-    pub fn parked_at_m(&self) -> f64 {
+    pub(crate) fn parked_at_m(&self) -> f64 {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let before_m = if self.nose_in { self.body.length_m() - self.body.rear_overhang_m } else { self.body.rear_overhang_m };
         -self.slot.depth_m + before_m + (self.safety_m + 0.5 * self.body.width_m * cos.abs()) / sin
     }
 
     /// The goal pose.
-    pub fn goal(&self) -> ParkingStart {
+    pub(crate) fn goal(&self) -> ParkingStart {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let t = self.parked_at_m();
         let heading_rad = self.slot.angle_rad + if self.nose_in { std::f64::consts::PI } else { 0.0 };
@@ -147,13 +147,13 @@ impl ParkingScene {
 
     /// Corner of the obstacle at the slot's mouth on the side from which the vehicle comes: on the right as it backs in, on the left, which it reaches
     /// first, nose in.
-    pub fn corner(&self) -> PlanePoint {
+    pub(crate) fn corner(&self) -> PlanePoint {
         let half = 0.5 * self.slot.width_m / self.slot.angle_rad.sin();
         PlanePoint::new(if self.nose_in { -half } else { half }, 0.0)
     }
 
     /// The obstacles: the neighbours, the end of the slot, the other side of the aisle.
-    pub fn obstacles(&self) -> Vec<Polygon> {
+    pub(crate) fn obstacles(&self) -> Vec<Polygon> {
         let (slot, (sin, cos)) = (&self.slot, self.slot.angle_rad.sin_cos());
         let (dx, dy) = (-slot.depth_m * cos, -slot.depth_m * sin);
         let half = 0.5 * slot.width_m / sin;

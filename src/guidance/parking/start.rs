@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Start of parking: pose of the rear axle's middle.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct ParkingStart {
+pub(crate) struct ParkingStart {
     /// Along the row [m].
     pub x_m: f64,
     /// Away from the row's edge [m].

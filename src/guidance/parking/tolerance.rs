@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// Tolerances of the parked pose.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Tolerance {
+pub(crate) struct Tolerance {
     /// Distance from the goal [m]. Default 0.05.
     pub position_m: f64,
     /// Heading error [rad]. Default 1°.
@@ -26,7 +26,7 @@ impl Tolerance {
     ///
     /// # Errors
     /// The first out of its range.
-    pub fn checked(self) -> Result<Self> {
+    pub(crate) fn checked(self) -> Result<Self> {
         within("tolerance.position_m", self.position_m, 1e-3, 1.0, "0.001 to 1")?;
         within("tolerance.heading_rad", self.heading_rad, 1e-4, 0.5, "0.0001 to 0.5")?;
         within("tolerance.clearance_m", self.clearance_m, 0.0, 5.0, "0 to 5").map(|()| self)

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One piece.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ClothoidPiece {
+pub(crate) struct ClothoidPiece {
     /// Length [m].
     pub length_m: f64,
     /// Curvature at its start [1/m], tan δ/L, left positive.
@@ -21,18 +21,18 @@ pub struct ClothoidPiece {
 
 impl ClothoidPiece {
     /// A straight, forward.
-    pub fn straight(length_m: f64) -> Self {
+    pub(crate) fn straight(length_m: f64) -> Self {
         Self { length_m, from_per_m: 0.0, to_per_m: 0.0, direction: Gear::Forward }
     }
 
     /// A piece of changing curvature, forward.
-    pub fn bend(length_m: f64, from_per_m: f64, to_per_m: f64) -> Self {
+    pub(crate) fn bend(length_m: f64, from_per_m: f64, to_per_m: f64) -> Self {
         Self { length_m, from_per_m, to_per_m, direction: Gear::Forward }
     }
 
     /// The same in reverse.
     #[must_use]
-    pub fn reversed(self) -> Self {
+    pub(crate) fn reversed(self) -> Self {
         Self { direction: Gear::Reverse, ..self }
     }
 }
@@ -42,7 +42,7 @@ const SPACING_M: f64 = 0.05;
 
 /// The task of the lateral calibration: a straight, a bend of 90°, a lane change around an obstacle and back, a straight; then a straight in
 /// reverse. 58 m.
-pub fn lateral_task() -> Vec<ClothoidPiece> {
+pub(crate) fn lateral_task() -> Vec<ClothoidPiece> {
     let bend = 0.2;
     // two clothoids of 2 m turn by κ·2 in all, the arc by the rest of 90°
     let arc_m = 0.5 * PI / bend - 2.0;
@@ -71,7 +71,7 @@ pub fn lateral_task() -> Vec<ClothoidPiece> {
 }
 
 /// The path of `pieces` from the origin along x, one pose every 0.05 m; positions by Simpson's rule over each spacing.
-pub fn course(pieces: &[ClothoidPiece], wheelbase_m: f64) -> PosePath {
+pub(crate) fn course(pieces: &[ClothoidPiece], wheelbase_m: f64) -> PosePath {
     let mut path = PosePath::default();
     let (mut x, mut y, mut heading, mut s) = (0.0, 0.0, 0.0, 0.0);
     let pose = |x_m: f64, y_m: f64, heading_rad: f64, curvature_per_m: f64, direction: Gear, s_m: f64| PathPose {

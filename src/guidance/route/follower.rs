@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Settings of the follower.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FollowerSettings {
+pub(crate) struct FollowerSettings {
     /// Wheelbase, largest wheel angle, control period.
     pub limits: Limits,
     /// The tracking law.
@@ -41,7 +41,7 @@ pub struct FollowerSettings {
 
 impl FollowerSettings {
     /// The defaults for a wheelbase [m] and a law.
-    pub fn new(wheelbase_m: f64, tracking: TrackingSettings) -> Self {
+    pub(crate) fn new(wheelbase_m: f64, tracking: TrackingSettings) -> Self {
         Self {
             limits: Limits::new(wheelbase_m),
             tracking,
@@ -126,7 +126,7 @@ impl DriveCommand {
 
 /// Drives one leg after the other; the leg is an argument of every period.
 #[derive(Debug)]
-pub struct PathFollower {
+pub(crate) struct PathFollower {
     settings: FollowerSettings,
     law: TrackingLaw,
     speed_loop: SpeedLoop,
@@ -144,28 +144,31 @@ pub(crate) fn stop_decel(speed_mps: f64, left_m: f64, planned_mps2: f64) -> f64 
 
 /// Time at zero speed that counts as at rest [s].
 const AT_REST_S: f64 = 0.3;
+/// Remaining distance that counts as none [m]: more than the rounding of a place on the path, far less than any sensor shows.
+const AT_END_M: f64 = 1e-6;
 
 impl PathFollower {
     /// A follower at the start of its first leg.
-    pub fn new(settings: FollowerSettings) -> Self {
+    pub(crate) fn new(settings: FollowerSettings) -> Self {
         let law = TrackingLaw::new(settings.tracking);
         Self { settings, law, speed_loop: SpeedLoop::default(), stage: DriveStage::Steering, index: 0, accel_mps2: 0.0, standing_s: 0.0 }
     }
 
-    /// Its stage.
-    pub fn stage(&self) -> DriveStage {
-        self.stage
-    }
-
     /// Resets the state for a new leg.
-    pub fn start(&mut self) {
+    pub(crate) fn start(&mut self) {
         self.law.start();
         (self.speed_loop, self.stage, self.index) = (SpeedLoop::default(), DriveStage::Steering, 0);
         (self.accel_mps2, self.standing_s) = (0.0, 0.0);
     }
 
     /// One period along `leg`. `compensation_rad` is added to the law's wheel angle.
-    pub fn step<T: TorqueSource + ?Sized>(&mut self, leg: Leg<'_>, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
+    pub(crate) fn step<T: TorqueSource + ?Sized>(
+        &mut self,
+        leg: Leg<'_>,
+        inputs: &Inputs,
+        torque: &T,
+        compensation_rad: f64,
+    ) -> DriveCommand {
         let settings = self.settings;
         let (gear, sign) = (leg.gear(), leg.gear().sign());
         if matches!(self.stage, DriveStage::Failed(_)) {
@@ -196,7 +199,7 @@ impl PathFollower {
                 let needs_m = track.speed_mps * (settings.reaction_s + 0.5 * track.speed_mps / settings.stop_decel_mps2);
                 // above that speed the speed loop is still decelerating to the switch-over speed
                 let slow = speed_mps <= 2.0 * settings.speed.switch_mps;
-                if left_m <= 0.0 || (slow && left_m <= needs_m) {
+                if left_m <= AT_END_M || (slow && left_m <= needs_m) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled, inputs, gear);

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FrontAxle {
+pub(crate) struct FrontAxle {
     /// Gain k [1/s]. Default 1.0.
     pub gain_per_s: f64,
     /// Gain in reverse. Default 0.3.

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Lqr {
+pub(crate) struct Lqr {
     /// Weight of the offset [1/m²]. Default 1.
     pub offset_weight: f64,
     /// Weight of the heading error. Default 1.
@@ -33,7 +33,7 @@ const ITERATIONS: usize = 4000;
 
 impl Lqr {
     /// The gains K = (k_e [1/m²], k_ψ [1/m]).
-    pub fn gains(&self) -> [f64; 2] {
+    pub(crate) fn gains(&self) -> [f64; 2] {
         let h = self.step_m;
         // P symmetric: [a b; b c]; A = [1 h; 0 1], B = [0; h]; the costs are densities over distance
         let (q1, q2, r) = (self.offset_weight * h, self.heading_weight * h, self.curvature_weight * h);

@@ -17,11 +17,11 @@ use crate::guidance::route::track::{Law, TrackState};
 use serde::Serialize;
 
 /// Steps of the horizon.
-pub const HORIZON: usize = 15;
+pub(crate) const HORIZON: usize = 15;
 
 /// Its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MpcSettings {
+pub(crate) struct MpcSettings {
     /// Length of a step T [s]. Default 0.1.
     pub step_s: f64,
     /// Share g of the distance to its target that the wheel covers in a step. Default 0.56: lag and delay of 0.12 s together.

@@ -26,7 +26,7 @@ pub struct Matched {
 
 /// One leg, borrowed.
 #[derive(Debug, Clone, Copy)]
-pub struct Leg<'a> {
+pub(crate) struct Leg<'a> {
     poses: &'a [PathPose],
 }
 
@@ -36,34 +36,34 @@ const WINDOW_M: f64 = 2.0;
 impl<'a> Leg<'a> {
     /// The leg that begins at the first of `poses`: as far as the direction stays the same, with the pose at which it changes. `None` without two
     /// poses.
-    pub fn first(poses: &'a [PathPose]) -> Option<Self> {
+    pub(crate) fn first(poses: &'a [PathPose]) -> Option<Self> {
         let direction = poses.first()?.direction;
         let end = poses.iter().position(|p| p.direction != direction).unwrap_or(poses.len() - 1);
         if end == 0 { None } else { Some(Self { poses: poses.get(..=end)? }) }
     }
 
     /// Index of its last pose, counted from its first.
-    pub fn last_index(&self) -> usize {
+    pub(crate) fn last_index(&self) -> usize {
         self.poses.len() - 1
     }
 
     /// Direction of travel.
-    pub fn gear(&self) -> Gear {
+    pub(crate) fn gear(&self) -> Gear {
         self.poses[0].direction
     }
 
     /// Distance at its start [m].
-    pub fn start_m(&self) -> f64 {
+    pub(crate) fn start_m(&self) -> f64 {
         self.poses[0].s_m
     }
 
     /// Distance at its end [m].
-    pub fn end_m(&self) -> f64 {
+    pub(crate) fn end_m(&self) -> f64 {
         self.poses[self.poses.len() - 1].s_m
     }
 
     /// The pose of the vehicle in the travel frame.
-    pub fn travel_pose(&self, pose: Pose) -> Pose {
+    pub(crate) fn travel_pose(&self, pose: Pose) -> Pose {
         match self.gear() {
             Gear::Forward => pose,
             Gear::Reverse => Pose { heading_rad: pose.heading_rad + PI, ..pose },
@@ -72,7 +72,7 @@ impl<'a> Leg<'a> {
 
     /// The point at distance `s_m`; the path continues straight before the start and past the end. `hint`: an index of a pose at or before
     /// it.
-    pub fn at(&self, s_m: f64, hint: usize) -> Matched {
+    pub(crate) fn at(&self, s_m: f64, hint: usize) -> Matched {
         let last = self.poses.len() - 1;
         let mut index = hint.min(last - 1);
         while index > 0 && self.poses[index].s_m > s_m {
@@ -107,7 +107,7 @@ impl<'a> Leg<'a> {
     /// The foot of the perpendicular from (`x_m`, `y_m`): the nearest one on the pieces from `hint` onward, searched to 2 m
     /// beyond the nearest so far, so that a path that returns to itself is not cut short. Returns the
     /// point and the index of its piece. Past either end it lies on the straight continuation.
-    pub fn nearest(&self, x_m: f64, y_m: f64, hint: usize) -> (Matched, usize) {
+    pub(crate) fn nearest(&self, x_m: f64, y_m: f64, hint: usize) -> (Matched, usize) {
         let last = self.poses.len() - 1;
         let first = hint.min(last - 1);
         let from_m = self.poses[first].s_m;
@@ -144,7 +144,7 @@ impl<'a> Leg<'a> {
 
 /// Offset and heading error of the vehicle from the path, in the travel frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Offset {
+pub(crate) struct Offset {
     /// Distance of the point to the left of the path [m].
     pub lateral_m: f64,
     /// Direction of travel minus course of the path [rad], −π to π.
@@ -153,7 +153,7 @@ pub struct Offset {
 
 impl Offset {
     /// The offset of `pose` from `matched`.
-    pub fn new(pose: Pose, matched: &Matched) -> Self {
+    pub(crate) fn new(pose: Pose, matched: &Matched) -> Self {
         let (sin, cos) = sin_cos(matched.course_rad);
         Self {
             lateral_m: cos * (pose.y_m - matched.y_m) - sin * (pose.x_m - matched.x_m),
@@ -164,7 +164,7 @@ impl Offset {
 
 /// The instantaneous lateral error of a vehicle at `pose` [m]: `e = cos θ·(y_m − y) − sin θ·(x_m − x)`, the matched point seen from the
 /// vehicle, left positive, θ the vehicle's heading whatever the direction of travel.
-pub fn lateral_error_m(pose: Pose, matched_x_m: f64, matched_y_m: f64) -> f64 {
+pub(crate) fn lateral_error_m(pose: Pose, matched_x_m: f64, matched_y_m: f64) -> f64 {
     let (sin, cos) = sin_cos(pose.heading_rad);
     cos * (matched_y_m - pose.y_m) - sin * (matched_x_m - pose.x_m)
 }

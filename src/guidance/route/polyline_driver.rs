@@ -10,7 +10,7 @@ use crate::guidance::torque_source::TorqueSource;
 
 /// The driver with its memory; it borrows the plan.
 #[derive(Debug)]
-pub struct PolylineDriver<'a> {
+pub(crate) struct PolylineDriver<'a> {
     plan: &'a PolylinePlan,
     turn_settings: TurnSettings,
     follower: PathFollower,
@@ -21,17 +21,17 @@ pub struct PolylineDriver<'a> {
 
 impl<'a> PolylineDriver<'a> {
     /// At the start of `plan`.
-    pub fn new(plan: &'a PolylinePlan, settings: FollowerSettings, turn_settings: TurnSettings) -> Self {
+    pub(crate) fn new(plan: &'a PolylinePlan, settings: FollowerSettings, turn_settings: TurnSettings) -> Self {
         Self { plan, turn_settings, follower: PathFollower::new(settings), turn: None, leg: 0, begun: false }
     }
 
     /// Index of the current leg, driven or turned to.
-    pub fn leg(&self) -> usize {
+    pub(crate) fn leg(&self) -> usize {
         self.leg
     }
 
     /// One period.
-    pub fn step<T: TorqueSource + ?Sized>(&mut self, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
+    pub(crate) fn step<T: TorqueSource + ?Sized>(&mut self, inputs: &Inputs, torque: &T, compensation_rad: f64) -> DriveCommand {
         let poses = self.plan.legs.get(self.leg);
         let (Some(leg), Some(&heading_rad)) = (poses.and_then(|p| Leg::first(&p.poses)), self.plan.headings_rad.get(self.leg)) else {
             return DriveCommand::hold(inputs.wheel_angle_rad, None, DriveStage::Arrived);

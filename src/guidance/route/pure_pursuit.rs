@@ -11,7 +11,7 @@ use serde::Serialize;
 
 /// Its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PurePursuit {
+pub(crate) struct PurePursuit {
     /// Look-ahead distance at standstill [m]. Default 0.6.
     pub look_ahead_m: f64,
     /// Its increase per speed [s]. Default 0.6.

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// Its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct RearAxle {
+pub(crate) struct RearAxle {
     /// Gain k_e of the offset [1/m²]. Default 1.0: back onto the line within some 3 m.
     pub offset_gain_per_m2: f64,
     /// Gain k_ψ of the heading error [1/m]. Default 2.0, critical damping.

@@ -5,13 +5,13 @@
 //! is split half/half: one half accelerates as planned, the other decelerates as planned, and the smaller of both speeds is used. It peaks
 //! in the middle if both distances are equal. The acceleration is never larger than on a long segment.
 
+use crate::control::Error;
 use crate::control::numeric::sqrt;
-use crate::control::{Error, Result};
 use serde::Serialize;
 
 /// Speeds [m/s] and distances [m] of a segment, front wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SegmentSpeed {
+pub(crate) struct SegmentSpeed {
     /// Speed at the start. Default 0.15: a resting vehicle must start.
     pub start_mps: f64,
     /// Distance from start to cruise speed. Default 0.8.
@@ -35,7 +35,7 @@ impl SegmentSpeed {
     ///
     /// # Errors
     /// The first invalid one.
-    pub fn checked(self) -> Result<Self> {
+    pub(crate) fn checked(self) -> Result<Self, Error> {
         let check = |field, value: f64, allowed, good: bool| if good { Ok(()) } else { Err(Error::Setting { field, value, allowed }) };
         check("cruise_mps", self.cruise_mps, "0.05 to 5", (0.05..=5.0).contains(&self.cruise_mps))?;
         check("start_mps", self.start_mps, "above 0 to cruise_mps", self.start_mps > 0.0 && self.start_mps <= self.cruise_mps)?;
@@ -45,7 +45,7 @@ impl SegmentSpeed {
     }
 
     /// Speed [m/s] at `s_m` of a segment of `length_m`; the start speed before it, the switch-over speed past it.
-    pub fn speed_at(&self, s_m: f64, length_m: f64) -> f64 {
+    pub(crate) fn speed_at(&self, s_m: f64, length_m: f64) -> f64 {
         let (start, cruise, switch) =
             (self.start_mps * self.start_mps, self.cruise_mps * self.cruise_mps, self.switch_mps * self.switch_mps);
         let rising = start + (cruise - start) * (s_m / self.accelerating_m).max(0.0);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// One period in the travel frame.
 #[derive(Debug, Clone, Copy)]
-pub struct TrackState<'a> {
+pub(crate) struct TrackState<'a> {
     /// The leg that is tracked.
     pub leg: Leg<'a>,
     /// Pose of the rear axle's middle in the travel frame.
@@ -27,13 +27,11 @@ pub struct TrackState<'a> {
     pub wheelbase_m: f64,
     /// Largest wheel angle that may be commanded [rad].
     pub max_wheel_rad: f64,
-    /// Control period [s].
-    pub period_s: f64,
 }
 
 impl<'a> TrackState<'a> {
     /// The state of a vehicle at `pose` with front-wheel speed [m/s] and angle [rad] in the vehicle's frame; `hint` is its last piece.
-    pub fn new(leg: Leg<'a>, pose: Pose, hint: usize, front_speed_mps: f64, wheel_angle_rad: f64, limits: &Limits) -> Self {
+    pub(crate) fn new(leg: Leg<'a>, pose: Pose, hint: usize, front_speed_mps: f64, wheel_angle_rad: f64, limits: &Limits) -> Self {
         let (matched, index) = leg.nearest(pose.x_m, pose.y_m, hint);
         let travel = leg.travel_pose(pose);
         let sign = leg.gear().sign();
@@ -48,7 +46,6 @@ impl<'a> TrackState<'a> {
             wheel_angle_rad: sign * wheel_angle_rad,
             wheelbase_m: limits.wheelbase_m,
             max_wheel_rad: limits.max_wheel_rad,
-            period_s: limits.period_s,
         }
     }
 
@@ -65,13 +62,13 @@ impl<'a> TrackState<'a> {
     }
 
     /// Whether the vehicle drives backward.
-    pub fn is_reverse(&self) -> bool {
+    pub(crate) fn is_reverse(&self) -> bool {
         self.leg.gear() == Gear::Reverse
     }
 }
 
 /// A tracking law.
-pub trait Law: std::fmt::Debug {
+pub(crate) trait Law: std::fmt::Debug {
     /// Desired front-wheel angle [rad] in the travel frame, not limited; not finite if the numbers give none.
     fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64;
 
@@ -81,7 +78,7 @@ pub trait Law: std::fmt::Debug {
 
 /// Data of the vehicle that a law needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Wheelbase [m].
     pub wheelbase_m: f64,
     /// Largest wheel angle that may be commanded while tracking [rad]. Default 1.2 (69°).
@@ -92,7 +89,7 @@ pub struct Limits {
 
 impl Limits {
     /// The defaults for a wheelbase [m].
-    pub fn new(wheelbase_m: f64) -> Self {
+    pub(crate) fn new(wheelbase_m: f64) -> Self {
         Self { wheelbase_m, max_wheel_rad: 1.2, period_s: 0.02 }
     }
 }

@@ -65,7 +65,7 @@ impl core::str::FromStr for LawName {
 /// A law with its gains.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum TrackingSettings {
+pub(crate) enum TrackingSettings {
     /// Pure pursuit.
     PurePursuit(PurePursuit),
     /// Front-axle feedback.
@@ -80,7 +80,7 @@ pub enum TrackingSettings {
 
 impl TrackingSettings {
     /// A law with its default gains.
-    pub fn new(name: LawName) -> Self {
+    pub(crate) fn new(name: LawName) -> Self {
         match name {
             LawName::PurePursuit => Self::PurePursuit(PurePursuit::default()),
             LawName::FrontAxle => Self::FrontAxle(FrontAxle::default()),
@@ -104,21 +104,21 @@ impl TrackingSettings {
 
 /// The selected law, within the limits of the wheel.
 #[derive(Debug)]
-pub struct TrackingLaw(Box<dyn Law + Send>);
+pub(crate) struct TrackingLaw(Box<dyn Law + Send>);
 
 impl TrackingLaw {
     /// A law in its initial state.
-    pub fn new(settings: TrackingSettings) -> Self {
+    pub(crate) fn new(settings: TrackingSettings) -> Self {
         Self(settings.law())
     }
 
     /// Resets the law for a new leg.
-    pub fn start(&mut self) {
+    pub(crate) fn start(&mut self) {
         self.0.forget();
     }
 
     /// Commanded front-wheel angle [rad], in the vehicle's frame, within the limit; 0 if the numbers give none.
-    pub fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
+    pub(crate) fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
         // a law with a memory must not remember a place that is not a number
         let known = track.offset.lateral_m.is_finite() && track.offset.heading_rad.is_finite();
         let wanted_rad = if known { self.0.wheel_angle_rad(track) } else { f64::NAN };

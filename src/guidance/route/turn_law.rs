@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// The rate over the heading error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct TurnRate {
+pub(crate) struct TurnRate {
     /// Gain above the threshold [1/s]. Default 1.5.
     pub large_gain_per_s: f64,
     /// Gain below it [1/s]. Default 0.7.
@@ -44,7 +44,7 @@ impl Default for TurnRate {
 
 impl TurnRate {
     /// Rate [rad/s] for a heading error [rad], of its sign; 0 in the dead zone and for an error that is not a number.
-    pub fn rate_rad_s(&self, error_rad: f64) -> f64 {
+    pub(crate) fn rate_rad_s(&self, error_rad: f64) -> f64 {
         let size = error_rad.abs();
         if size.is_nan() || size <= self.dead_zone_rad {
             return 0.0;
@@ -56,7 +56,7 @@ impl TurnRate {
 
 /// Settings of a turn.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct TurnSettings {
+pub(crate) struct TurnSettings {
     /// Rate over error.
     pub rate: TurnRate,
     /// Wheelbase [m].
@@ -85,7 +85,7 @@ pub struct TurnSettings {
 
 impl TurnSettings {
     /// The defaults for a wheelbase [m].
-    pub fn new(wheelbase_m: f64) -> Self {
+    pub(crate) fn new(wheelbase_m: f64) -> Self {
         Self {
             rate: TurnRate::default(),
             wheelbase_m,
@@ -105,7 +105,7 @@ impl TurnSettings {
 
 /// One turn on the spot.
 #[derive(Debug, Clone)]
-pub struct SpotTurn {
+pub(crate) struct SpotTurn {
     settings: TurnSettings,
     stage: DriveStage,
     gear: Gear,
@@ -117,14 +117,14 @@ pub struct SpotTurn {
 
 impl SpotTurn {
     /// A turn that has not begun.
-    pub fn new(settings: TurnSettings) -> Self {
+    pub(crate) fn new(settings: TurnSettings) -> Self {
         let speed_loop = SpeedLoop::default();
         Self { settings, stage: DriveStage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
     }
 
     /// One period towards `heading_rad`. The wheel is at 90° to the left; forward gear turns left, reverse gear right.
     /// [`DriveStage::Arrived`] once it rests within the dead zone, or within twice the dead zone after its last correction.
-    pub fn step<T: TorqueSource + ?Sized>(&mut self, heading_rad: f64, inputs: &Inputs, torque: &T) -> DriveCommand {
+    pub(crate) fn step<T: TorqueSource + ?Sized>(&mut self, heading_rad: f64, inputs: &Inputs, torque: &T) -> DriveCommand {
         let settings = self.settings;
         if matches!(self.stage, DriveStage::Failed(_) | DriveStage::Arrived) {
             return DriveCommand::hold(FRAC_PI_2, Some(self.gear), self.stage);

@@ -69,7 +69,7 @@ pub struct UTurnState {
 
 /// A time during which wheel rate and acceleration are constant.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct SteeringSegment {
+pub(crate) struct SteeringSegment {
     /// Its length [s].
     pub duration_s: f64,
     /// w [rad/s], left positive.
@@ -93,7 +93,7 @@ const MOST_STEPS: f64 = 1e6;
 
 /// Integrates from `start` over `segments` and passes every state after the first to `see`. A duration below zero or not finite counts as
 /// zero.
-pub fn integrate(
+pub(crate) fn integrate(
     car: &Car,
     start: UTurnState,
     segments: &[SteeringSegment],

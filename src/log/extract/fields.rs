@@ -12,7 +12,7 @@ use crate::log::value::Raw;
 /// Reads selected fields of the messages of one schema, without building the messages.
 ///
 /// ```
-/// use pivot_cal::log::FieldReader;
+/// use pivot_cal::internals::FieldReader;
 /// let schema = ("pkg/msg/Pair", "ros2msg", b"float32 a\nfloat64[] b\n".as_slice());
 /// let reader = FieldReader::new("cdr", Some(schema), &["/t.a".parse()?, "/t.b[-1]".parse()?])?;
 /// let payload = [&[0, 1, 0, 0], &1.5_f32.to_le_bytes()[..], &1_u32.to_le_bytes(), &2.5_f64.to_le_bytes()].concat();

@@ -3,7 +3,7 @@
 use crate::map::{Gear, WheelAngle};
 
 /// Name of a map's CSV: `table1.csv` at the test angle, `table1.angle30.csv` elsewhere, with `.reverse` before `.csv` for reverse gear.
-pub fn csv_name(table: &str, gear: Gear, wheel_angle_deg: f64, test_angle_deg: f64) -> String {
+pub(crate) fn csv_name(table: &str, gear: Gear, wheel_angle_deg: f64, test_angle_deg: f64) -> String {
     let angle = if WheelAngle::from_deg(test_angle_deg).is_same_deg(wheel_angle_deg) {
         String::new()
     } else {
@@ -13,7 +13,7 @@ pub fn csv_name(table: &str, gear: Gear, wheel_angle_deg: f64, test_angle_deg: f
 }
 
 /// Whether `name` is a result of [`csv_name`] for `table`.
-pub fn is_csv_name(name: &str, table: &str) -> bool {
+pub(crate) fn is_csv_name(name: &str, table: &str) -> bool {
     let Some(middle) = name.strip_prefix(table).and_then(|rest| rest.strip_suffix(".csv")) else { return false };
     let middle = middle.strip_suffix(Gear::Reverse.file_infix()).unwrap_or(middle);
     middle.is_empty() || middle.strip_prefix(".angle").is_some_and(|angle| angle.parse::<f64>().is_ok())

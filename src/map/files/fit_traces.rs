@@ -8,28 +8,28 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitTraces {
     /// Always `pivot-cal/fit_traces`.
-    pub format: String,
-    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
-    pub format_version: u32,
+    pub(crate) format: String,
+    /// Version of this layout.
+    pub(crate) format_version: u32,
     /// Version of the program that wrote the file.
-    pub tool_version: String,
+    pub(crate) tool_version: String,
     /// The `table1.json` of the same fit.
-    pub table1: CsvRef,
+    pub(crate) table1: CsvRef,
     /// Names of the verdicts, by which [`RunTrace::verdicts`] numbers them.
-    pub verdicts: Vec<String>,
+    pub(crate) verdicts: Vec<String>,
     /// Traces of the runs, in the order of the report's rows. At most 500: beyond that those with the largest residual.
-    pub runs: Vec<RunTrace>,
+    pub(crate) runs: Vec<RunTrace>,
     /// Residuals over speed and torque, per gear.
-    pub residual_cells: Vec<ResidualCells>,
+    pub(crate) residual_cells: Vec<ResidualCells>,
     /// Residuals over time, per log.
-    pub residual_times: Vec<ResidualTimes>,
+    pub(crate) residual_times: Vec<ResidualTimes>,
     /// Likelihood of other delays; absent if it has no finite value.
-    pub delay: Option<DelayLikelihood>,
+    pub(crate) delay: Option<DelayLikelihood>,
 }
 
 /// One run over time, from 0.2 s before it to 0.2 s after it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RunTrace {
+pub(crate) struct RunTrace {
     /// Row of the run in the report of `table1.json`, from 0.
     pub row: usize,
     /// Times after the log's first sample [s].
@@ -50,7 +50,7 @@ pub struct RunTrace {
 
 /// Residual acceleration by the cells of Table 1: measured minus modelled, over windows of about 0.1 s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ResidualCells {
+pub(crate) struct ResidualCells {
     /// Gear.
     pub gear: Gear,
     /// Mean [m/s²] per torque and speed break of Table 1; null without windows.
@@ -63,7 +63,7 @@ pub struct ResidualCells {
 
 /// Residual acceleration of one log over time, windows as in [`ResidualCells`], evenly thinned out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ResidualTimes {
+pub(crate) struct ResidualTimes {
     /// File name of the log.
     pub log: String,
     /// Times after the log's first sample [s].
@@ -75,7 +75,7 @@ pub struct ResidualTimes {
 /// −2·ln of the likelihood ratio against the best pair of delays. Under the model's assumptions 5.99 bounds the joint 95 % region, 3.84 the
 /// 95 % interval of one delay alone. Source: Wilks 1938, *The large-sample distribution of the likelihood ratio*.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DelayLikelihood {
+pub(crate) struct DelayLikelihood {
     /// Shift of every log's dead time against its estimate [s].
     pub dead_time_shift_s: Vec<f64>,
     /// Lags [s].
@@ -88,7 +88,7 @@ pub struct DelayLikelihood {
 
 /// The likelihood of one log's dead time at the estimated lag.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DeadTimeLikelihood {
+pub(crate) struct DeadTimeLikelihood {
     /// File name of the log.
     pub log: String,
     /// The dead time that the fit found, clock offset included [s].

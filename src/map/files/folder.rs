@@ -19,7 +19,7 @@ const LATERAL_NAME: &str = "lateral_table.json";
 
 /// A file of the folder, as it is on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StoredFile {
+pub(crate) struct StoredFile {
     /// Its name, without the folder.
     pub name: String,
     /// Its bytes.
@@ -30,7 +30,7 @@ pub struct StoredFile {
 
 /// A folder of maps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MapFolder {
+pub(crate) struct MapFolder {
     /// The folder.
     pub path: PathBuf,
     /// Content of `table1.json`.
@@ -45,7 +45,7 @@ pub struct MapFolder {
 
 /// Two files of a folder that do not belong together, or a file that is named and cannot be read.
 #[derive(Debug)]
-pub enum Mismatch {
+pub(crate) enum Mismatch {
     /// The file is there, but its hash is not the one in the file that names it.
     Hash {
         /// Name of the file.
@@ -70,14 +70,14 @@ pub enum Mismatch {
 
 impl Mismatch {
     /// Name of the file.
-    pub fn file(&self) -> &str {
+    pub(crate) fn file(&self) -> &str {
         match self {
             Self::Hash { file, .. } | Self::Unreadable { file, .. } => file,
         }
     }
 
     /// Name of the file that describes it.
-    pub fn by(&self) -> &'static str {
+    pub(crate) fn by(&self) -> &'static str {
         match self {
             Self::Hash { by, .. } | Self::Unreadable { by, .. } => by,
         }
@@ -99,7 +99,7 @@ impl StoredFile {
     ///
     /// # Errors
     /// Any error of the file system.
-    pub fn read(folder: &Path, name: &str) -> io::Result<Self> {
+    pub(crate) fn read(folder: &Path, name: &str) -> io::Result<Self> {
         let bytes = std::fs::read(folder.join(name))?;
         Ok(Self { name: name.to_owned(), sha256: sha256_hex(&bytes), bytes })
     }
@@ -108,7 +108,7 @@ impl StoredFile {
     ///
     /// # Errors
     /// Bytes that are not UTF-8.
-    pub fn text(&self) -> io::Result<&str> {
+    pub(crate) fn text(&self) -> io::Result<&str> {
         std::str::from_utf8(&self.bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
     }
 
@@ -125,7 +125,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// No `table1.json`; a JSON file that is there and cannot be read.
-    pub fn read(path: &Path) -> Result<(Self, Vec<Mismatch>), FolderError> {
+    pub(crate) fn read(path: &Path) -> Result<(Self, Vec<Mismatch>), FolderError> {
         let (mut folder, csv_mismatches) = Self::read_table1(path)?;
         let mut mismatches = Vec::new();
         match StoredFile::read(path, TABLE2_NAME) {
@@ -149,7 +149,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// No `table1.json`, or one that cannot be read.
-    pub fn read_table1(path: &Path) -> Result<(Self, Vec<Mismatch>), FolderError> {
+    pub(crate) fn read_table1(path: &Path) -> Result<(Self, Vec<Mismatch>), FolderError> {
         let unread = |source| FolderError::Read { path: path.join(TABLE1_NAME), source };
         let json = StoredFile::read(path, TABLE1_NAME).map_err(unread)?;
         let text = json.text().map_err(unread)?;
@@ -161,7 +161,7 @@ impl MapFolder {
     }
 
     /// The CSV file of that name, if it could be read.
-    pub fn csv(&self, name: &str) -> Option<&StoredFile> {
+    pub(crate) fn csv(&self, name: &str) -> Option<&StoredFile> {
         self.csvs.iter().find(|csv| csv.name == name)
     }
 
@@ -169,7 +169,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// A file that is there and cannot be read.
-    pub fn other(&self, name: &str) -> Result<Option<StoredFile>, FolderError> {
+    pub(crate) fn other(&self, name: &str) -> Result<Option<StoredFile>, FolderError> {
         match StoredFile::read(&self.path, name) {
             Ok(file) => Ok(Some(file)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -181,7 +181,7 @@ impl MapFolder {
     ///
     /// # Errors
     /// A file that is there and cannot be read.
-    pub fn lateral(&self) -> Result<Option<(LateralTableFile, Option<Mismatch>)>, FolderError> {
+    pub(crate) fn lateral(&self) -> Result<Option<(LateralTableFile, Option<Mismatch>)>, FolderError> {
         let Some(json) = self.other(LATERAL_NAME)? else { return Ok(None) };
         let file = self.parsed(&json, LateralTableFile::from_json)?;
         let mismatch = described(&self.path, &file.csv, LATERAL_NAME).1;

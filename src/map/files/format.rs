@@ -3,19 +3,19 @@
 use crate::map::{Error, Result};
 
 /// Version of the JSON artefacts that this library writes, and the only one that it reads.
-pub const FORMAT_VERSION: u32 = 1;
+pub(crate) const FORMAT_VERSION: u32 = 1;
 
 /// The `format` field of a `table1.json`.
-pub const TABLE1_FORMAT: &str = "pivot-cal/table1";
+pub(crate) const TABLE1_FORMAT: &str = "pivot-cal/table1";
 
 /// The `format` field of a `table2.json`.
-pub const TABLE2_FORMAT: &str = "pivot-cal/table2";
+pub(crate) const TABLE2_FORMAT: &str = "pivot-cal/table2";
 
 /// The `format` field of a `lateral_table.json`.
-pub const LATERAL_TABLE_FORMAT: &str = "pivot-cal/lateral-table";
+pub(crate) const LATERAL_TABLE_FORMAT: &str = "pivot-cal/lateral-table";
 
 /// The `format` field of a `fit_traces.json`.
-pub const FIT_TRACES_FORMAT: &str = "pivot-cal/fit_traces";
+pub(crate) const FIT_TRACES_FORMAT: &str = "pivot-cal/fit_traces";
 
 /// Parses JSON and checks its `format` and `format_version`.
 pub(crate) fn expect_format(text: &str, expected: &'static str) -> Result<serde_json::Value> {

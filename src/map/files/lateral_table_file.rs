@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct LateralTableFile {
     /// Always `pivot-cal/lateral-table`.
     pub format: String,
-    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
+    /// Version of this layout.
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,

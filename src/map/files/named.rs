@@ -6,7 +6,7 @@
 use serde::{Deserialize, Deserializer, Serializer};
 
 /// A value with a fixed text.
-pub trait FixedText: Copy + PartialEq + 'static {
+pub(crate) trait FixedText: Copy + PartialEq + 'static {
     /// The name of its field in errors.
     const FIELD: &'static str;
     /// Every value with its text.

@@ -10,10 +10,10 @@ const FORMAT: &str = "pivot-cal/plan";
 
 /// `plan.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PlanFile {
+pub(crate) struct PlanFile {
     /// Always `pivot-cal/plan`.
     pub format: String,
-    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
+    /// Version of this layout.
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
@@ -86,7 +86,7 @@ pub struct PlannedRun {
 
 impl PlanFile {
     /// Of a proposal made from the `table1.json` of that SHA-256.
-    pub fn new(table1_sha256: String, plan: Proposal) -> Self {
+    pub(crate) fn new(table1_sha256: String, plan: Proposal) -> Self {
         Self {
             format: FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
@@ -100,7 +100,7 @@ impl PlanFile {
     ///
     /// # Errors
     /// None in practice; serialisation is fallible by its signature.
-    pub fn to_json(&self) -> Result<String> {
+    pub(crate) fn to_json(&self) -> Result<String> {
         json_text::to_text(self)
     }
 
@@ -108,7 +108,7 @@ impl PlanFile {
     ///
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
-    pub fn from_json(text: &str) -> Result<Self> {
+    pub(crate) fn from_json(text: &str) -> Result<Self> {
         Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
     }
 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub struct Table2File {
     /// Always `pivot-cal/table2`.
     pub format: String,
-    /// Version of this layout, [`crate::map::FORMAT_VERSION`].
+    /// Version of this layout.
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,

@@ -28,7 +28,7 @@ pub struct AccelMaps {
 
 /// Table 1 of one gear at one wheel angle.
 #[derive(Debug, Clone)]
-pub struct AngleSurface {
+pub(crate) struct AngleSurface {
     /// Gear.
     pub gear: Gear,
     /// Wheel angle [°], left positive.
@@ -41,7 +41,7 @@ pub struct AngleSurface {
 
 impl AccelMaps {
     /// From the surface of every gear and angle, and the families of each gear and side.
-    pub fn from_surfaces(maps: Vec<AngleSurface>, families: Vec<AngleFamily>) -> Self {
+    pub(crate) fn from_surfaces(maps: Vec<AngleSurface>, families: Vec<AngleFamily>) -> Self {
         Self { maps, families }
     }
 

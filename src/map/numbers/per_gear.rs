@@ -5,7 +5,7 @@ use core::ops::{Index, IndexMut};
 
 /// A value for forward gear and one for reverse, looked up by gear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PerGear<T> {
+pub(crate) struct PerGear<T> {
     /// The value for [`Gear::Forward`].
     pub forward: T,
     /// The value for [`Gear::Reverse`].
@@ -14,7 +14,7 @@ pub struct PerGear<T> {
 
 impl<T> PerGear<T> {
     /// The result of `value` for each gear, forward first.
-    pub fn from_fn(mut value: impl FnMut(Gear) -> T) -> Self {
+    pub(crate) fn from_fn(mut value: impl FnMut(Gear) -> T) -> Self {
         let forward = value(Gear::Forward);
         Self { forward, reverse: value(Gear::Reverse) }
     }
@@ -23,30 +23,9 @@ impl<T> PerGear<T> {
     ///
     /// # Errors
     /// The errors of `value`.
-    pub fn try_from_fn<E>(mut value: impl FnMut(Gear) -> Result<T, E>) -> Result<Self, E> {
+    pub(crate) fn try_from_fn<E>(mut value: impl FnMut(Gear) -> Result<T, E>) -> Result<Self, E> {
         let forward = value(Gear::Forward)?;
         Ok(Self { forward, reverse: value(Gear::Reverse)? })
-    }
-
-    /// The values after `change`, forward first.
-    pub fn map<U>(self, mut change: impl FnMut(T) -> U) -> PerGear<U> {
-        let forward = change(self.forward);
-        PerGear { forward, reverse: change(self.reverse) }
-    }
-
-    /// The same value by reference.
-    pub fn as_ref(&self) -> PerGear<&T> {
-        PerGear { forward: &self.forward, reverse: &self.reverse }
-    }
-
-    /// Each gear with its value, forward first.
-    pub fn iter(&self) -> impl Iterator<Item = (Gear, &T)> {
-        [(Gear::Forward, &self.forward), (Gear::Reverse, &self.reverse)].into_iter()
-    }
-
-    /// The values, forward first.
-    pub fn values(&self) -> impl Iterator<Item = &T> {
-        [&self.forward, &self.reverse].into_iter()
     }
 }
 
@@ -84,8 +63,7 @@ mod tests {
         assert_eq!(asked, Gear::ALL);
         assert_eq!((signs[Gear::Forward], signs[Gear::Reverse]), (1.0, -1.0));
         signs[Gear::Reverse] = 5.0;
-        assert_eq!(signs.map(|s| 2.0 * s), PerGear { forward: 2.0, reverse: 10.0 });
-        assert!(signs.iter().eq([(Gear::Forward, &1.0), (Gear::Reverse, &5.0)]));
+        assert_eq!(signs, PerGear { forward: 1.0, reverse: 5.0 });
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 
 /// Two wheel angles nearer than this are the same one [°].
-pub const SAME_ANGLE_DEG: f64 = 1.0;
+pub(crate) const SAME_ANGLE_DEG: f64 = 1.0;
 
 /// A wheel angle, left positive. Two angles of one map differ by the steering's error, so they are compared with [`WheelAngle::is_same`]
 /// and never with `==`.
@@ -29,7 +29,7 @@ impl WheelAngle {
         self.deg * RAD_PER_DEG
     }
 
-    /// Whether both are the same angle: nearer to each other than [`SAME_ANGLE_DEG`]. Nothing is the same as NaN.
+    /// Whether both are the same angle: nearer to each other than 1°. Nothing is the same as NaN.
     pub fn is_same(self, other: Self) -> bool {
         self.is_same_deg(other.deg)
     }

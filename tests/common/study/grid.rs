@@ -1,6 +1,6 @@
 //! A map a(v, u) on a grid, and its exact inverse along torque.
 
-use pivot_cal::map::lookup::bracket;
+use pivot_cal::control::lookup::bracket;
 
 /// A map: rows speeds, columns torques.
 #[derive(Debug, Clone)]

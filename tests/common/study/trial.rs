@@ -139,10 +139,16 @@ pub(crate) fn run(kind: Kind, minutes: f64, seed: u64) -> Fallible<Outcome> {
         savitzky_golay_nm: rms(&|v, a| savitzky_golay.torque_nm(v, a)),
         local_quadratic_nm: rms(&|v, a| local_quadratic.torque_nm(v, a)),
         coverage: inside as f64 / counted.max(1) as f64,
-        width_ratio: pivot_cal::signal::median(&widths),
+        width_ratio: median(widths),
         surface_share: file.report.diagnostics["model_choice"]["surface_share"].as_f64().unwrap_or(1.0),
         fit_s,
     })
+}
+
+/// The middle value, the upper one of the two of an even number; NaN without values.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Centres of the cells that hold enough samples of the true motion.

@@ -1,0 +1,25 @@
+//! What benchmarks, fuzz targets, studies and tests against the simulator use beyond the library's interface.
+//!
+//! They are crates of their own, and so see only what is public. This is no part of the interface: it is not documented, and changes at any
+//! time.
+
+pub use crate::guidance::route::follower::DriveStage;
+pub use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
+pub use crate::guidance::u_turn;
+pub use crate::guidance::{BodyShape, PlanePoint, Polygon};
+pub use crate::log::extract::fields::FieldReader;
+pub use crate::log::path::MessagePath;
+pub use crate::log::read::{read_lateral_bytes, read_signals};
+pub use crate::log::survey::survey_bytes;
+pub use crate::manoeuvre::picture::picture;
+pub use crate::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreKind, ManoeuvreMoment, ManoeuvreSettings, replay_manoeuvre};
+pub use crate::map::files::lateral_table_file::LateralTableFile;
+pub use crate::plan::expected::{ExpectedCell, expected};
+pub use crate::record::{Campaign, RunGroup, Torques, record};
+pub use crate::sim::{
+    GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, VehicleFile, World, WorldCommand, WorldSettings,
+};
+pub use crate::verify::bench::PivotMoment;
+pub use crate::verify::judge::replay;
+pub use crate::verify::metric::Values;
+pub use crate::verify::reference_maps::known_maps;
