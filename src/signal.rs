@@ -5,6 +5,7 @@
 
 mod align;
 mod error;
+mod held;
 mod new_values;
 mod noise;
 mod resolve;

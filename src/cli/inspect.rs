@@ -129,6 +129,9 @@ fn text(survey: &LogSurvey) -> String {
                 let _ = write!(rates, " (but the value changes at {:.1} Hz only: it is repeated)", rate.true_hz);
             }
         }
+        if let Some(kind) = found.messages.filter(|kind| *kind != log::MessageKind::Periodic) {
+            let _ = write!(rates, ", {kind}");
+        }
         let values = found.values.map_or_else(String::new, |values| format!(", {values} values"));
         let _ = writeln!(text, "  {:16} {} [{}]{values}{rates}: {}", found.signal.key(), found.path, found.unit, found.reason);
     }

@@ -1,12 +1,15 @@
 //! The signals of one log on one clock, in the vehicle's frame.
 
-use crate::log::{Recording, Signal, rate};
+use crate::log::{MessageKind, Recording, Signal, rate};
 use crate::map::{LogRef, Vehicle};
+use crate::signal::held::{held_note, held_until};
 use crate::signal::{Error, Result, Series, new_values_only, resolve};
 use crate::units::{NS_PER_S, RAD_PER_DEG};
 
-/// Smallest number of values of a required signal.
+/// Smallest number of values of a measured signal.
 const FEWEST: usize = 50;
+/// Smallest number of commands that hold until the next one: a step and what was before it.
+const FEWEST_HELD: usize = 2;
 
 /// The signals of one log: seconds since its first sample, SI, signs resolved (forward positive, left positive).
 #[derive(Debug, Clone)]
@@ -59,12 +62,19 @@ impl Track {
             .filter_map(|s| s.time_ns.first().copied())
             .min()
             .unwrap_or(0);
-        let mut notes = Vec::new();
+        let mut notes = recording.clock_notes.clone();
+        let speed_end_ns = signals.speed.time_ns.last().copied().unwrap_or(start_ns);
+        let end_s = speed_end_ns.saturating_sub(start_ns) as f64 / NS_PER_S;
         let mut take = |name: &'static str, signal: &Signal, dedupe: bool| {
             let series = Series {
                 t_s: signal.time_ns.iter().map(|t| t.saturating_sub(start_ns) as f64 / NS_PER_S).collect(),
                 value: signal.value.clone(),
             };
+            let kind = MessageKind::of(&series.t_s, &series.value);
+            if kind.is_held() {
+                notes.extend(held_note(name, kind, &series));
+                return held_until(&series, end_s);
+            }
             match rate(signal) {
                 Some(rate) if dedupe && rate.repeats > 1 => {
                     notes.push(format!(
@@ -80,7 +90,7 @@ impl Track {
         let estop = signals.estop.as_ref().map(|s| take("estop", s, false)).filter(|s| !s.is_empty());
         let mut encoder_mps = take("speed", &signals.speed, true);
         let mut command_nm = take("torque", &signals.torque, false);
-        let mut feedback_nm = signals.torque_feedback.as_ref().map(|s| take("torque_feedback", s, true)).filter(|s| s.len() >= FEWEST);
+        let feedback_nm = signals.torque_feedback.as_ref().map(|s| take("torque_feedback", s, true));
         let angle_rad = take("angle", &signals.angle, false);
         // ω = v·sin δ / L, hence v = L·ω / sin δ
         let lever_m = recording.vehicle.wheelbase_m / (wheel_angle_deg * RAD_PER_DEG).sin();
@@ -88,15 +98,21 @@ impl Track {
             .yaw_rate
             .as_ref()
             .filter(|_| lever_m.is_finite() && lever_m.abs() < 10.0 * recording.vehicle.wheelbase_m)
-            .map(|s| take("yaw_rate", s, true))
-            .filter(|s| s.len() >= FEWEST)
-            .map(|mut s| {
-                s.value.iter_mut().for_each(|v| *v *= lever_m);
-                s
-            });
-        for (signal, series) in [("speed", &encoder_mps), ("torque", &command_nm), ("angle", &angle_rad)] {
-            if series.len() < FEWEST {
-                return Err(Error::TooFew { signal, found: series.len(), needed: FEWEST });
+            .map(|s| take("yaw_rate", s, true));
+        let mut feedback_nm = enough("torque_feedback", feedback_nm, &mut notes);
+        let yaw_speed_mps = enough("yaw_rate", yaw_speed_mps, &mut notes).map(|mut s| {
+            s.value.iter_mut().for_each(|v| *v *= lever_m);
+            s
+        });
+        // a command or an angle may hold for a long time; a speed is measured
+        for (signal, series, found, needed) in [
+            ("speed", &encoder_mps, signals.speed.len(), FEWEST),
+            ("torque", &command_nm, signals.torque.len(), FEWEST_HELD),
+            ("angle", &angle_rad, signals.angle.len(), 1),
+        ] {
+            let is_filled = series.len() > found;
+            if found.min(series.len()) < if is_filled || signal == "speed" { needed } else { FEWEST } {
+                return Err(Error::TooFew { signal, found, needed });
             }
         }
         let relative = |signal: Option<&Signal>| signal.is_some_and(|s| s.relative_to_gear);
@@ -149,4 +165,13 @@ impl Track {
     pub fn witnesses(&self) -> impl Iterator<Item = &Series> {
         std::iter::once(&self.encoder_mps).chain(self.yaw_speed_mps.as_ref())
     }
+}
+
+/// A signal that is not required, if it has enough values; otherwise a note.
+fn enough(signal: &str, series: Option<Series>, notes: &mut Vec<String>) -> Option<Series> {
+    let found = series.as_ref()?.len();
+    if found < FEWEST {
+        notes.push(format!("{signal} is not used: it has {found} usable values, at least {FEWEST} are needed"));
+    }
+    series.filter(|s| s.len() >= FEWEST)
 }

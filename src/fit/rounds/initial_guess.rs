@@ -197,8 +197,10 @@ fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], set
     for s in segments {
         let command = &surveys[s.log].track.command_nm;
         if let (Some(first), Some(last)) = (s.readings.first(), s.readings.last()) {
-            for k in command.range(first.t_s, last.t_s) {
-                let u = s.gear.sign() * command.value[k];
+            // with the command in force at the start
+            let inside = command.range(first.t_s, last.t_s).map(|k| command.value[k]);
+            for value in command.held(first.t_s).into_iter().chain(inside) {
+                let u = s.gear.sign() * value;
                 low = low.min(u);
                 high = high.max(u);
                 torques.push(u);

@@ -1,0 +1,61 @@
+//! Brings the stamps of all signals onto one clock.
+//!
+//! A message arrives some milliseconds after it was stamped. A stamp that is later than the arrival, or long before the earliest arrival, is
+//! of another clock. Such signals are moved so that their earliest messages arrive without delay; those that share a clock are moved together.
+
+use crate::log::signal_map::SignalName;
+use crate::log::timing::SignalTimes;
+use crate::log::timing::message_times::TimeSource;
+use crate::log::timing::stamp_clock::StampClock;
+
+/// The earliest arrivals may be stamped this much ahead of the log's time [s]: rounding.
+const MOST_AHEAD_S: f64 = 0.005;
+/// Longest delay of the earliest arrivals [s], of signals from a vehicle's bus and of those that are computed.
+const LONGEST_DELAY_S: f64 = 0.08;
+const LONGEST_COMPUTED_DELAY_S: f64 = 0.3;
+/// Offsets within this are of one clock [s].
+const ONE_CLOCK_S: f64 = 0.05;
+/// A common offset from the log's time that is worth a note [s].
+const LARGE_S: f64 = 1.0;
+
+/// What to add to the times of each signal [s].
+pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], notes: &mut Vec<String>) -> Vec<f64> {
+    let mut shifts_s = vec![0.0; clocks.len()];
+    let mut others: Vec<usize> = (0..clocks.len()).filter(|&k| !is_of_the_log(signals[k].signal, &clocks[k])).collect();
+    others.sort_by(|a, b| clocks[*a].ahead_s.total_cmp(&clocks[*b].ahead_s));
+    let Some((lowest, highest)) = others.first().zip(others.last()).map(|(a, b)| (clocks[*a].ahead_s, clocks[*b].ahead_s)) else {
+        return shifts_s;
+    };
+    let is_whole = others.len() == clocks.len() && clocks.iter().all(|c| c.source == TimeSource::Stamp);
+    if is_whole && highest - lowest < ONE_CLOCK_S {
+        if highest.abs() > LARGE_S {
+            notes.push(format!("the stamps of all signals differ from the log's time by {highest:.1} s: one clock, used as it is"));
+        }
+        return shifts_s;
+    }
+    for group in others.chunk_by(|a, b| clocks[*b].ahead_s - clocks[*a].ahead_s < ONE_CLOCK_S) {
+        let ahead_s = group.iter().map(|k| clocks[*k].ahead_s).fold(f64::NEG_INFINITY, f64::max);
+        group.iter().for_each(|k| shifts_s[*k] = -ahead_s);
+        let names: Vec<&str> = group.iter().map(|k| signals[*k].signal.key()).collect();
+        let sources: Vec<&str> = [TimeSource::Stamp, TimeSource::Publish]
+            .into_iter()
+            .filter(|source| group.iter().any(|k| clocks[*k].source == *source))
+            .map(TimeSource::name)
+            .collect();
+        let way = if ahead_s > 0.0 { "ahead of" } else { "behind" };
+        notes.push(format!(
+            "another clock: the {} of {} are {:.3} s {way} the log's time, and are moved by {:+.3} s",
+            sources.join(" and "),
+            names.join(", "),
+            ahead_s.abs(),
+            -ahead_s
+        ));
+    }
+    shifts_s
+}
+
+/// Whether the delay of the earliest arrivals is one.
+fn is_of_the_log(signal: SignalName, clock: &StampClock) -> bool {
+    let longest_s = if SignalName::ALL.contains(&signal) { LONGEST_DELAY_S } else { LONGEST_COMPUTED_DELAY_S };
+    clock.source == TimeSource::Log || (-longest_s..=MOST_AHEAD_S).contains(&clock.ahead_s)
+}
