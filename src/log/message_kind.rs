@@ -33,6 +33,8 @@ const MOSTLY_WAITING: f64 = 0.5;
 const REGULAR: f64 = 0.25;
 /// Share of regular intervals before repeated values for a heartbeat.
 const HEARTBEAT: f64 = 0.6;
+/// A shorter interval is a period [s].
+const SHORTEST_HEARTBEAT_S: f64 = 0.06;
 /// Fewest changes that distinguish a heartbeat from a period.
 const FEWEST_CHANGES: usize = 3;
 /// Share of lost messages that is mentioned.
@@ -61,7 +63,7 @@ impl MessageKind {
         };
         let changes = intervals.len() - repeats;
         let by_heartbeat = regular_where(true);
-        if changes >= FEWEST_CHANGES && by_heartbeat >= HEARTBEAT && regular_where(false) < HEARTBEAT * by_heartbeat {
+        if period_s > SHORTEST_HEARTBEAT_S && changes >= FEWEST_CHANGES && by_heartbeat >= HEARTBEAT && regular_where(false) < HEARTBEAT * by_heartbeat {
             return Self::OnChangeWithHeartbeat;
         }
         let lost: f64 = intervals.iter().map(|d| ((d / period_s).round() - 1.0).max(0.0)).sum();

@@ -47,18 +47,18 @@ pub(crate) fn true_times(signals: &[SignalTimes<'_>], steps: &[ClockStep]) -> (V
     let mut notes = Vec::new();
     let base_ns = signals.iter().filter_map(|s| s.times.first()).map(|t| t.log_ns).min().unwrap_or(0);
     let logged = unfold(signals, steps, base_ns, &mut notes);
-    let clocks: Vec<StampClock> = signals.iter().zip(&logged.time_s).map(|(s, log_s)| StampClock::of(s, log_s, base_ns)).collect();
+    let clocks: Vec<StampClock> = signals.iter().zip(&logged.time_s).map(|(s, log_s)| StampClock::of(s, log_s, base_ns, &logged.set_back_s)).collect();
     let shifts_s = one_clock(signals, &clocks, &mut notes);
     let mut found = Vec::new();
     for (((signal, log_s), clock), shift_s) in signals.iter().zip(&logged.time_s).zip(&clocks).zip(shifts_s) {
         notes.extend(clock.note(signal.signal));
         let as_logged = || TrueTimes { time_ns: signal.times.iter().map(usual).collect(), std_s: 0.0 };
-        if signal.times.len() < FEWEST && !clock.is_corrected() && shift_s == 0.0 && !logged.is_corrected {
+        if signal.times.len() < FEWEST && !clock.is_corrected() && shift_s == 0.0 && logged.set_back_s.is_empty() {
             found.push(as_logged());
             continue;
         }
         let stamped_s: Option<Vec<f64>> = clock.time_s.as_ref().map(|t| t.iter().map(|t| t + shift_s).collect());
-        let is_as_logged = !clock.is_corrected() && shift_s == 0.0 && (clock.source != TimeSource::Log || !logged.is_corrected);
+        let is_as_logged = !clock.is_corrected() && shift_s == 0.0 && (clock.source != TimeSource::Log || logged.set_back_s.is_empty());
         let sampled = sampled(signal.signal, stamped_s.as_deref(), log_s, clock);
         notes.extend(sampled.note);
         found.push(match sampled.time_s {

@@ -9,6 +9,7 @@
 //! does not hold.)
 
 use crate::fit::noise::model::Reading;
+use crate::log::MessageKind;
 use crate::signal::{Series, median};
 use std::f64::consts::SQRT_2;
 
@@ -44,7 +45,9 @@ impl StepTiming {
         let t = &command.t_s;
         let period_s = command.median_period_s();
         let regular = t.windows(2).filter(|w| (w[1] - w[0] - period_s).abs() <= 0.5 * period_s).count();
-        let periodic = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
+        let is_regular = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
+        // the holds of a campaign may be equally long
+        let periodic = is_regular && !MessageKind::of(t, &command.value).is_held();
         // an interval has the jitter of both its ends
         let strays: Vec<f64> = t.windows(2).map(|w| (w[1] - w[0] - period_s).abs()).collect();
         let jitter_s = if periodic { 1.4826 * median(&strays) / SQRT_2 } else { 0.0 };
@@ -60,6 +63,12 @@ impl StepTiming {
     /// From a command whose changes are all shown late by this root mean square [s].
     pub(crate) fn late(command: &Series, late_s: f64) -> Self {
         Self::of_changes(command, |_| (0.0, late_s * late_s))
+    }
+
+    /// The same, for a command whose times are unsure by `std_s` [s].
+    pub(crate) fn unsure(mut self, std_s: f64) -> Self {
+        self.changes.iter_mut().for_each(|change| change.late_s2 += std_s * std_s);
+        self
     }
 
     /// `late` gives the largest and the mean square delay of a sample [s, s²].

@@ -137,7 +137,7 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, choice: &TorqueChoice) -> L
         command: changes(&survey.track.command_nm),
         input: choice.of(&survey.track.source),
         yaw_outliers: yaw_outliers.unwrap_or_default(),
-        timing: StepTiming::new(&survey.track.command_nm),
+        timing: StepTiming::new(&survey.track.command_nm).unsure(survey.track.command_std_s),
         cuts: Cuts::default(),
         may_anchor,
         chosen: vec![true; survey.stretches.len()],

@@ -21,7 +21,16 @@ const LARGE_S: f64 = 1.0;
 /// What to add to the times of each signal [s].
 pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], notes: &mut Vec<String>) -> Vec<f64> {
     let mut shifts_s = vec![0.0; clocks.len()];
-    let mut others: Vec<usize> = (0..clocks.len()).filter(|&k| !is_of_the_log(signals[k].signal, &clocks[k])).collect();
+    // a recorder that writes in bursts delays every message
+    let bursts = clocks.iter().any(|c| c.log_in_bursts);
+    let is_of_the_log = |k: usize| is_of_the_log(signals[k].signal, &clocks[k], bursts);
+    let near = |k: usize| {
+        (0..clocks.len()).any(|other| {
+            let (a, b) = (&clocks[k], &clocks[other]);
+            a.source == b.source && is_of_the_log(other) && (a.ahead_s - b.ahead_s).abs() < ONE_CLOCK_S
+        })
+    };
+    let mut others: Vec<usize> = (0..clocks.len()).filter(|&k| !is_of_the_log(k) && !near(k)).collect();
     others.sort_by(|a, b| clocks[*a].ahead_s.total_cmp(&clocks[*b].ahead_s));
     let Some((lowest, highest)) = others.first().zip(others.last()).map(|(a, b)| (clocks[*a].ahead_s, clocks[*b].ahead_s)) else {
         return shifts_s;
@@ -55,7 +64,7 @@ pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], note
 }
 
 /// Whether the delay of the earliest arrivals is one.
-fn is_of_the_log(signal: SignalName, clock: &StampClock) -> bool {
-    let longest_s = if SignalName::ALL.contains(&signal) { LONGEST_DELAY_S } else { LONGEST_COMPUTED_DELAY_S };
+fn is_of_the_log(signal: SignalName, clock: &StampClock, bursts: bool) -> bool {
+    let longest_s = if SignalName::ALL.contains(&signal) && !bursts { LONGEST_DELAY_S } else { LONGEST_COMPUTED_DELAY_S };
     clock.source == TimeSource::Log || (-longest_s..=MOST_AHEAD_S).contains(&clock.ahead_s)
 }

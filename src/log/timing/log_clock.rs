@@ -9,6 +9,8 @@ use crate::log::timing::{SignalTimes, to_s};
 pub(crate) const LEAST_STEP_NS: i64 = 300_000_000;
 /// Messages on both sides of a step, in the time that passed twice, that show a clock that was set.
 const FEWEST_TWICE: usize = 3;
+/// Messages this many intervals after a late part go on from it.
+const BESIDE: i64 = 5;
 /// More steps than this are no clock's.
 const MOST_STEPS: usize = 50;
 /// A time without any message that is worth a note [s].
@@ -36,13 +38,14 @@ impl ClockStep {
 pub(crate) struct LogTimes {
     /// One per value of each signal [s since the base].
     pub time_s: Vec<Vec<f64>>,
-    pub is_corrected: bool,
+    /// By how much the clock was set back at each step [s].
+    pub set_back_s: Vec<f64>,
 }
 
 /// Removes the `steps` that a clock made.
 pub(crate) fn unfold(signals: &[SignalTimes<'_>], steps: &[ClockStep], base_ns: i64, notes: &mut Vec<String>) -> LogTimes {
     let mut time_s: Vec<Vec<f64>> = signals.iter().map(|s| s.times.iter().map(|t| to_s(t.log_ns, base_ns)).collect()).collect();
-    let mut is_corrected = false;
+    let mut set_back_s = Vec::new();
     let is_clock = |step: &&ClockStep| steps.len() <= MOST_STEPS && is_clock(signals, step);
     let mut moved_s = 0.0;
     for step in steps.iter().filter(is_clock) {
@@ -60,20 +63,26 @@ pub(crate) fn unfold(signals: &[SignalTimes<'_>], steps: &[ClockStep], base_ns: 
             before_s + moved_s
         ));
         moved_s += back_s;
-        is_corrected = true;
+        set_back_s.push(back_s);
     }
     pause_note(&time_s, notes);
-    LogTimes { time_s, is_corrected }
+    LogTimes { time_s, set_back_s }
 }
 
-/// Whether a signal has messages of both sides in the time that passed twice.
+/// Whether the clock was set at a step. A part of the log that was written late looks alike; but it fills a hole, and beside the hole the
+/// messages go on.
 fn is_clock(signals: &[SignalTimes<'_>], step: &ClockStep) -> bool {
     signals.iter().zip(&step.values).any(|(signal, values)| {
         let (before, after) = signal.times.split_at((*values).min(signal.times.len()));
-        let twice = |time: i64| time >= step.after_ns && time <= step.before_ns;
-        let first = before.iter().rev().take_while(|t| twice(t.log_ns)).count();
-        let second = after.iter().take_while(|t| twice(t.log_ns)).count();
-        first >= FEWEST_TWICE && second >= FEWEST_TWICE
+        let again: Vec<i64> = after.iter().map(|t| t.log_ns).take_while(|t| *t <= step.before_ns).collect();
+        let (Some(&first), Some(&last)) = (again.first(), again.last()) else { return false };
+        if again.len() < FEWEST_TWICE {
+            return false;
+        }
+        let twice = before.iter().filter(|t| (first..=last).contains(&t.log_ns)).count();
+        let beside = ((last - first) / again.len() as i64).saturating_mul(BESIDE);
+        let goes_on = before.iter().any(|t| t.log_ns > last && t.log_ns - last <= beside);
+        twice >= FEWEST_TWICE.max(again.len() / 4) || (twice == 0 && !goes_on)
     })
 }
 

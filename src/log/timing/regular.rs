@@ -84,13 +84,17 @@ const MORE_COST: f64 = 1.5;
 const MOST_IN_A_ROW: i64 = 4;
 /// Survivors that are kept at each message.
 const SURVIVORS: usize = 6;
-/// Share by which a phase follows a miss.
-const FOLLOW_TIME: f64 = 0.04;
+/// Share by which a phase follows a miss: of a time, by the square of period over scatter; of bounds.
+const FOLLOW_TIME: f64 = 0.02;
 const FOLLOW_BOUND: f64 = 0.25;
+/// Share by which a phase follows the middle of its bounds.
+const FOLLOW_CENTRE: f64 = 0.003;
 /// A miss costs at most that of so many standard deviations.
 const FARTHEST: f64 = 4.0;
 /// Length of the windows of the line [s].
 const WINDOW_S: f64 = 20.0;
+/// A period that differs by less than this share from a timer's is one.
+const NOMINAL: f64 = 0.002;
 /// Largest misfit of the times, in periods.
 const MOST_MISFIT: f64 = 1.5;
 
@@ -105,21 +109,33 @@ struct Survivor {
 }
 
 impl RegularClock {
-    /// Fits the clock; `None` if there is none.
-    pub(crate) fn fit(bounds: &Bounds, rhythm: &Rhythm) -> Option<Self> {
+    /// Fits the clock; `None` if there is none. `keeps_nominal`: a period near to a round one is that of a timer, and the bounds may drift.
+    pub(crate) fn fit(bounds: &Bounds, rhythm: &Rhythm, keeps_nominal: bool) -> Option<Self> {
         let mut period_s = rhythm.period_s;
         let is_bounded = !bounds.bursts.is_empty();
         let std_s = if is_bounded { LOOSE_S } else { rhythm.scatter_s };
         let mut numbers = Vec::new();
         for _ in 0..3 {
-            numbers = count(bounds, period_s, std_s, if is_bounded { FOLLOW_BOUND } else { FOLLOW_TIME })?;
+            // slower than a lost message shows
+            let follow = if is_bounded { FOLLOW_BOUND } else { (FOLLOW_TIME * (period_s / std_s).powi(2)).clamp(0.004, 0.05) };
+            numbers = count(bounds, period_s, std_s, follow)?;
             period_s = slope(bounds, &numbers)?;
         }
-        let time_s = lines(bounds, &numbers, period_s);
+        let timer_s = nominal(period_s).filter(|_| keeps_nominal);
+        if let Some(timer_s) = timer_s {
+            numbers = count(bounds, timer_s, std_s, FOLLOW_BOUND)?;
+        }
+        let mut time_s = lines(bounds, &numbers, timer_s.unwrap_or(period_s));
         let misses: Vec<f64> = (0..bounds.len()).map(|k| bounds.miss_s(k, time_s[k]).abs()).collect();
         let misfit_s = middle(misses)?;
         if misfit_s > MOST_MISFIT * rhythm.scatter_s.max(LOOSE_S) || !(period_s > 0.0) {
             return None;
+        }
+        if let Some(timer_s) = timer_s {
+            // the bounds may move slowly, as the delay of a queue does: a timer does not
+            let start_s = middle(time_s.iter().zip(&numbers).map(|(t, n)| t - *n as f64 * timer_s).collect())?;
+            time_s = numbers.iter().map(|n| start_s + *n as f64 * timer_s).collect();
+            period_s = timer_s;
         }
         let lost = numbers.last()? - (bounds.len() as i64 - 1);
         // a lost message is found some messages early or late; the line is as good as the mean of a window
@@ -130,9 +146,17 @@ impl RegularClock {
     }
 }
 
+/// The period of a timer near `period_s` [s]: a whole rate, or a whole number of milliseconds.
+fn nominal(period_s: f64) -> Option<f64> {
+    let by_rate = 1.0 / (1.0 / period_s).round();
+    let by_time = (period_s * 1e3).round() * 1e-3;
+    [by_rate, by_time].into_iter().filter(|p| *p > 0.0 && p.is_finite()).find(|p| (p / period_s - 1.0).abs() < NOMINAL)
+}
+
 /// The number of each message's period.
 fn count(bounds: &Bounds, period_s: f64, std_s: f64, follow: f64) -> Option<Vec<i64>> {
     let mut alive = vec![Survivor { lost: 0, next_s: bounds.centre_s(0), cost: 0.0, from: 0 }];
+    let is_bounded = !bounds.bursts.is_empty();
     let mut history: Vec<Vec<(i64, usize)>> = Vec::with_capacity(bounds.len());
     for k in 0..bounds.len() {
         let mut next: Vec<Survivor> = Vec::with_capacity(4 * alive.len());
@@ -144,11 +168,15 @@ fn count(bounds: &Bounds, period_s: f64, std_s: f64, follow: f64) -> Option<Vec<
                 let miss_s = bounds.miss_s(k, expected_s);
                 let z = (miss_s / std_s).abs().min(FARTHEST);
                 let loss = if skipped > 0 { LOSS_COST + MORE_COST * (skipped.min(20) - 1) as f64 } else { 0.0 };
-                let moved_s = follow * miss_s.clamp(-3.0 * std_s, 3.0 * std_s);
+                // within its bounds, a time is as likely near either end
+                let off_s = bounds.centre_s(k) - expected_s;
+                let (pull, width_s) = if is_bounded { (FOLLOW_CENTRE, 0.5 * (bounds.hi_s[k] - bounds.lo_s[k])) } else { (0.0, 1.0) };
+                let uniform = if is_bounded { off_s / (0.577 * width_s.max(std_s)) } else { 0.0 };
+                let moved_s = follow * miss_s.clamp(-3.0 * std_s, 3.0 * std_s) + pull * off_s.clamp(-width_s, width_s);
                 next.push(Survivor {
                     lost: survivor.lost + skipped,
                     next_s: expected_s + moved_s + period_s,
-                    cost: survivor.cost + 0.5 * z * z + loss,
+                    cost: survivor.cost + 0.5 * (z * z + uniform.powi(2).min(FARTHEST)) + loss,
                     from,
                 });
             }

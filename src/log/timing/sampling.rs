@@ -75,7 +75,9 @@ pub(crate) fn sampled(signal: SignalName, stamped_s: Option<&[f64]>, log_s: &[f6
     if let Some(stamped_s) = stamped_s {
         let logged = Rhythm::of(log_s);
         if let Some(logged) = logged.filter(|l| l.scatter_s < MORE_REGULAR * rhythm.scatter_s && !l.comes_in_bursts) {
-            let delay_s = middle(stamped_s.iter().zip(log_s).map(|(t, l)| t - l).collect()).unwrap_or(0.0);
+            let usual_s = || middle(stamped_s.iter().zip(log_s).map(|(t, l)| t - l).collect()).unwrap_or(0.0);
+            // rounded stamps are early, and one stamp for several messages late, by up to a step
+            let delay_s = if rhythm.comes_in_bursts { 0.0 } else { usual_s() };
             return Sampled {
                 time_s: Some(log_s.iter().map(|t| t + delay_s).collect()),
                 std_s: logged.scatter_s,
@@ -96,7 +98,7 @@ pub(crate) fn sampled(signal: SignalName, stamped_s: Option<&[f64]>, log_s: &[f6
         }
     }
     let bounds = if rhythm.comes_in_bursts { Bounds::of_bursts(time_s, TOGETHER * rhythm.period_s) } else { Bounds::exact(time_s) };
-    let Some(found) = RegularClock::fit(&bounds, &rhythm) else { return Sampled::default() };
+    let Some(found) = RegularClock::fit(&bounds, &rhythm, clock.source != TimeSource::Stamp && rhythm.comes_in_bursts) else { return Sampled::default() };
     let how = if rhythm.comes_in_bursts {
         let (least, most) = bounds.burst_lengths();
         format!("the messages come in bursts of {least} to {most}")

@@ -25,6 +25,8 @@ const FEWEST_OF_WINDOW: usize = 30;
 /// A drift counts from this many standard errors, and from this change over the log [s].
 const SIGNIFICANT: f64 = 6.0;
 const LEAST_DRIFT_S: f64 = 0.005;
+/// Stamps that scatter by more show no drift [s].
+const MOST_SCATTER_S: f64 = 0.006;
 /// A larger drift is no clock's.
 const MOST_DRIFT: f64 = 0.02;
 
@@ -36,12 +38,16 @@ pub(crate) struct StampClock {
     pub time_s: Option<Vec<f64>>,
     /// How far the earliest arrivals are stamped ahead of the log's time [s]: minus the shortest delay, if the clocks agree.
     pub ahead_s: f64,
+    /// Whether the recorder wrote the messages in bursts.
+    pub log_in_bursts: bool,
+    /// Whether any stamp differs from that of its message.
+    is_moved: bool,
     faults: Vec<String>,
 }
 
 impl StampClock {
-    /// From the times of a signal whose log times are `log_s`.
-    pub(crate) fn of(signal: &SignalTimes<'_>, log_s: &[f64], base_ns: i64) -> Self {
+    /// From the times of a signal whose log times are `log_s`, after the clock of the log was set back by each of `set_back_s`.
+    pub(crate) fn of(signal: &SignalTimes<'_>, log_s: &[f64], base_ns: i64, set_back_s: &[f64]) -> Self {
         let have = |source: TimeSource| signal.times.iter().filter(|t| source.of(t).is_some()).count();
         let source = if 2 * have(TimeSource::Stamp) > signal.times.len() {
             TimeSource::Stamp
@@ -50,15 +56,16 @@ impl StampClock {
         } else {
             TimeSource::Log
         };
+        let log_in_bursts = Rhythm::of(log_s).is_some_and(|rhythm| rhythm.comes_in_bursts);
         if source == TimeSource::Log {
             // a few stamps among messages without one would mix two clocks
             let mixed = signal.times.iter().any(|t| usual(t) != t.log_ns);
             let faults = if mixed { vec!["most messages have none: the log's time is used".to_owned()] } else { Vec::new() };
-            return Self { source, time_s: None, ahead_s: 0.0, faults };
+            return Self { source, time_s: None, ahead_s: 0.0, log_in_bursts, is_moved: false, faults };
         }
         let mut time_s: Vec<f64> = signal.times.iter().map(|t| source.of(t).map_or(f64::NAN, |t| to_s(t, base_ns))).collect();
-        let mut clock = Self { source, time_s: None, ahead_s: 0.0, faults: Vec::new() };
-        if time_s.len() >= FEWEST && !clock.repair(&mut time_s, log_s) {
+        let mut clock = Self { source, time_s: None, ahead_s: 0.0, log_in_bursts, is_moved: false, faults: Vec::new() };
+        if time_s.len() >= FEWEST && !clock.repair(&mut time_s, log_s, set_back_s) {
             return clock;
         }
         clock.ahead_s = highest(time_s.iter().zip(log_s).map(|(t, l)| t - l));
@@ -68,7 +75,7 @@ impl StampClock {
 
     /// Whether the stamps differ from those of the messages.
     pub(crate) fn is_corrected(&self) -> bool {
-        !self.faults.is_empty()
+        self.is_moved || !self.faults.is_empty()
     }
 
     /// The note on the faults of the clock.
@@ -78,7 +85,7 @@ impl StampClock {
     }
 
     /// Removes the faults; `false` if the stamps are of no use.
-    fn repair(&mut self, time_s: &mut [f64], log_s: &[f64]) -> bool {
+    fn repair(&mut self, time_s: &mut [f64], log_s: &[f64], set_back_s: &[f64]) -> bool {
         let is_sound = sound(time_s, log_s);
         let parts = parts(time_s, log_s, &is_sound);
         let used: usize = parts.iter().map(ExactSizeIterator::len).sum();
@@ -94,7 +101,10 @@ impl StampClock {
             let border = ahead(time_s, before.end.saturating_sub(BORDER).max(before.start)..before.end);
             let jump_s = ahead(time_s, after.start..after.end.min(after.start + BORDER)) - border;
             time_s[after.start..after.end].iter_mut().for_each(|t| *t -= jump_s);
-            if parts.len() <= 4 {
+            self.is_moved = true;
+            // a step of the log's own clock has its own note
+            let is_known = jump_s.abs() < LEAST_JUMP_S || set_back_s.iter().any(|back| (back + jump_s).abs() < LEAST_JUMP_S);
+            if parts.len() <= 4 && !is_known {
                 let way = if jump_s > 0.0 { "ahead" } else { "back" };
                 self.faults.push(format!("their clock was set {way} by {:.3} s at {:.1} s: removed", jump_s.abs(), log_s[after.start]));
             }
@@ -102,7 +112,11 @@ impl StampClock {
         if parts.len() > 4 {
             self.faults.push(format!("they jump {} times: removed", parts.len() - 1));
         }
-        self.remove_drift(time_s, log_s, &parts);
+        // the delay of a recorder that writes in bursts may grow, which looks like a drift of the stamps
+        let scatters = Rhythm::of(time_s).is_some_and(|rhythm| rhythm.scatter_s > MOST_SCATTER_S);
+        if !self.log_in_bursts && !scatters {
+            self.remove_drift(time_s, log_s, &parts);
+        }
         if lost > 0 {
             let usual_s = median_ahead(time_s, log_s, &parts);
             let mut kept = vec![false; count];
@@ -165,7 +179,7 @@ fn sound(time_s: &[f64], log_s: &[f64]) -> Vec<bool> {
 /// The parts between jumps, without stamps that are not sound.
 fn parts(time_s: &[f64], log_s: &[f64], is_sound: &[bool]) -> Vec<std::ops::Range<usize>> {
     let rhythm = Rhythm::of(time_s).filter(|r| r.period_s < LEAST_RARE_JUMP_S);
-    let (period_s, width_s) = rhythm.map_or((0.0, LEAST_RARE_JUMP_S), |r| (r.period_s, LEAST_JUMP_S.max(5.0 * r.scatter_s)));
+    let (period_s, width_s) = rhythm.map_or((0.0, LEAST_RARE_JUMP_S), |r| (r.period_s, LEAST_JUMP_S.max(8.0 * r.scatter_s)));
     let is_jump = |k: usize| {
         let (stamped_s, logged_s) = (time_s[k] - time_s[k - 1], log_s[k] - log_s[k - 1]);
         let is_usual = rhythm.is_some() && (stamped_s - period_s).abs() <= width_s;
