@@ -20,7 +20,7 @@ pub use angles::{Census, HeldAngle};
 pub use by_angle::{AngleGroup, Grouped, group_by_angle};
 pub use error::{Error, Result};
 pub use hold::Hold;
-pub use ledger::{ledger, sample_seconds};
+pub use ledger::{ledger, sample_seconds, with_missing};
 pub use runs::runs;
 pub use settings::SurveySettings;
 pub use survey::{StartTrial, Stretch, Survey};

@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     /// Logs: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Signal map: which message path is which signal
+    /// Signal map: which message path is which signal, and where its time is (docs/signals.md)
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, autoware or joint-state

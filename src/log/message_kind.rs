@@ -4,7 +4,7 @@
 //! change has long, irregular intervals, and nearly every message brings a new value. With a heartbeat, the same value comes again after a
 //! fixed time, and changes come in between. A latched signal has one message.
 
-use crate::log::timing::stamp_clock::middle;
+use crate::log::timing::rhythm::middle;
 use std::fmt;
 
 /// The habit by which a signal was logged.
@@ -29,6 +29,8 @@ const LONG_S: f64 = 0.15;
 const FEW_REPEATS: f64 = 0.05;
 /// Share of the log's time in long intervals above which the log mostly waits for a change.
 const MOSTLY_WAITING: f64 = 0.5;
+/// Number of long intervals that may be pauses of the recording.
+const PAUSES: usize = 2;
 /// An interval is regular within this share of the median interval.
 const REGULAR: f64 = 0.25;
 /// Share of regular intervals before repeated values for a heartbeat.
@@ -52,8 +54,12 @@ impl MessageKind {
         let repeats = repeated.iter().filter(|r| **r).count();
         let share = |count: usize| count as f64 / intervals.len() as f64;
         let span_s: f64 = intervals.iter().sum();
-        let waiting_s: f64 = intervals.iter().filter(|d| **d > (4.0 * period_s).max(LONG_S)).sum();
-        if share(repeats) < FEW_REPEATS && (period_s > LONG_S || waiting_s > MOSTLY_WAITING * span_s) {
+        let mut long: Vec<f64> = intervals.iter().copied().filter(|d| *d > (4.0 * period_s).max(LONG_S)).collect();
+        long.sort_unstable_by(f64::total_cmp);
+        // a pause of the recording is no habit
+        let pauses_s: f64 = long.iter().rev().take(PAUSES).sum();
+        let waiting_s = long.iter().sum::<f64>() - pauses_s;
+        if share(repeats) < FEW_REPEATS && (period_s > LONG_S || waiting_s > MOSTLY_WAITING * (span_s - pauses_s)) {
             return Self::OnChange;
         }
         let regular_where = |wanted: bool| {
@@ -63,7 +69,11 @@ impl MessageKind {
         };
         let changes = intervals.len() - repeats;
         let by_heartbeat = regular_where(true);
-        if period_s > SHORTEST_HEARTBEAT_S && changes >= FEWEST_CHANGES && by_heartbeat >= HEARTBEAT && regular_where(false) < HEARTBEAT * by_heartbeat {
+        if period_s > SHORTEST_HEARTBEAT_S
+            && changes >= FEWEST_CHANGES
+            && by_heartbeat >= HEARTBEAT
+            && regular_where(false) < HEARTBEAT * by_heartbeat
+        {
             return Self::OnChangeWithHeartbeat;
         }
         let lost: f64 = intervals.iter().map(|d| ((d / period_s).round() - 1.0).max(0.0)).sum();

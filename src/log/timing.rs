@@ -12,23 +12,15 @@ pub(crate) mod clock_offset;
 pub(crate) mod log_clock;
 pub(crate) mod message_times;
 pub(crate) mod regular;
+pub(crate) mod rhythm;
 pub(crate) mod sampling;
 pub(crate) mod stamp_clock;
 
-use crate::log::signal_map::SignalName;
 use crate::log::timing::clock_offset::one_clock;
 use crate::log::timing::log_clock::{ClockStep, unfold};
-use crate::log::timing::message_times::{MessageTimes, TimeSource, usual};
+use crate::log::timing::message_times::{FEWEST, SignalTimes, TimeSource, to_ns, usual};
 use crate::log::timing::sampling::sampled;
 use crate::log::timing::stamp_clock::StampClock;
-use crate::units::NS_PER_S;
-
-/// The times of one signal, in the order of the log.
-#[derive(Debug, Clone)]
-pub(crate) struct SignalTimes<'a> {
-    pub signal: SignalName,
-    pub times: &'a [MessageTimes],
-}
 
 /// The times of one signal's values.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,15 +31,13 @@ pub(crate) struct TrueTimes {
     pub std_s: f64,
 }
 
-/// Fewest messages from which a clock is examined.
-const FEWEST: usize = 10;
-
 /// The true times of each of `signals`; `steps` are those at which the log's time goes back. The notes are for the user.
 pub(crate) fn true_times(signals: &[SignalTimes<'_>], steps: &[ClockStep]) -> (Vec<TrueTimes>, Vec<String>) {
     let mut notes = Vec::new();
     let base_ns = signals.iter().filter_map(|s| s.times.first()).map(|t| t.log_ns).min().unwrap_or(0);
     let logged = unfold(signals, steps, base_ns, &mut notes);
-    let clocks: Vec<StampClock> = signals.iter().zip(&logged.time_s).map(|(s, log_s)| StampClock::of(s, log_s, base_ns, &logged.set_back_s)).collect();
+    let clocks: Vec<StampClock> =
+        signals.iter().zip(&logged.time_s).map(|(s, log_s)| StampClock::of(s, log_s, base_ns, &logged.set_back_s)).collect();
     let shifts_s = one_clock(signals, &clocks, &mut notes);
     let mut found = Vec::new();
     for (((signal, log_s), clock), shift_s) in signals.iter().zip(&logged.time_s).zip(&clocks).zip(shifts_s) {
@@ -70,13 +60,4 @@ pub(crate) fn true_times(signals: &[SignalTimes<'_>], steps: &[ClockStep]) -> (V
         });
     }
     (found, notes)
-}
-
-/// Seconds since `base_ns`.
-fn to_s(time_ns: i64, base_ns: i64) -> f64 {
-    time_ns.saturating_sub(base_ns) as f64 / NS_PER_S
-}
-
-fn to_ns(time_s: f64, base_ns: i64) -> i64 {
-    base_ns.saturating_add((time_s * NS_PER_S).round() as i64)
 }

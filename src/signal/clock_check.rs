@@ -4,8 +4,8 @@
 //! all the same: a relay that recorded late, a log put together from two. The feedback follows the command, the motion follows the torque, and
 //! the yaw rate follows the wheel, each within some tenths of a second. A signal that agrees much better at another lag is moved.
 
-use crate::signal::response::{HeldMeans, Motion};
 use crate::signal::Series;
+use crate::signal::response::{HeldMeans, Motion};
 
 /// Lags of the motion behind its torque, and of the feedback behind the command, that a drive has [s].
 const DRIVE_S: [f64; 2] = [-0.05, 0.45];
@@ -16,6 +16,8 @@ const NEAR_S: f64 = 3.0;
 const FAR_S: f64 = 70.0;
 /// Share of the acceleration that a torque of the same clock explains at least.
 const AGREES: f64 = 0.4;
+/// A torque that explains less is also compared far away.
+const CLEAR: f64 = 0.8;
 /// Another lag must explain this share of what is left unexplained.
 const MUCH_BETTER: f64 = 0.35;
 /// Lags of the yaw rate that a comparison of two speeds finds by itself [s].
@@ -29,7 +31,7 @@ pub(crate) fn torque_offset_s(torque: &Series, motion: &Motion) -> Option<f64> {
     let means = HeldMeans::of(torque)?;
     let usual = motion.best(&means, DRIVE_S[0], DRIVE_S[1], 0.05);
     let mut best = motion.best(&means, -NEAR_S, NEAR_S, 0.1);
-    if best.explained < AGREES {
+    if best.explained < CLEAR {
         let far = motion.best(&means, -FAR_S, FAR_S, 0.1);
         best = if far.explained > best.explained { far } else { best };
     }
@@ -64,7 +66,10 @@ fn lag_s(signal: &Series, reference: impl Fn(f64) -> Option<f64>, usable: impl F
     let agreement = |lag_s: f64| correlation(points.iter().filter_map(|(t, v)| Some((*v, reference(t - lag_s)?)))).powi(2);
     let best = |from_s: f64, to_s: f64, step_s: f64| {
         let count = ((to_s - from_s) / step_s).round() as usize;
-        (0..=count).map(|k| from_s + k as f64 * step_s).map(|lag_s| (agreement(lag_s), lag_s)).fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a })
+        (0..=count)
+            .map(|k| from_s + k as f64 * step_s)
+            .map(|lag_s| (agreement(lag_s), lag_s))
+            .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a })
     };
     let usual = best(usual_s[0], usual_s[1], 0.05);
     if usual.0 > 1.0 - MUCH_BETTER * 0.2 {

@@ -31,10 +31,9 @@ pub(crate) fn held_note(signal: &str, kind: MessageKind, series: &Series) -> Opt
     let span_s = series.t_s.last().zip(series.t_s.first()).map_or(0.0, |(last, first)| last - first);
     match kind {
         MessageKind::Periodic | MessageKind::PeriodicWithLosses => None,
-        MessageKind::OnChange => Some(format!(
-            "{signal} is logged on change: {} messages in {span_s:.0} s; a value holds until the next one",
-            series.len()
-        )),
+        MessageKind::OnChange => {
+            Some(format!("{signal} is logged on change: {} messages in {span_s:.0} s; a value holds until the next one", series.len()))
+        }
         MessageKind::OnChangeWithHeartbeat => {
             let intervals: Vec<f64> = series.t_s.windows(2).map(|t| t[1] - t[0]).collect();
             Some(format!(

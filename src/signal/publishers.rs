@@ -1,8 +1,9 @@
 //! Two publishers on one topic of commands: values that come and go from message to message.
 //!
 //! A command is held; a second publisher interrupts it for a message or two, again and again, always with the same value. Its messages are
-//! found and removed where the motion or the feedback show that the wheel follows the rest. Otherwise it is an error.
+//! found, and removed where the torque feedback shows that the drive follows the rest. Otherwise it is an error.
 
+use crate::signal::response::HeldMeans;
 use crate::signal::{Error, Result, Series, median};
 use std::collections::BTreeMap;
 
@@ -77,28 +78,54 @@ pub(crate) fn two_publishers(command: &Series) -> Option<TwoPublishers> {
     Some(TwoPublishers { interruptions, value_nm: is_one.then_some(value), first, period_s: median(&between) })
 }
 
+/// A held command counts from this time after its step [s]: the drive has settled.
+const SETTLED_S: f64 = 0.5;
+/// Fewest readings of the feedback that show which command the drive follows.
+const FEWEST_READINGS: usize = 50;
+/// The feedback decides when it is nearer to one command than this share of their difference.
+const NEARER: f64 = 0.25;
+
 impl TwoPublishers {
-    /// The command that the wheel follows, with a note. `explained` is the share of the motion that a command explains.
+    /// The command that the wheel follows, with a note: the torque feedback shows whether the drive follows the first publisher or whichever
+    /// spoke last. (The motion does not: an interrupted torque is a smaller one, and a smaller torque would move another vehicle so.)
     ///
     /// # Errors
-    /// It is in doubt.
-    pub(crate) fn followed(self, whole: &Series, explained: impl Fn(&Series) -> f64, notes: &mut Vec<String>) -> Result<Series> {
-        let (by_first, by_both) = (explained(&self.first), explained(whole));
+    /// There is no feedback, or it follows neither.
+    pub(crate) fn followed(self, whole: &Series, feedback: Option<&Series>, notes: &mut Vec<String>) -> Result<Series> {
         let found = self.value_nm.map_or_else(|| "several values".to_owned(), |v| format!("{v} N·m"));
-        if self.value_nm.is_none() || by_first < CLEAR || by_first < by_both {
-            return Err(Error::TwoPublishers { interruptions: self.interruptions, found });
-        }
+        let doubt = || Error::TwoPublishers { interruptions: self.interruptions, found: found.clone() };
+        let value = self.value_nm.ok_or_else(doubt)?;
+        let (by_feedback, by_last) = feedback.and_then(|feedback| self.shares(whole, feedback, value)).ok_or_else(doubt)?;
+        let apart = 1.0 - by_last;
+        let (is_first, is_last) = ((by_feedback - 1.0).abs() < NEARER * apart, (by_feedback - by_last).abs() < NEARER * apart);
+        let (command, how) = match (is_first, is_last) {
+            (true, _) => (self.first.clone(), "the drive follows the command without it"),
+            (false, true) => (whole.clone(), "the drive follows whichever spoke last"),
+            (false, false) => return Err(doubt()),
+        };
         notes.push(format!(
-            "torque has two publishers: {found} interrupts the command {} times, every {:.0} ms; the wheel follows the command without it, which is used",
+            "torque has two publishers: {found} interrupts the command {} times, every {:.0} ms; by the torque feedback, {how}, which is used",
             self.interruptions,
             1e3 * self.period_s
         ));
-        Ok(self.first)
+        Ok(command)
+    }
+
+    /// The share of the first publisher's command that the feedback shows, and that of the last message's.
+    fn shares(&self, whole: &Series, feedback: &Series, value: f64) -> Option<(f64, f64)> {
+        let last = HeldMeans::of(whole)?;
+        let (mut xx, mut by_feedback, mut by_last, mut count) = (0.0, 0.0, 0.0, 0);
+        for (t_s, torque) in feedback.t_s.iter().zip(&feedback.value) {
+            let Some(first) = self.first.held(*t_s).filter(|c| self.first.held(t_s - SETTLED_S) == Some(*c)) else { continue };
+            let x = first - value;
+            xx += x * x;
+            by_feedback += x * (torque - value);
+            by_last += x * (last.mean(*t_s) - value);
+            count += usize::from(x != 0.0);
+        }
+        (count >= FEWEST_READINGS && xx > 0.0).then(|| (by_feedback / xx, by_last / xx))
     }
 }
-
-/// Share of the motion that a command explains when the wheel clearly follows it.
-const CLEAR: f64 = 0.5;
 
 #[cfg(test)]
 mod tests {
@@ -125,17 +152,23 @@ mod tests {
         let found = two_publishers(&campaign(|k| (k % 5 == 0).then_some(0.0))).unwrap();
         assert_eq!(found.value_nm, Some(0.0));
         let alone = campaign(|_| None);
-        let differs = (0..5000).filter(|k| found.first.held(f64::from(*k) * 0.02 + 0.012) != alone.held(f64::from(*k) * 0.02 + 0.012)).count();
+        let differs =
+            (0..5000).filter(|k| found.first.held(f64::from(*k) * 0.02 + 0.012) != alone.held(f64::from(*k) * 0.02 + 0.012)).count();
         assert!(differs <= 50, "{differs}");
+        let both = campaign(|k| (k % 5 == 0).then_some(0.0));
         let mut notes = Vec::new();
-        assert!(found.clone().followed(&alone, |_| 0.9, &mut notes).is_ok() && notes[0].contains("two publishers"));
-        assert!(found.followed(&alone, |_| 0.1, &mut notes).is_err());
+        let used = found.clone().followed(&both, Some(&alone), &mut notes).unwrap();
+        assert!(used == found.first && notes[0].contains("two publishers"));
+        let slow =
+            Series { t_s: alone.t_s.clone(), value: HeldMeans::of(&both).map(|m| alone.t_s.iter().map(|t| m.mean(*t)).collect()).unwrap() };
+        assert_eq!(found.clone().followed(&both, Some(&slow), &mut notes).unwrap(), both);
+        assert!(found.followed(&both, None, &mut notes).is_err());
     }
 
     #[test]
     fn two_campaigns_at_once_have_no_command() {
         let other = |k: usize| Some([3.0, 9.0, -4.0, 15.0][(k / 37) % 4]);
         let found = two_publishers(&campaign(other)).unwrap();
-        assert!(found.followed(&Series::default(), |_| 0.9, &mut Vec::new()).is_err());
+        assert!(found.followed(&campaign(other), Some(&campaign(|_| None)), &mut Vec::new()).is_err());
     }
 }

@@ -83,9 +83,12 @@ impl Motion {
     pub(crate) fn best(&self, torque: &HeldMeans, from_s: f64, to_s: f64, step_s: f64) -> Answer {
         let count = ((to_s - from_s) / step_s).round() as usize;
         let answers = (0..=count).map(|k| self.answer(torque, from_s + k as f64 * step_s));
-        answers.fold(Answer { lag_s: 0.0, explained: 0.0, is_positive: true }, |best, next| {
-            if next.explained > best.explained { next } else { best }
-        })
+        answers.fold(
+            Answer { lag_s: 0.0, explained: 0.0, is_positive: true },
+            |best, next| {
+                if next.explained > best.explained { next } else { best }
+            },
+        )
     }
 }
 
@@ -151,7 +154,8 @@ pub(crate) mod tests {
 
     /// A wheel that starts, brakes and stops, driven by the torque `late_s` before, with friction: command and speed.
     pub(crate) fn driven(late_s: f64) -> (Series, Series) {
-        let torque = |t: f64| if t < 0.0 { 0.0 } else { [0.0, 14.0, 20.0, 2.0, -6.0, 0.0, -16.0, -22.0, -3.0, 5.0, 0.0][(t / 1.7) as usize % 11] };
+        const TORQUES_NM: [f64; 11] = [0.0, 14.0, 20.0, 2.0, -6.0, 0.0, -16.0, -22.0, -3.0, 5.0, 0.0];
+        let torque = |t: f64| if t < 0.0 { 0.0 } else { TORQUES_NM[(t / 1.7) as usize % 11] };
         let (mut command, mut speed) = (Series::default(), Series::default());
         let mut v = 0.0f64;
         for k in 0..8000 {

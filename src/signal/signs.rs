@@ -49,12 +49,7 @@ impl Agreement {
 ///
 /// # Errors
 /// One of them runs against the others.
-pub(crate) fn check_direction(
-    encoder: &Series,
-    gear: Option<&Series>,
-    yaw: Option<&Series>,
-    at_angle: impl Fn(f64) -> bool,
-) -> Result<()> {
+pub(crate) fn check_direction(encoder: &Series, gear: Option<&Series>, yaw: Option<&Series>, at_angle: impl Fn(f64) -> bool) -> Result<()> {
     let with_gear = gear.map(|gear| Agreement::of(encoder, |t| gear.held(t))).unwrap_or_default();
     let with_yaw = yaw.map(|yaw| Agreement::of(encoder, |t| yaw.interpolated(t).filter(|y| at_angle(t) && y.abs() > CLEAR_MPS)));
     let with_yaw = with_yaw.unwrap_or_default();

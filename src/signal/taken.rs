@@ -6,7 +6,6 @@
 use crate::log::{MessageKind, Recording, Signal, rate};
 use crate::signal::held::{held_note, held_until};
 use crate::signal::publishers::two_publishers;
-use crate::signal::response::{HeldMeans, Motion};
 use crate::signal::{Error, Result, Series, new_values_only};
 use crate::units::NS_PER_S;
 
@@ -14,8 +13,9 @@ use crate::units::NS_PER_S;
 pub(crate) const FEWEST: usize = 50;
 /// Smallest number of commands that hold until the next one: a step, and what was before it.
 const FEWEST_HELD: usize = 2;
-/// Lags within which the motion answers a command [s].
-const LAGS_S: [f64; 2] = [-0.1, 0.5];
+
+/// What is unsure of the time of a change that is logged by itself [s]: usual jitter of a message, which a periodic command shows.
+const UNSURE_S: f64 = 0.0015;
 
 /// The series taken from a recording, with notes on them.
 pub(crate) struct Taken<'a> {
@@ -106,22 +106,20 @@ impl<'a> Taken<'a> {
         if series.len() < needed { Err(Error::TooFew { signal: name, found: series.len(), needed }) } else { Ok(()) }
     }
 
-    /// The torque command that the wheel follows.
+    /// The torque command that the wheel follows, and what is unsure of each of its times [s].
     ///
     /// # Errors
     /// Too few values; two publishers.
-    pub(crate) fn command(&mut self, speed: &Series) -> Result<Series> {
+    pub(crate) fn command(&mut self, feedback: Option<&Series>) -> Result<(Series, f64)> {
         let signal = &self.recording.signals.torque;
         let mut series = self.series(signal);
         self.enough("torque", signal)?;
         if let Some(two) = two_publishers(&series) {
-            let motion = Motion::of(speed);
-            let explained = |command: &Series| {
-                let answer = motion.as_ref().zip(HeldMeans::of(command)).map(|(motion, means)| motion.best(&means, LAGS_S[0], LAGS_S[1], 0.05));
-                answer.map_or(0.0, |answer| answer.explained)
-            };
-            series = two.followed(&series, explained, &mut self.notes)?;
+            series = two.followed(&series, feedback, &mut self.notes)?;
         }
-        Ok(self.filled("torque", series))
+        let count = series.len();
+        let filled = self.filled("torque", series);
+        let is_filled = filled.len() > count;
+        Ok((filled, signal.time_std_s.max(if is_filled { UNSURE_S } else { 0.0 })))
     }
 }

@@ -15,6 +15,8 @@ use std::f64::consts::SQRT_2;
 
 /// A command is periodic when this share of its intervals lies within half a period of their median.
 const PERIODIC_SHARE: f64 = 0.8;
+/// A command with a longer period was thinned out for the log: the drive had it up to a period earlier [s].
+const THINNED_S: f64 = 0.08;
 /// A step is over after this many time constants of the lag.
 const OVER: f64 = 6.0;
 /// Changes smaller than this share of the largest command are ignored.
@@ -54,7 +56,8 @@ impl StepTiming {
         let late = |k: usize| {
             let periods = if periodic { ((t[k] - t[k - 1]) / period_s).round().max(1.0) } else { 1.0 };
             // equally likely in any of the periods: late by none, by one, ... by all but one
-            let late_s2 = jitter_s * jitter_s + period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
+            let thinned_s2 = if periodic && period_s > THINNED_S { period_s * period_s / 12.0 } else { 0.0 };
+            let late_s2 = thinned_s2 + jitter_s * jitter_s + period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
             ((periods - 1.0) * period_s, late_s2)
         };
         Self::of_changes(command, late)

@@ -19,8 +19,10 @@ use rayon::prelude::*;
 
 /// Quantum of speed above which a start cannot be anchored: the first reading after it is late and biased [m/s].
 const COARSE_QUANTUM_MPS: f64 = 0.01;
-/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
+/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz]. It shows accelerations where the torque holds.
 const SLOW_HZ: f64 = 10.0;
+/// A slower signal must show a usual hold by so many readings.
+const READINGS_OF_HOLD: f64 = 8.0;
 /// Least time in motion for a fit [s].
 const LEAST_MOTION_S: f64 = 5.0;
 
@@ -100,7 +102,9 @@ pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settin
 pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
     let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
     let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
-    (rate_hz < SLOW_HZ).then_some(rate_hz)
+    let holds: Vec<f64> = survey.stretches.iter().map(|s| s.to_s - s.from_s).collect();
+    let is_enough = !holds.is_empty() && crate::signal::median(&holds) * rate_hz >= READINGS_OF_HOLD;
+    (rate_hz < SLOW_HZ && !is_enough).then_some(rate_hz)
 }
 
 /// Resolution of a speed source.

@@ -170,7 +170,9 @@ pub(crate) fn plans(
             .into_iter()
             .filter(|(column, choice)| {
                 let path = |source| Error::Path { signal: choice.signal.key(), path: choice.spec.path.to_string(), source };
-                let checked = one(&layout, choice).map_err(path).and_then(|()| named_stamp::check(&layout, choice.signal, &choice.spec, samples.get(id).map(Vec::as_slice)));
+                let checked = one(&layout, choice)
+                    .map_err(path)
+                    .and_then(|()| named_stamp::check(&layout, choice.signal, &choice.spec, samples.get(id).map(Vec::as_slice)));
                 checked.map_err(|problem| problems.entry(*column).or_insert(problem)).is_ok()
             })
             .collect();

@@ -4,8 +4,7 @@
 //! of another clock. Such signals are moved so that their earliest messages arrive without delay; those that share a clock are moved together.
 
 use crate::log::signal_map::SignalName;
-use crate::log::timing::SignalTimes;
-use crate::log::timing::message_times::TimeSource;
+use crate::log::timing::message_times::{SignalTimes, TimeSource};
 use crate::log::timing::stamp_clock::StampClock;
 
 /// The earliest arrivals may be stamped this much ahead of the log's time [s]: rounding.
@@ -67,4 +66,39 @@ pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], note
 fn is_of_the_log(signal: SignalName, clock: &StampClock, bursts: bool) -> bool {
     let longest_s = if SignalName::ALL.contains(&signal) && !bursts { LONGEST_DELAY_S } else { LONGEST_COMPUTED_DELAY_S };
     clock.source == TimeSource::Log || (-longest_s..=MOST_AHEAD_S).contains(&clock.ahead_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::timing::message_times::MessageTimes;
+
+    fn shifts(signals: &[(SignalName, i64)]) -> (Vec<f64>, Vec<String>) {
+        let times: Vec<Vec<MessageTimes>> = signals
+            .iter()
+            .map(|(_, ahead_ms)| {
+                let at = |k: i64, later_ms: i64| (1000 + 20 * k + later_ms) * 1_000_000;
+                let stamp = |k: i64| if *ahead_ms == 0 { 0 } else { at(k, *ahead_ms) };
+                (0..200).map(|k| MessageTimes { stamp_ns: stamp(k), publish_ns: 0, log_ns: at(k, 0) }).collect()
+            })
+            .collect();
+        let of: Vec<SignalTimes> = signals.iter().zip(&times).map(|((signal, _), times)| SignalTimes { signal: *signal, times }).collect();
+        let log_s = |times: &[MessageTimes]| times.iter().map(|t| t.log_ns as f64 * 1e-9).collect::<Vec<_>>();
+        let clocks: Vec<StampClock> = of.iter().map(|s| StampClock::of(s, &log_s(s.times), 0, &[])).collect();
+        let mut notes = Vec::new();
+        (one_clock(&of, &clocks, &mut notes), notes)
+    }
+
+    #[test]
+    fn stamps_of_another_clock_are_moved_together_and_delays_are_not() {
+        use SignalName::{Angle, Speed, Torque, YawRate};
+        assert_eq!(shifts(&[(Speed, -3), (YawRate, -30), (Torque, 0)]).0, [0.0; 3]);
+        let (shifts_s, notes) = shifts(&[(Speed, 1998), (YawRate, 2000), (Torque, 0)]);
+        assert!((shifts_s[0] + 2.0).abs() < 1e-6 && (shifts_s[1] + 2.0).abs() < 1e-6 && shifts_s[2] == 0.0);
+        assert!(notes.len() == 1 && notes[0].contains("2.000 s ahead"), "{notes:?}");
+        // one clock for all of them needs no other
+        assert_eq!(shifts(&[(Speed, -60_000), (YawRate, -60_001), (Torque, -60_002), (Angle, -60_000)]).0, [0.0; 4]);
+        let (shifts_s, notes) = shifts(&[(Speed, -2), (YawRate, 3_600_000), (Torque, 0)]);
+        assert!(shifts_s[0] == 0.0 && (shifts_s[1] + 3600.0).abs() < 1e-6 && notes.len() == 1);
+    }
 }

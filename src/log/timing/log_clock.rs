@@ -3,7 +3,7 @@
 //! Messages that follow the step would be sorted among earlier ones. They are moved on by what the clock was set back, so that the log goes
 //! on without a gap. A log whose parts are not in order of time looks alike, but its parts do not overlap.
 
-use crate::log::timing::{SignalTimes, to_s};
+use crate::log::timing::message_times::{SignalTimes, to_s};
 
 /// A smaller step back is disorder of a recorder with several threads [ns].
 pub(crate) const LEAST_STEP_NS: i64 = 300_000_000;
@@ -51,9 +51,8 @@ pub(crate) fn unfold(signals: &[SignalTimes<'_>], steps: &[ClockStep], base_ns: 
     for step in steps.iter().filter(is_clock) {
         let (before_s, after_s) = (to_s(step.before_ns, base_ns), to_s(step.after_ns, base_ns));
         // the next message comes as soon after the last one as messages usually do
-        let count: usize = signals.iter().map(|s| s.times.len()).sum();
-        let span_s = time_s.iter().filter_map(|t| Some(t.last()? - t.first()?)).fold(0.0, f64::max);
-        let back_s = before_s - after_s + (span_s / count.max(1) as f64).clamp(0.0, 0.1);
+        let per_s: f64 = time_s.iter().map(|t| rate_hz(t)).sum();
+        let back_s = before_s - after_s + if per_s > 0.0 { (1.0 / per_s).min(0.1) } else { 0.0 };
         for (times, from) in time_s.iter_mut().zip(&step.values) {
             times.iter_mut().skip(*from).for_each(|t| *t += back_s);
         }
@@ -67,6 +66,12 @@ pub(crate) fn unfold(signals: &[SignalTimes<'_>], steps: &[ClockStep], base_ns: 
     }
     pause_note(&time_s, notes);
     LogTimes { time_s, set_back_s }
+}
+
+/// Messages per second, whatever the clock does in between.
+fn rate_hz(time_s: &[f64]) -> f64 {
+    let whole_s: f64 = time_s.windows(2).map(|t| (t[1] - t[0]).max(0.0)).sum();
+    if whole_s > 0.0 { time_s.len() as f64 / whole_s } else { 0.0 }
 }
 
 /// Whether the clock was set at a step. A part of the log that was written late looks alike; but it fills a hole, and beside the hole the

@@ -5,8 +5,7 @@
 //! over the sequence (Viterbi): each survivor has its own phase, which follows the bounds slowly; a lost message costs as much as an error of
 //! some standard deviations. The line through the bounds is then fitted in overlapping windows, so that a slow drift is followed.
 
-use crate::log::timing::sampling::Rhythm;
-use crate::log::timing::stamp_clock::middle;
+use crate::log::timing::rhythm::{Rhythm, middle};
 
 /// Bounds of the true time of each message [s].
 #[derive(Debug, Clone, PartialEq)]
@@ -141,7 +140,8 @@ impl RegularClock {
         // a lost message is found some messages early or late; the line is as good as the mean of a window
         let in_window = (WINDOW_S / period_s).max(1.0);
         let share_lost = lost as f64 / bounds.len() as f64;
-        let std_s = if is_bounded { period_s * (0.003 + (5.0 * share_lost).min(1.0) * 0.25).sqrt() } else { 2.0 * std_s / in_window.sqrt() };
+        let std_s =
+            if is_bounded { period_s * (0.003 + (5.0 * share_lost).min(1.0) * 0.25).sqrt() } else { 2.0 * std_s / in_window.sqrt() };
         Some(Self { time_s, period_s, lost, std_s })
     }
 }
@@ -264,4 +264,47 @@ fn line(bounds: &Bounds, numbers: &[i64], period_s: f64, range: std::ops::Range<
         tilt += (b[1] * a[0][0] - b[0] * a[0][1]) / determinant;
     }
     move |number| level + (tilt + period_s) * (number - middle_number) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Messages every 20 ms, some lost, with a deterministic scatter between −1 and 1.
+    fn sampled() -> Vec<(f64, f64)> {
+        (0..5000u64).filter(|k| k % 211 != 40).map(|k| (k as f64 * 0.02, ((k * 7919 + k * k * 31) % 2003) as f64 / 1001.0 - 1.0)).collect()
+    }
+
+    /// Errors of the fitted times apart from their median, sorted by size [s].
+    fn errors(clock: &RegularClock, truth: &[(f64, f64)]) -> Vec<f64> {
+        let apart: Vec<f64> = clock.time_s.iter().zip(truth).map(|(t, (wanted, _))| t - wanted).collect();
+        let centre = middle(apart.clone()).unwrap();
+        let mut sizes: Vec<f64> = apart.iter().map(|a| (a - centre).abs()).collect();
+        sizes.sort_unstable_by(f64::total_cmp);
+        sizes
+    }
+
+    #[test]
+    fn times_that_scatter_by_a_period_are_numbered_and_fitted() {
+        let truth = sampled();
+        let times: Vec<f64> = truth.iter().map(|(t, scatter)| t + 0.02 * scatter).collect();
+        let rhythm = Rhythm::of(&times).unwrap();
+        let clock = RegularClock::fit(&Bounds::exact(&times), &rhythm, false).unwrap();
+        assert!((24..=25).contains(&clock.lost), "{}", clock.lost);
+        let errors = errors(&clock, &truth);
+        assert!((clock.period_s - 0.02).abs() < 1e-5 && errors[errors.len() * 9 / 10] < 0.002, "{}", errors[errors.len() * 9 / 10]);
+    }
+
+    #[test]
+    fn messages_in_bursts_are_spread_over_the_time_since_the_last_burst() {
+        let truth = sampled();
+        let times: Vec<f64> = truth.iter().map(|(t, scatter)| ((t + 0.002 * scatter) / 0.1003).ceil() * 0.1003).collect();
+        let rhythm = Rhythm::of(&times).unwrap();
+        assert!(rhythm.comes_in_bursts);
+        let clock = RegularClock::fit(&Bounds::of_bursts(&times, 0.006), &rhythm, true).unwrap();
+        let errors = errors(&clock, &truth);
+        assert!(errors[errors.len() * 9 / 10] < 0.006, "{} lost, {}", clock.lost, errors[errors.len() * 9 / 10]);
+        assert!((clock.period_s - 0.02).abs() < 1e-12);
+    }
 }

@@ -7,7 +7,8 @@
 use crate::log::signal_map::SignalName;
 use crate::log::timing::message_times::TimeSource;
 use crate::log::timing::regular::{Bounds, RegularClock};
-use crate::log::timing::stamp_clock::{StampClock, middle};
+use crate::log::timing::rhythm::{Rhythm, TOGETHER, middle};
+use crate::log::timing::stamp_clock::StampClock;
 
 /// Scatter of the times of a regular signal [s].
 const REGULAR_S: f64 = 0.004;
@@ -15,45 +16,6 @@ const REGULAR_S: f64 = 0.004;
 const MORE_REGULAR: f64 = 0.4;
 /// Longest period of a signal whose times are corrected [s].
 const LONGEST_PERIOD_S: f64 = 0.25;
-/// Fewest messages that show a period.
-const FEWEST: usize = 60;
-/// Number of intervals over which the period is measured.
-const OVER: usize = 20;
-/// Largest spread of the period so measured.
-const STEADY: f64 = 0.1;
-/// Messages that follow within this share of a period came together.
-const TOGETHER: f64 = 0.3;
-/// Share of such messages in a signal that comes in bursts.
-const BURSTS: f64 = 0.4;
-
-/// The rhythm of a periodic signal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rhythm {
-    pub period_s: f64,
-    /// Typical error of a time [s].
-    pub scatter_s: f64,
-    pub comes_in_bursts: bool,
-}
-
-impl Rhythm {
-    /// Of times in the order of the log; `None` if they have no period.
-    pub(crate) fn of(time_s: &[f64]) -> Option<Self> {
-        if time_s.len() < FEWEST {
-            return None;
-        }
-        let long: Vec<f64> = time_s.windows(OVER + 1).map(|t| (t[OVER] - t[0]) / OVER as f64).filter(|t| t.is_finite()).collect();
-        let period_s = middle(long.clone()).filter(|p| *p > 0.0)?;
-        let spread = 1.4826 * middle(long.iter().map(|p| (p - period_s).abs()).collect())? / period_s;
-        if spread > STEADY {
-            return None;
-        }
-        let steps = || time_s.windows(2).map(|t| t[1] - t[0]).filter(|t| t.is_finite());
-        let scatter_s = 1.4826 * middle(steps().map(|t| (t - period_s).abs()).collect())? / std::f64::consts::SQRT_2;
-        let together = steps().filter(|t| t.abs() < TOGETHER * period_s).count();
-        Some(Self { period_s, scatter_s, comes_in_bursts: together as f64 > BURSTS * time_s.len() as f64 })
-    }
-}
-
 /// The times at which a signal was sampled.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Sampled {
@@ -98,7 +60,9 @@ pub(crate) fn sampled(signal: SignalName, stamped_s: Option<&[f64]>, log_s: &[f6
         }
     }
     let bounds = if rhythm.comes_in_bursts { Bounds::of_bursts(time_s, TOGETHER * rhythm.period_s) } else { Bounds::exact(time_s) };
-    let Some(found) = RegularClock::fit(&bounds, &rhythm, clock.source != TimeSource::Stamp && rhythm.comes_in_bursts) else { return Sampled::default() };
+    let Some(found) = RegularClock::fit(&bounds, &rhythm, clock.source != TimeSource::Stamp && rhythm.comes_in_bursts) else {
+        return Sampled::default();
+    };
     let how = if rhythm.comes_in_bursts {
         let (least, most) = bounds.burst_lengths();
         format!("the messages come in bursts of {least} to {most}")
@@ -113,5 +77,37 @@ pub(crate) fn sampled(signal: SignalName, stamped_s: Option<&[f64]>, log_s: &[f6
         )),
         std_s: found.std_s,
         time_s: Some(found.time_s),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::log::timing::message_times::{MessageTimes, SignalTimes};
+
+    /// What becomes of messages every 20 ms by their errors of stamp and arrival [ms], for a number between −1 and 1.
+    fn found(errors_ms: impl Fn(f64) -> (f64, f64)) -> Sampled {
+        let times: Vec<MessageTimes> = (1..2000u32)
+            .map(|k| {
+                let (stamp_ms, log_ms) = errors_ms(f64::from((k * 7919 + k * k * 31) % 2003) / 1001.0 - 1.0);
+                let at = |error_ms: f64| ((20.0 * f64::from(k) + error_ms) * 1e6) as i64;
+                MessageTimes { stamp_ns: at(stamp_ms), publish_ns: 0, log_ns: at(log_ms) }
+            })
+            .collect();
+        let log_s: Vec<f64> = times.iter().map(|t| t.log_ns as f64 * 1e-9).collect();
+        let signal = SignalTimes { signal: SignalName::Speed, times: &times };
+        let clock = StampClock::of(&signal, &log_s, 0, &[]);
+        sampled(SignalName::Speed, clock.time_s.as_deref(), &log_s, &clock)
+    }
+
+    #[test]
+    fn the_more_regular_times_are_used_and_confirmed_ones_stay() {
+        assert_eq!(found(|x| (2.0 * x, 3.0)), Sampled::default());
+        assert!(found(|x| (15.0 * x, 25.0 + 0.5 * x)).note.unwrap().contains("the log's times are used"));
+        // an irregular sensor: its stamps and arrivals agree
+        assert_eq!(found(|x| (15.0 * x, 15.0 * x + 1.0 + 0.2 * x)), Sampled::default());
+        let both = found(|x| (15.0 * x, 40.0 - 12.0 * x));
+        assert!(both.note.unwrap().contains("regular clock") && both.std_s < 0.002);
     }
 }

@@ -5,9 +5,8 @@
 //! it drifts; where many messages have one stamp it stands still.
 
 use crate::log::signal_map::SignalName;
-use crate::log::timing::message_times::{TimeSource, usual};
-use crate::log::timing::sampling::Rhythm;
-use crate::log::timing::{FEWEST, SignalTimes, to_s};
+use crate::log::timing::message_times::{FEWEST, SignalTimes, TimeSource, to_s, usual};
+use crate::log::timing::rhythm::{Rhythm, middle};
 
 /// A stamp that stands still for longer than this is no stamp [s].
 const FROZEN_S: f64 = 0.3;
@@ -219,8 +218,55 @@ fn highest(values: impl Iterator<Item = f64>) -> f64 {
     *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
-/// Median, of an even number the upper; `None` for none.
-pub(crate) fn middle(mut values: Vec<f64>) -> Option<f64> {
-    let at = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f64::total_cmp).1)
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::log::timing::message_times::MessageTimes;
+
+    const SECOND: i64 = 1_000_000_000;
+
+    /// The clock of messages every 20 ms that arrive 1 to 3 ms late, stamped by `stamp`; and the largest error of its times [s].
+    fn clock(stamp: impl Fn(i64) -> i64) -> (StampClock, f64) {
+        let sampled = |k: i64| k * SECOND / 50;
+        let arrived = |k: i64| sampled(k) + SECOND / 1000 * (1 + k * 7919 % 101 / 50);
+        let times: Vec<MessageTimes> =
+            (1..4000).map(|k| MessageTimes { stamp_ns: stamp(sampled(k)), publish_ns: 0, log_ns: arrived(k) }).collect();
+        let log_s: Vec<f64> = times.iter().map(|t| to_s(t.log_ns, 0)).collect();
+        let clock = StampClock::of(&SignalTimes { signal: SignalName::Speed, times: &times }, &log_s, 0, &[]);
+        let time_s = clock.time_s.as_ref().unwrap_or(&log_s);
+        let apart = (1..4000).zip(time_s).map(|(k, t)| t - to_s(sampled(k), 0));
+        let (low, high) = apart.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (clock, high - low)
+    }
+
+    #[test]
+    fn sound_stamps_stay() {
+        let (clock, error_s) = clock(|t| t);
+        assert!(!clock.is_corrected() && error_s < 1e-9 && (clock.ahead_s + 0.001).abs() < 1e-6, "{clock:?}");
+        let (clock, _) = self::clock(|t| t + 3600 * SECOND);
+        assert!(!clock.is_corrected() && (clock.ahead_s - 3599.999).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_clock_that_is_set_stands_still_or_drifts_is_corrected() {
+        let faults: [(&str, fn(i64) -> i64); 5] = [
+            ("set ahead by 13.000 s", |t| if t > 40 * SECOND { t + 13 * SECOND } else { t }),
+            ("set back by 0.400 s", |t| if t > 40 * SECOND { t - 2 * SECOND / 5 } else { t }),
+            ("stand still", |t| if t > 30 * SECOND && t < 40 * SECOND { 30 * SECOND } else { t }),
+            ("drifts by -800 ppm", |t| t - t * 8 / 10_000),
+            ("jump", |t| if t % (4 * SECOND) < SECOND { t - SECOND } else { t }),
+        ];
+        for (words, fault) in faults {
+            let (clock, error_s) = clock(fault);
+            let note = clock.note(SignalName::Speed).unwrap();
+            assert!(note.contains(words) && error_s < 0.004, "{words}: {note} {error_s}");
+        }
+    }
+
+    #[test]
+    fn stamps_in_whole_seconds_are_of_no_use() {
+        let (clock, _) = clock(|t| t / SECOND * SECOND);
+        assert!(clock.time_s.is_none() && clock.source == TimeSource::Log);
+    }
 }
