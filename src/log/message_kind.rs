@@ -33,6 +33,9 @@ const MOSTLY_WAITING: f64 = 0.5;
 const PAUSES: usize = 2;
 /// An interval is regular within this share of the median interval.
 const REGULAR: f64 = 0.25;
+/// Share of regular intervals of a slow sensor, and its longest period [s].
+const MOSTLY_REGULAR: f64 = 0.8;
+const LONGEST_PERIOD_S: f64 = 1.0;
 /// Share of regular intervals before repeated values for a heartbeat.
 const HEARTBEAT: f64 = 0.6;
 /// A shorter interval is a period [s].
@@ -59,7 +62,9 @@ impl MessageKind {
         // a pause of the recording is no habit
         let pauses_s: f64 = long.iter().rev().take(PAUSES).sum();
         let waiting_s = long.iter().sum::<f64>() - pauses_s;
-        if share(repeats) < FEW_REPEATS && (period_s > LONG_S || waiting_s > MOSTLY_WAITING * (span_s - pauses_s)) {
+        let near = intervals.iter().filter(|d| (**d - period_s).abs() <= REGULAR * period_s).count();
+        let is_measured = period_s < LONGEST_PERIOD_S && share(near) > MOSTLY_REGULAR && is_varied(values);
+        if !is_measured && share(repeats) < FEW_REPEATS && (period_s > LONG_S || waiting_s > MOSTLY_WAITING * (span_s - pauses_s)) {
             return Self::OnChange;
         }
         let regular_where = |wanted: bool| {
@@ -84,6 +89,14 @@ impl MessageKind {
     pub fn is_held(self) -> bool {
         matches!(self, Self::OnChange | Self::OnChangeWithHeartbeat | Self::Once)
     }
+}
+
+/// Whether most values occur once: those of a sensor, not the levels of a command.
+fn is_varied(values: &[f64]) -> bool {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted.dedup();
+    2 * sorted.len() > values.len()
 }
 
 impl fmt::Display for MessageKind {
@@ -131,11 +144,14 @@ mod tests {
         let lost = std::cell::Cell::new(0u32);
         let every_tenth = |_: bool, _: f64| {
             lost.set(lost.get() + 1);
-            lost.get() % 10 != 0
+            !lost.get().is_multiple_of(10)
         };
         assert_eq!(logged(50.0, every_tenth), MessageKind::PeriodicWithLosses);
         let t_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
         let values: Vec<f64> = t_s.iter().map(|t| (3.0 * t).sin()).collect();
         assert_eq!(MessageKind::of(&t_s, &values), MessageKind::Periodic);
+        // a sensor at 5 Hz
+        let slow_s: Vec<f64> = t_s.iter().map(|t| 10.0 * t).collect();
+        assert_eq!(MessageKind::of(&slow_s, &values), MessageKind::Periodic);
     }
 }

@@ -57,7 +57,9 @@ impl Motion {
             }
             let length2 = dot(&vector, &vector);
             if length2 > 1e-6 * before {
-                vector.iter_mut().for_each(|v| *v /= length2.sqrt());
+                for v in &mut vector {
+                    *v /= length2.sqrt();
+                }
                 basis.push(vector);
             }
         }

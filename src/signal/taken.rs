@@ -14,9 +14,6 @@ pub(crate) const FEWEST: usize = 50;
 /// Smallest number of commands that hold until the next one: a step, and what was before it.
 const FEWEST_HELD: usize = 2;
 
-/// What is unsure of the time of a change that is logged by itself [s]: usual jitter of a message, which a periodic command shows.
-const UNSURE_S: f64 = 0.0015;
-
 /// The series taken from a recording, with notes on them.
 pub(crate) struct Taken<'a> {
     recording: &'a Recording,
@@ -106,20 +103,17 @@ impl<'a> Taken<'a> {
         if series.len() < needed { Err(Error::TooFew { signal: name, found: series.len(), needed }) } else { Ok(()) }
     }
 
-    /// The torque command that the wheel follows, and what is unsure of each of its times [s].
+    /// The torque command that the wheel follows.
     ///
     /// # Errors
     /// Too few values; two publishers.
-    pub(crate) fn command(&mut self, feedback: Option<&Series>) -> Result<(Series, f64)> {
+    pub(crate) fn command(&mut self, feedback: Option<&Series>) -> Result<Series> {
         let signal = &self.recording.signals.torque;
         let mut series = self.series(signal);
         self.enough("torque", signal)?;
         if let Some(two) = two_publishers(&series) {
             series = two.followed(&series, feedback, &mut self.notes)?;
         }
-        let count = series.len();
-        let filled = self.filled("torque", series);
-        let is_filled = filled.len() > count;
-        Ok((filled, signal.time_std_s.max(if is_filled { UNSURE_S } else { 0.0 })))
+        Ok(self.filled("torque", series))
     }
 }

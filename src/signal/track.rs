@@ -83,7 +83,7 @@ impl Track {
                 angle_rad.value.fill(wheel_angle_rad);
             }
         }
-        let (mut command_nm, command_std_s) = taken.command(feedback_nm.as_ref())?;
+        let mut command_nm = taken.command(feedback_nm.as_ref())?;
         let relative = |signal: Option<&Signal>| signal.is_some_and(|s| s.relative_to_gear);
         if relative(Some(&signals.torque)) {
             resolve::relative_to_gear("torque", &mut command_nm, gear.as_ref())?;
@@ -112,7 +112,7 @@ impl Track {
             encoder_mps,
             yaw_speed_mps,
             command_nm,
-            command_std_s,
+            command_std_s: signals.torque.time_std_s,
             feedback_nm,
             angle_rad,
             gear,

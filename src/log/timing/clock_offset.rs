@@ -43,7 +43,9 @@ pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], note
     }
     for group in others.chunk_by(|a, b| clocks[*b].ahead_s - clocks[*a].ahead_s < ONE_CLOCK_S) {
         let ahead_s = group.iter().map(|k| clocks[*k].ahead_s).fold(f64::NEG_INFINITY, f64::max);
-        group.iter().for_each(|k| shifts_s[*k] = -ahead_s);
+        for k in group {
+            shifts_s[*k] = -ahead_s;
+        }
         let names: Vec<&str> = group.iter().map(|k| signals[*k].signal.key()).collect();
         let sources: Vec<&str> = [TimeSource::Stamp, TimeSource::Publish]
             .into_iter()

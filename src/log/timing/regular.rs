@@ -127,7 +127,7 @@ impl RegularClock {
         let mut time_s = lines(bounds, &numbers, timer_s.unwrap_or(period_s));
         let misses: Vec<f64> = (0..bounds.len()).map(|k| bounds.miss_s(k, time_s[k]).abs()).collect();
         let misfit_s = middle(misses)?;
-        if misfit_s > MOST_MISFIT * rhythm.scatter_s.max(LOOSE_S) || !(period_s > 0.0) {
+        if misfit_s > MOST_MISFIT * rhythm.scatter_s.max(LOOSE_S) || period_s <= 0.0 {
             return None;
         }
         if let Some(timer_s) = timer_s {

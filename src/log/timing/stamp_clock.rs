@@ -119,7 +119,9 @@ impl StampClock {
         if lost > 0 {
             let usual_s = median_ahead(time_s, log_s, &parts);
             let mut kept = vec![false; count];
-            parts.iter().for_each(|part| kept[part.clone()].fill(true));
+            for part in &parts {
+                kept[part.clone()].fill(true);
+            }
             for k in (0..count).filter(|k| !kept[*k]) {
                 time_s[k] = log_s[k] + usual_s;
             }
@@ -250,7 +252,8 @@ mod tests {
 
     #[test]
     fn a_clock_that_is_set_stands_still_or_drifts_is_corrected() {
-        let faults: [(&str, fn(i64) -> i64); 5] = [
+        type Fault = (&'static str, fn(i64) -> i64);
+        let faults: [Fault; 5] = [
             ("set ahead by 13.000 s", |t| if t > 40 * SECOND { t + 13 * SECOND } else { t }),
             ("set back by 0.400 s", |t| if t > 40 * SECOND { t - 2 * SECOND / 5 } else { t }),
             ("stand still", |t| if t > 30 * SECOND && t < 40 * SECOND { 30 * SECOND } else { t }),
