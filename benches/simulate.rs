@@ -31,6 +31,7 @@ fn identified() -> WorldSettings {
     let motion = IdentifiedSettings {
         forward: direction(Gear::Forward),
         reverse: Some(direction(Gear::Reverse)),
+        power_limit_nm_mps: f64::INFINITY,
         disturbance_mps2: 0.03,
         disturbance_time_s: 0.2,
         run_offset_mps2: 0.02,

@@ -3,13 +3,20 @@
 //! In: the signals of one log in SI ([`crate::log::Recording`]). Out: a [`Track`] with resolved signs, without repeated values, and with
 //! all times in seconds since the log's first sample.
 
+mod agreement;
 mod align;
+mod clock_check;
 mod error;
+mod held;
 mod new_values;
 mod noise;
+mod publishers;
 mod resolve;
+mod response;
 mod series;
+mod signs;
 mod standstill;
+mod taken;
 mod track;
 
 pub(crate) use align::Alignment;

@@ -202,6 +202,7 @@ mod tests {
             encoder_mps: series(speed),
             yaw_speed_mps: None,
             command_nm: series(torque),
+            command_std_s: 0.0,
             feedback_nm: None,
             angle_rad: series(angle),
             gear: None,

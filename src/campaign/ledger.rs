@@ -32,3 +32,40 @@ pub(crate) fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) ->
         .map(|(verdict, (samples, seconds))| LedgerRow { verdict: *verdict, samples, seconds: (seconds * 1e3).round() / 1e3 })
         .collect()
 }
+
+/// The ledger of a whole log: time without any sample counts as a gap, so that the seconds add up to the length of the log.
+pub(crate) fn with_missing(mut rows: Vec<LedgerRow>, missing_s: f64) -> Vec<LedgerRow> {
+    let missing_s = (missing_s * 1e3).round() / 1e3;
+    if missing_s <= 0.0 {
+        return rows;
+    }
+    match rows.iter_mut().find(|row| row.verdict == SampleVerdict::Gap) {
+        Some(gap) => gap.seconds = ((gap.seconds + missing_s) * 1e3).round() / 1e3,
+        None => rows.push(LedgerRow { verdict: SampleVerdict::Gap, samples: 0, seconds: missing_s }),
+    }
+    rows.sort_by_key(|row| SampleVerdict::ALL.iter().position(|verdict| *verdict == row.verdict));
+    rows
+}
+
+/// Time of a series that its samples do not represent [s].
+pub(crate) fn missing_seconds(series: &Series, seconds: &[f64]) -> f64 {
+    let span_s = series.t_s.last().zip(series.t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let ends_s = series.median_period_s().min(1.0);
+    (span_s + ends_s - seconds.iter().sum::<f64>()).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_seconds_of_a_ledger_add_up_to_the_length_of_the_log() {
+        let t_s: Vec<f64> = (0..500).map(|k| f64::from(k) * 0.02).filter(|t| !(3.0..3.5).contains(t)).collect();
+        let series = Series { value: vec![0.0; t_s.len()], t_s };
+        let seconds = sample_seconds(&series);
+        let rows = ledger(seconds.iter().map(|s| (SampleVerdict::Used, *s)));
+        let rows = with_missing(rows, missing_seconds(&series, &seconds));
+        let sum: f64 = rows.iter().map(|row| row.seconds).sum();
+        assert!((sum - 10.0).abs() < 0.002 && rows.len() == 2, "{rows:?}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use crate::campaign::gates::within;
 use crate::campaign::hold::{Hold, holds};
+use crate::campaign::ledger::missing_seconds;
 use crate::campaign::{Error, Result, SampleVerdict, SurveySettings, gates, ledger, sample_seconds, slip};
 use crate::map::Gear;
 use crate::signal::{Alignment, RestDetector, Series, Track};
@@ -122,6 +123,11 @@ impl Survey {
         let survey = Self { track, verdicts, seconds, stretches, holds, start_trials, alignment, yaw_bias_mps, moving_angle_deg };
         survey.check(settings, &at_rest, commanded)?;
         Ok(survey)
+    }
+
+    /// Time of the log in which no encoder sample came [s].
+    pub fn missing_s(&self) -> f64 {
+        missing_seconds(&self.track.encoder_mps, &self.seconds)
     }
 
     /// Reports the gate that removed all samples, if there is one.

@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     /// Logs: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Signal map: which message path is which signal
+    /// Signal map: which message path is which signal, and where its time is (docs/signals.md)
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, autoware or joint-state
@@ -128,6 +128,9 @@ fn text(survey: &LogSurvey) -> String {
             if rate.true_hz < 0.9 * rate.logged_hz {
                 let _ = write!(rates, " (but the value changes at {:.1} Hz only: it is repeated)", rate.true_hz);
             }
+        }
+        if let Some(kind) = found.messages.filter(|kind| *kind != log::MessageKind::Periodic) {
+            let _ = write!(rates, ", {kind}");
         }
         let values = found.values.map_or_else(String::new, |values| format!(", {values} values"));
         let _ = writeln!(text, "  {:16} {} [{}]{values}{rates}: {}", found.signal.key(), found.path, found.unit, found.reason);

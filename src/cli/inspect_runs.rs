@@ -1,7 +1,7 @@
 //! The runs of a log for `inspect --runs`: the data that a fit would use, and the cuts with their reasons, before there is a model.
 
 use crate::campaign;
-use crate::campaign::{Census, HeldAngle, Survey, ledger, runs as run_rows};
+use crate::campaign::{Census, HeldAngle, Survey, ledger, runs as run_rows, with_missing};
 use crate::cli::Ui;
 use crate::log::{Source, VehicleOverrides, read_split};
 use crate::map::{LedgerRow, RunRow};
@@ -45,7 +45,7 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
         }
     };
     let rows: Vec<RunRow> = run_rows(&survey, &survey.verdicts, 1.0).into_iter().map(|(_, row)| row).collect();
-    let table = ledger(survey.verdicts.iter().copied().zip(survey.seconds.iter().copied()));
+    let table = with_missing(ledger(survey.verdicts.iter().copied().zip(survey.seconds.iter().copied())), survey.missing_s());
     ui.say(text(&rows));
     for row in &table {
         ui.say(format!("  {:32} {:6} samples {:8.2} s", row.verdict, row.samples, row.seconds));

@@ -15,7 +15,7 @@ pub(crate) struct LogArguments {
     /// Logs (MCAP) of one vehicle, in any order: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
-    /// Signal map: which message path is which signal
+    /// Signal map: which message path is which signal, and where its time is (docs/signals.md)
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, autoware, joint-state

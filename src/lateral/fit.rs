@@ -250,6 +250,7 @@ mod tests {
             origins: Vec::new(),
             loss: Loss::default(),
             notes: Vec::new(),
+            clock_notes: Vec::new(),
         }
     }
 

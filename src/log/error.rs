@@ -51,6 +51,11 @@ pub enum Error {
     NoTopic { signal: &'static str, topic: String, nearest: Vec<String>, topics: Vec<String> },
     #[error("{signal}: path {path}: {source}")]
     Path { signal: &'static str, path: String, source: PlanError },
+    #[error(
+        "{signal}: stamp {stamp:?} leads to no time in the messages of {topic}{}; name one of its fields, or \"none\" for the log's own time",
+        list("; the nearest is", nearest, "", &[])
+    )]
+    NoStamp { signal: &'static str, topic: String, stamp: String, nearest: Vec<String> },
     #[error("reference_x is {x} and reference_y {y}: both must be slices of one topic, as /path.poses[:].pose.position.x, or both numbers")]
     HalfPath { x: String, y: String },
     #[error("{signal}: topic {topic}: {source}")]

@@ -3,6 +3,7 @@
 pub(crate) mod candidates;
 pub(crate) mod detect;
 pub(crate) mod infer_units;
+mod named_stamp;
 pub(crate) mod presets;
 pub(crate) mod resolve;
 pub(crate) mod series;

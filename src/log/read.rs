@@ -1,6 +1,5 @@
 //! Reads one log: structure, choice of signals, one pass over the messages, and the report of the lost data.
 
-use crate::log::extract::column::Column;
 use crate::log::extract::message_pass;
 use crate::log::extract::message_pass::Gathered;
 use crate::log::file::container::Container;
@@ -11,9 +10,11 @@ use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
 use crate::log::find::resolve::Choices;
 use crate::log::loss::{Damage, Loss, Why};
-use crate::log::recording::{Origin, Recording, Signals};
+use crate::log::recording::{Origin, Recording, Signal, Signals};
 use crate::log::reference_path::{Lists, polylines};
-use crate::log::signal_map::{SignalName, VehicleOverrides};
+use crate::log::signal_map::{SignalName, SignalSpec, VehicleOverrides};
+use crate::log::timing::log_clock::ClockStep;
+use crate::log::timing::message_times::MessageTimes;
 use crate::log::{Error, Result, Source};
 use crate::map::LogRef;
 use std::collections::BTreeMap;
@@ -82,6 +83,11 @@ pub(crate) struct RecordingPart {
     pub unnamed: Vec<SignalName>,
     /// Number of files.
     pub files: usize,
+    /// The times of the values of each signal, in the order of the log.
+    pub times: BTreeMap<SignalName, Vec<MessageTimes>>,
+    /// The first and the latest time of the log, and where it goes back.
+    pub span_ns: Option<(i64, i64)>,
+    pub clock_steps: Vec<ClockStep>,
 }
 
 /// Reads one file, with its hash if `hashed`.
@@ -120,7 +126,9 @@ fn read_input(
     let mut signals = Signals::default();
     let mut origins = Vec::new();
     let mut reference: Vec<Lists> = Vec::new();
-    for (mut column, choice) in gathered.columns.into_iter().zip(choices.found) {
+    let mut times = BTreeMap::new();
+    let mut kept = Vec::new();
+    for (number, (mut column, choice)) in gathered.columns.into_iter().zip(choices.found).enumerate() {
         let (signal, not_finite) = (choice.signal, column.not_finite);
         if not_finite > 0 {
             loss.not_finite.insert(signal.key().to_owned(), not_finite);
@@ -142,7 +150,6 @@ fn read_input(
             notes.push(format!("{signal} is left out: {path} gives no value: of {messages} message(s), {reason}"));
             continue;
         }
-        notes.extend(clock_note(signal, &column));
         origins.push(Origin {
             signal,
             path: choice.spec.path.to_string(),
@@ -154,14 +161,21 @@ fn read_input(
             reference.push(std::mem::take(&mut column.lists));
             continue;
         }
-        signals.set(signal, column.into_signal(choice.spec.relative_to_gear, choice.spec.unsigned));
+        let SignalSpec { relative_to_gear, unsigned, .. } = choice.spec;
+        signals.set(signal, Signal { value: column.value, relative_to_gear, unsigned, ..Signal::default() });
+        kept.push((signal, number));
+        times.insert(signal, column.times);
     }
     if let [x, y] = &reference[..] {
         signals.reference_paths = polylines(x, y);
     }
     let source = LogRef { sha256: sha256?, file, bytes: input.length() };
-    let recording = Recording { source, path, vehicle, signals, origins, loss, notes };
-    Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1 })
+    // the steps count the values of the signals in the order of their names, as `times` has them
+    kept.sort_unstable();
+    let of_kept = |step: ClockStep| ClockStep { values: kept.iter().map(|(_, column)| step.values[*column]).collect(), ..step };
+    let clock_steps = gathered.clock_steps.into_iter().map(of_kept).collect();
+    let recording = Recording { source, path, vehicle, signals, origins, loss, notes, clock_notes: Vec::new() };
+    Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1, times, span_ns: gathered.span_ns, clock_steps })
 }
 
 /// Result of a pass over the messages.
@@ -273,10 +287,4 @@ fn data_damage(container: &Container) -> Option<Damage> {
     }
     let calculated = container.input.crc(end).ok()?;
     (calculated != saved).then(|| Damage::new(0, 0, Why::DataCrc { saved, calculated }))
-}
-
-/// A note if the stamps of a signal come from another clock than the log time.
-fn clock_note(signal: SignalName, column: &Column) -> Option<String> {
-    let seconds = column.clock_offset_s()?;
-    Some(format!("the stamps of {signal} differ from the log's time by {seconds:.0} s: another clock?"))
 }

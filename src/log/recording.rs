@@ -25,6 +25,8 @@ pub struct Recording {
     pub loss: Loss,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// Notes on the clocks: what was corrected in the times of the signals.
+    pub clock_notes: Vec<String>,
 }
 
 /// The signals of a log.
@@ -59,6 +61,8 @@ pub struct Signal {
     pub time_ns: Vec<i64>,
     /// The values, in the signal's SI unit.
     pub value: Vec<f64>,
+    /// What is unsure of each time, apart from an offset of all of them [s]; 0 where the times are as logged.
+    pub time_std_s: f64,
     /// Positive means in the gear's direction; the value is unchanged.
     pub relative_to_gear: bool,
     /// A magnitude, unchanged; its sign must come from other signals.

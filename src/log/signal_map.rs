@@ -143,14 +143,26 @@ pub(crate) struct SignalSpec {
     pub scale: f64,
     /// Added after scaling, in `unit`. Default 0.
     pub offset: f64,
-    /// Path of the source time inside the message; found automatically if `None`.
-    pub stamp: Option<Vec<PathStep>>,
+    /// Where the time of a value is. By default the message's stamp.
+    pub stamp: Stamp,
     /// Positive means in the gear's direction: negated in reverse.
     pub relative_to_gear: bool,
     /// A magnitude: its sign comes from other signals.
     pub unsigned: bool,
     /// Meaning of a gear's values; by name and the usual numbers if empty.
     pub codes: Vec<(Code, f64)>,
+}
+
+/// Where the time of a value is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) enum Stamp {
+    /// In the usual field of the message (`header.stamp`, `stamp` or `header.timestamp`) if it has one; otherwise the time of the log.
+    #[default]
+    Usual,
+    /// The time of the log, whatever the message holds: `stamp = "none"`.
+    None,
+    /// In this field of the message.
+    At(Vec<PathStep>),
 }
 
 /// A value that stands for a gear.
@@ -166,7 +178,7 @@ pub(crate) enum Code {
 impl SignalSpec {
     /// A signal at `path` in `unit`, with defaults for the other fields.
     pub(crate) fn new(path: MessagePath, unit: Unit) -> Self {
-        Self { path, unit, scale: 1.0, offset: 0.0, stamp: None, relative_to_gear: false, unsigned: false, codes: Vec::new() }
+        Self { path, unit, scale: 1.0, offset: 0.0, stamp: Stamp::Usual, relative_to_gear: false, unsigned: false, codes: Vec::new() }
     }
 }
 
@@ -266,7 +278,11 @@ impl SignalEntry {
             unit,
             scale: finite("scale", self.scale, 1.0)?,
             offset: finite("offset", self.offset, 0.0)?,
-            stamp: self.stamp.as_deref().map(stamp_steps).transpose()?,
+            stamp: match self.stamp.as_deref().map(str::trim) {
+                None => Stamp::Usual,
+                Some("none") => Stamp::None,
+                Some(path) => Stamp::At(stamp_steps(path)?),
+            },
             relative_to_gear,
             unsigned: self.unsigned,
             codes,
@@ -303,16 +319,16 @@ mod tests {
             wheelbase_m = 0.92
             [signals]
             speed = { path = '/t.v{name=="w"}', unit = "rpm", scale = 2, offset = -1.5, stamp = "header.stamp", relative_to = "gear", unsigned = true }
-            gear = { path = "/g.data", neutral = "N", forward = ["D", 2], reverse = 20 }
+            gear = { path = "/g.data", neutral = "N", forward = ["D", 2], reverse = 20, stamp = "none" }
             "#,
         )
         .unwrap();
         assert_eq!(map.vehicle.wheelbase_m, Some(0.92));
         let speed = &map.signals[&SignalName::Speed];
         assert_eq!((speed.scale, speed.offset, speed.relative_to_gear, speed.unsigned), (2.0, -1.5, true, true));
-        assert_eq!(speed.stamp.as_ref().unwrap().len(), 2);
+        assert!(matches!(&speed.stamp, Stamp::At(steps) if steps.len() == 2));
         let gear = &map.signals[&SignalName::Gear];
-        assert_eq!(gear.codes.len(), 4);
+        assert_eq!((gear.codes.len(), &gear.stamp), (4, &Stamp::None));
         assert_eq!(gear.codes[3], (Code::Number(20.0), -1.0));
     }
 

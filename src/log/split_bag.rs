@@ -5,6 +5,9 @@ use crate::log::loss::Loss;
 use crate::log::read::RecordingPart;
 use crate::log::recording::{Recording, Signal};
 use crate::log::signal_map::{SignalName, VehicleOverrides};
+use crate::log::timing::log_clock::{ClockStep, LEAST_STEP_NS};
+use crate::log::timing::message_times::SignalTimes;
+use crate::log::timing::true_times;
 use crate::log::{Error, Result, Source, read};
 use crate::map::LogRef;
 use sha2::{Digest, Sha256};
@@ -70,20 +73,23 @@ pub(crate) fn read_split(
 impl RecordingPart {
     /// Adds the next file of the same recording.
     fn append(&mut self, next: Self) {
+        self.append_clock(&next);
         self.files += 1;
         self.guessed |= next.guessed;
         self.unnamed.extend(next.unnamed);
+        let next_times = next.times;
         let (whole, next) = (&mut self.recording, next.recording);
         let LogRef { sha256, file, bytes } = next.source;
         whole.source.sha256 += &sha256;
         whole.source.bytes += bytes;
         let first = whole.source.file.split(" … ").next().unwrap_or_default();
         whole.source.file = format!("{first} … {file}");
-        for name in SignalName::ALL {
-            let Some(more) = next.signals.get(name).filter(|signal| !signal.is_empty()) else { continue };
+        for (name, times) in next_times {
+            let Some(more) = next.signals.get(name) else { continue };
             let mut signal = whole.signals.get(name).cloned().unwrap_or_default();
             signal.append(more);
             whole.signals.set(name, signal);
+            self.times.entry(name).or_default().extend(times);
         }
         for origin in next.origins {
             match whole.origins.iter_mut().find(|known| known.signal == origin.signal && known.path == origin.path) {
@@ -99,9 +105,41 @@ impl RecordingPart {
         }
     }
 
-    /// The recording, with units and signs corrected from the values.
+    /// Adds the steps of the recorder's clock; the values of both parts are counted in the order of all their names.
+    fn append_clock(&mut self, next: &Self) {
+        let mut names: Vec<SignalName> = self.times.keys().chain(next.times.keys()).copied().collect();
+        names.sort_unstable();
+        names.dedup();
+        let spread = |step: &ClockStep, part: &Self| {
+            let of = |name: &SignalName| part.times.keys().position(|known| known == name).and_then(|at| step.values.get(at)).copied();
+            ClockStep { values: names.iter().map(|name| of(name).unwrap_or(0)).collect(), ..step.clone() }
+        };
+        let so_far: Vec<usize> = names.iter().map(|name| self.times.get(name).map_or(0, Vec::len)).collect();
+        let mut steps: Vec<ClockStep> = self.clock_steps.iter().map(|step| spread(step, self)).collect();
+        if let Some(((first, latest), (next_first, next_latest))) = self.span_ns.zip(next.span_ns) {
+            if next_first < latest.saturating_sub(LEAST_STEP_NS) {
+                steps.push(ClockStep { before_ns: latest, after_ns: next_first, values: so_far.clone() });
+            }
+            self.span_ns = Some((first, next_latest));
+        } else {
+            self.span_ns = self.span_ns.or(next.span_ns);
+        }
+        steps.extend(next.clock_steps.iter().map(|step| spread(step, next).after(&so_far)));
+        self.clock_steps = steps;
+    }
+
+    /// The recording, with the true times of its signals, and with units and signs corrected from the values.
     pub(crate) fn finish(self) -> Recording {
         let mut recording = self.recording;
+        let signals: Vec<SignalTimes> = self.times.iter().map(|(signal, times)| SignalTimes { signal: *signal, times }).collect();
+        let (true_times, clock_notes) = true_times(&signals, &self.clock_steps);
+        recording.clock_notes = clock_notes;
+        for (name, times) in self.times.keys().zip(true_times) {
+            let mut signal = recording.signals.get(*name).cloned().unwrap_or_default();
+            (signal.time_ns, signal.time_std_s) = (times.time_ns, times.std_s);
+            signal.sort();
+            recording.signals.set(*name, signal);
+        }
         if self.guessed {
             recording.notes.extend(infer_units::correct(&mut recording.signals, &recording.vehicle, &self.unnamed));
         }
@@ -110,13 +148,11 @@ impl RecordingPart {
 }
 
 impl Signal {
-    /// Adds values that were logged later, sorted by their stamps.
+    /// Adds values that were logged later; their times are found for the whole recording.
     fn append(&mut self, next: &Self) {
         self.relative_to_gear |= next.relative_to_gear;
         self.unsigned |= next.unsigned;
-        self.time_ns.extend(&next.time_ns);
         self.value.extend(&next.value);
-        self.sort();
     }
 }
 

@@ -11,7 +11,10 @@ use crate::log::loss::Loss;
 use crate::log::rate::{Rate, rate};
 use crate::log::read::loss;
 use crate::log::signal_map::SignalName;
-use crate::log::{Error, Result, Source};
+use crate::log::timing::message_times::SignalTimes;
+use crate::log::timing::true_times;
+use crate::log::{Error, MessageKind, Result, Signal, Source};
+use crate::units::NS_PER_S;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -89,6 +92,8 @@ pub struct FoundSignal {
     pub values: Option<usize>,
     /// Rates, if checked.
     pub rate: Option<Rate>,
+    /// What its messages mean, if checked.
+    pub messages: Option<MessageKind>,
 }
 
 /// A signal that was not found.
@@ -158,19 +163,33 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
         gathered = Some(message_pass::all(&container, &plans, choices.found.len(), progress));
     }
     let mut found = Vec::new();
-    let mut not_finite = BTreeMap::new();
-    let mut columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns));
-    for (column, choice) in choices.found.iter().enumerate() {
-        let column = columns.as_mut().map(|columns| std::mem::take(&mut columns[column]));
-        not_finite.extend(column.as_ref().filter(|column| column.not_finite > 0).map(|c| (choice.signal.key().to_owned(), c.not_finite)));
-        let signal = column.map(|column| column.into_signal(false, false));
+    let columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns)).unwrap_or_default();
+    let times: Vec<SignalTimes> =
+        choices.found.iter().zip(&columns).map(|(choice, column)| SignalTimes { signal: choice.signal, times: &column.times }).collect();
+    let (true_times, clock_notes) = true_times(&times, gathered.as_ref().map_or(&[], |gathered| &gathered.clock_steps));
+    notes.extend(clock_notes);
+    let not_finite: BTreeMap<String, u64> = choices
+        .found
+        .iter()
+        .zip(&columns)
+        .filter(|(_, column)| column.not_finite > 0)
+        .map(|(choice, column)| (choice.signal.key().to_owned(), column.not_finite))
+        .collect();
+    let mut read = columns.iter().zip(true_times).map(|(column, times)| {
+        let mut signal = Signal { value: column.value.clone(), time_ns: times.time_ns, ..Signal::default() };
+        signal.sort();
+        signal
+    });
+    for choice in &choices.found {
+        let signal = read.next();
         found.push(FoundSignal {
             signal: choice.signal,
             path: choice.spec.path.to_string(),
             unit: choice.spec.unit.name().to_owned(),
             reason: choice.reason.clone(),
-            values: signal.as_ref().map(crate::log::Signal::len),
+            values: signal.as_ref().map(Signal::len),
             rate: signal.as_ref().and_then(rate),
+            messages: signal.as_ref().map(kind),
         });
     }
     let missing =
@@ -192,7 +211,7 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
         (None, Some(statistics)) => (Some(statistics.message_start_time), Some(statistics.message_end_time)),
         (None, None) => (None, None),
     };
-    let span_s = start_ns.zip(end_ns).map(|(start, end)| end.saturating_sub(start) as f64 / crate::units::NS_PER_S);
+    let span_s = start_ns.zip(end_ns).map(|(start, end)| end.saturating_sub(start) as f64 / NS_PER_S);
     let mut topics: Vec<Topic> = container
         .inventory
         .channels
@@ -231,6 +250,12 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
         loss,
         notes,
     })
+}
+
+/// What the messages of a signal mean.
+fn kind(signal: &Signal) -> MessageKind {
+    let time_s: Vec<f64> = signal.time_ns.iter().map(|t| t.saturating_sub(signal.time_ns[0]) as f64 / NS_PER_S).collect();
+    MessageKind::of(&time_s, &signal.value)
 }
 
 /// The compressions of the chunks, from a few of them.

@@ -1,12 +1,11 @@
 //! The signals of one log on one clock, in the vehicle's frame.
 
-use crate::log::{Recording, Signal, rate};
+use crate::log::{Recording, Signal};
 use crate::map::{LogRef, Vehicle};
-use crate::signal::{Error, Result, Series, new_values_only, resolve};
-use crate::units::{NS_PER_S, RAD_PER_DEG};
-
-/// Smallest number of values of a required signal.
-const FEWEST: usize = 50;
+use crate::signal::agreement::{NEAR_ANGLE_RAD, Sources};
+use crate::signal::taken::{FEWEST, Taken};
+use crate::signal::{Error, Result, Series, resolve};
+use crate::units::RAD_PER_DEG;
 
 /// The signals of one log: seconds since its first sample, SI, signs resolved (forward positive, left positive).
 #[derive(Debug, Clone)]
@@ -25,6 +24,8 @@ pub struct Track {
     pub yaw_speed_mps: Option<Series>,
     /// Torque command [N·m], held between its samples.
     pub command_nm: Series,
+    /// What is unsure of each time of the command, apart from an offset of all of them [s].
+    pub command_std_s: f64,
     /// Torque feedback [N·m].
     pub feedback_nm: Option<Series>,
     /// Wheel angle [rad].
@@ -41,7 +42,8 @@ impl Track {
     /// The track of one log, for runs at the vehicle's test angle.
     ///
     /// # Errors
-    /// A required signal has fewer than 50 values, a sign cannot be determined, or signals do not overlap in time.
+    /// A required signal has too few values, a sign cannot be determined or is reversed, two publishers command the torque, or signals do not
+    /// overlap in time.
     pub fn new(recording: &Recording) -> Result<Self> {
         Self::at_angle(recording, recording.vehicle.test_angle_deg)
     }
@@ -52,53 +54,36 @@ impl Track {
     /// As [`Track::new`].
     pub fn at_angle(recording: &Recording, wheel_angle_deg: f64) -> Result<Self> {
         let signals = &recording.signals;
-        let optional = [&signals.torque_feedback, &signals.yaw_rate, &signals.gear, &signals.estop];
-        let start_ns = [&signals.speed, &signals.torque, &signals.angle]
-            .into_iter()
-            .chain(optional.into_iter().flatten())
-            .filter_map(|s| s.time_ns.first().copied())
-            .min()
-            .unwrap_or(0);
-        let mut notes = Vec::new();
-        let mut take = |name: &'static str, signal: &Signal, dedupe: bool| {
-            let series = Series {
-                t_s: signal.time_ns.iter().map(|t| t.saturating_sub(start_ns) as f64 / NS_PER_S).collect(),
-                value: signal.value.clone(),
-            };
-            match rate(signal) {
-                Some(rate) if dedupe && rate.repeats > 1 => {
-                    notes.push(format!(
-                        "{name}: logged at {:.0} Hz, but new values come only at {:.1} Hz; repeated values are left out",
-                        rate.logged_hz, rate.true_hz
-                    ));
-                    new_values_only(&series, rate.repeats)
-                }
-                _ => series,
-            }
-        };
-        let gear = signals.gear.as_ref().map(|s| take("gear", s, false)).filter(|s| !s.is_empty());
-        let estop = signals.estop.as_ref().map(|s| take("estop", s, false)).filter(|s| !s.is_empty());
-        let mut encoder_mps = take("speed", &signals.speed, true);
-        let mut command_nm = take("torque", &signals.torque, false);
-        let mut feedback_nm = signals.torque_feedback.as_ref().map(|s| take("torque_feedback", s, true)).filter(|s| s.len() >= FEWEST);
-        let angle_rad = take("angle", &signals.angle, false);
+        let mut taken = Taken::new(recording);
+        let gear = signals.gear.as_ref().map(|s| taken.held("gear", s)).filter(|s| !s.is_empty());
+        let estop = signals.estop.as_ref().map(|s| taken.held("estop", s)).filter(|s| !s.is_empty());
+        let mut encoder_mps = taken.measured("speed", &signals.speed);
+        if encoder_mps.len() < FEWEST {
+            return Err(Error::TooFew { signal: "speed", found: encoder_mps.len(), needed: FEWEST });
+        }
+        let mut feedback_nm = taken.optional("torque_feedback", signals.torque_feedback.as_ref());
         // ω = v·sin δ / L, hence v = L·ω / sin δ
         let lever_m = recording.vehicle.wheelbase_m / (wheel_angle_deg * RAD_PER_DEG).sin();
-        let yaw_speed_mps = signals
-            .yaw_rate
-            .as_ref()
-            .filter(|_| lever_m.is_finite() && lever_m.abs() < 10.0 * recording.vehicle.wheelbase_m)
-            .map(|s| take("yaw_rate", s, true))
-            .filter(|s| s.len() >= FEWEST)
-            .map(|mut s| {
-                s.value.iter_mut().for_each(|v| *v *= lever_m);
-                s
-            });
-        for (signal, series) in [("speed", &encoder_mps), ("torque", &command_nm), ("angle", &angle_rad)] {
-            if series.len() < FEWEST {
-                return Err(Error::TooFew { signal, found: series.len(), needed: FEWEST });
+        let has_lever = lever_m.is_finite() && lever_m.abs() < 10.0 * recording.vehicle.wheelbase_m;
+        let mut yaw_speed_mps = taken.optional("yaw_rate", signals.yaw_rate.as_ref().filter(|_| has_lever)).map(|mut s| {
+            s.value.iter_mut().for_each(|v| *v *= lever_m);
+            s
+        });
+        let mut angle_rad = taken.held("angle", &signals.angle);
+        taken.enough("angle", &signals.angle)?;
+        if let (1, Some(yaw)) = (signals.angle.len(), &yaw_speed_mps) {
+            // a latched angle may have been published before the wheel was steered
+            let wheel_angle_rad = wheel_angle_deg * RAD_PER_DEG;
+            let sources = Sources { encoder_mps: &encoder_mps, gear: gear.as_ref(), angle_rad: &angle_rad, wheel_angle_rad };
+            if (angle_rad.value[0] - wheel_angle_rad).abs() > NEAR_ANGLE_RAD && sources.yaw_shows_angle(yaw) {
+                taken.notes.push(format!(
+                    "angle is logged once, as {:.1}°, but the yaw rate shows that the runs were driven at {wheel_angle_deg}°, which is used",
+                    angle_rad.value[0] / RAD_PER_DEG
+                ));
+                angle_rad.value.fill(wheel_angle_rad);
             }
         }
+        let mut command_nm = taken.command(feedback_nm.as_ref())?;
         let relative = |signal: Option<&Signal>| signal.is_some_and(|s| s.relative_to_gear);
         if relative(Some(&signals.torque)) {
             resolve::relative_to_gear("torque", &mut command_nm, gear.as_ref())?;
@@ -115,19 +100,24 @@ impl Track {
         if signals.torque.unsigned {
             resolve::signed("torque", &mut command_nm, gear.as_ref(), None)?;
         }
+        let wheel_angle_rad = wheel_angle_deg * RAD_PER_DEG;
+        let sources = Sources { encoder_mps: &encoder_mps, gear: gear.as_ref(), angle_rad: &angle_rad, wheel_angle_rad };
+        sources.onto_one_clock(&mut command_nm, feedback_nm.as_mut(), yaw_speed_mps.as_mut(), &mut taken.notes);
+        sources.check_signs(&command_nm, yaw_speed_mps.as_ref())?;
         let track = Self {
             source: recording.source.clone(),
             vehicle: recording.vehicle,
             wheel_angle_deg,
-            start_ns,
+            start_ns: taken.start_ns,
             encoder_mps,
             yaw_speed_mps,
             command_nm,
+            command_std_s: signals.torque.time_std_s,
             feedback_nm,
             angle_rad,
             gear,
             estop,
-            notes,
+            notes: taken.notes,
         };
         track.check_overlap()?;
         Ok(track)

@@ -132,6 +132,7 @@ mod tests {
         let motion = IdentifiedSettings {
             forward: direction(Gear::Forward),
             reverse: Some(direction(Gear::Reverse)),
+            power_limit_nm_mps: f64::INFINITY,
             disturbance_mps2: 0.1,
             disturbance_time_s: 0.2,
             run_offset_mps2: 0.1,

@@ -1,6 +1,6 @@
 //! One `table1.json` from the fits of all angles.
 
-use crate::campaign::{SampleVerdict, ledger};
+use crate::campaign::{SampleVerdict, ledger, with_missing};
 use crate::fit::Result;
 use crate::fit::angles::family::families;
 use crate::fit::angles::fitted_angles::FittedAngles;
@@ -41,7 +41,7 @@ impl FittedAngles<'_> {
         let (logs, surveys): (Vec<_>, Vec<_>) = self.logs().into_iter().unzip();
         let seconds = verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied()));
         let report = Stage1Report {
-            ledger: ledger(seconds),
+            ledger: with_missing(ledger(seconds), surveys.iter().map(|survey| survey.missing_s()).sum()),
             runs: self.runs().into_iter().map(|run| run.row).collect(),
             residual_rms_mps2: round(self.residual_rms_mps2(), 1e5),
             coverage: round(coverage(&maps).0, 1e4),

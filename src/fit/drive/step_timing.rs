@@ -9,11 +9,14 @@
 //! does not hold.)
 
 use crate::fit::noise::model::Reading;
+use crate::log::MessageKind;
 use crate::signal::{Series, median};
 use std::f64::consts::SQRT_2;
 
 /// A command is periodic when this share of its intervals lies within half a period of their median.
 const PERIODIC_SHARE: f64 = 0.8;
+/// A command with a longer period was thinned out for the log: the drive had it up to a period earlier [s].
+const THINNED_S: f64 = 0.08;
 /// A step is over after this many time constants of the lag.
 const OVER: f64 = 6.0;
 /// Changes smaller than this share of the largest command are ignored.
@@ -44,14 +47,17 @@ impl StepTiming {
         let t = &command.t_s;
         let period_s = command.median_period_s();
         let regular = t.windows(2).filter(|w| (w[1] - w[0] - period_s).abs() <= 0.5 * period_s).count();
-        let periodic = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
+        let is_regular = period_s > 0.0 && regular as f64 >= PERIODIC_SHARE * (t.len().max(2) - 1) as f64;
+        // the holds of a campaign may be equally long
+        let periodic = is_regular && !MessageKind::of(t, &command.value).is_held();
         // an interval has the jitter of both its ends
         let strays: Vec<f64> = t.windows(2).map(|w| (w[1] - w[0] - period_s).abs()).collect();
         let jitter_s = if periodic { 1.4826 * median(&strays) / SQRT_2 } else { 0.0 };
         let late = |k: usize| {
             let periods = if periodic { ((t[k] - t[k - 1]) / period_s).round().max(1.0) } else { 1.0 };
             // equally likely in any of the periods: late by none, by one, ... by all but one
-            let late_s2 = jitter_s * jitter_s + period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
+            let thinned_s2 = if periodic && period_s > THINNED_S { period_s * period_s / 12.0 } else { 0.0 };
+            let late_s2 = thinned_s2 + jitter_s * jitter_s + period_s * period_s * (periods - 1.0) * (2.0 * periods - 1.0) / 6.0;
             ((periods - 1.0) * period_s, late_s2)
         };
         Self::of_changes(command, late)
@@ -60,6 +66,12 @@ impl StepTiming {
     /// From a command whose changes are all shown late by this root mean square [s].
     pub(crate) fn late(command: &Series, late_s: f64) -> Self {
         Self::of_changes(command, |_| (0.0, late_s * late_s))
+    }
+
+    /// The same, for a command whose times are unsure by `std_s` [s].
+    pub(crate) fn unsure(mut self, std_s: f64) -> Self {
+        self.changes.iter_mut().for_each(|change| change.late_s2 += std_s * std_s);
+        self
     }
 
     /// `late` gives the largest and the mean square delay of a sample [s, s²].

@@ -195,6 +195,9 @@ fn first_crossing(from_s: f64, to_s: f64, threshold: f64, mut torque: impl FnMut
     None
 }
 
+/// Readings further apart are in different segments [s].
+const LONGEST_GAP_S: f64 = 0.15;
+
 /// Splits readings at cuts and gaps into segments like `model`; the part after a cut is not anchored.
 fn split(readings: &[Reading], cuts: &[(f64, f64)], model: &Segment, segments: &mut Vec<Segment>) {
     let inside = |t: f64| cuts.iter().any(|(from, to)| t >= *from && t <= *to);
@@ -212,9 +215,12 @@ fn split(readings: &[Reading], cuts: &[(f64, f64)], model: &Segment, segments: &
             segments.push(Segment { start_s, ..done });
         }
     };
+    // a slow speed source has longer intervals
+    let intervals: Vec<f64> = readings.windows(2).map(|r| r[1].t_s - r[0].t_s).collect();
+    let longest_s = if intervals.is_empty() { LONGEST_GAP_S } else { LONGEST_GAP_S.max(2.5 * crate::signal::median(&intervals)) };
     for reading in readings {
         let last = current.readings.last().map_or(if whole { model.start_s } else { reading.t_s }, |r| r.t_s);
-        let broken = reading.t_s - last > 0.15 || between(last, reading.t_s);
+        let broken = reading.t_s - last > longest_s || between(last, reading.t_s);
         if broken || inside(reading.t_s) {
             close(&mut current);
             whole = false;

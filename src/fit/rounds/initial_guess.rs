@@ -23,8 +23,10 @@ use rayon::prelude::*;
 const COARSE_QUANTUM_MPS: f64 = 0.004;
 /// Noise of this share of a step makes readings as good as continuous.
 const DITHERED: f64 = 0.2;
-/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz].
+/// A speed signal slower than this cannot follow a lag of some 50 ms [Hz]. It shows accelerations where the torque holds.
 const SLOW_HZ: f64 = 10.0;
+/// A slower signal must show a usual hold by so many readings.
+const READINGS_OF_HOLD: f64 = 8.0;
 /// Least time in motion for a fit [s].
 const LEAST_MOTION_S: f64 = 5.0;
 
@@ -162,7 +164,9 @@ pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settin
 pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
     let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
     let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
-    (rate_hz < SLOW_HZ).then_some(rate_hz)
+    let holds: Vec<f64> = survey.stretches.iter().map(|s| s.to_s - s.from_s).collect();
+    let is_enough = !holds.is_empty() && crate::signal::median(&holds) * rate_hz >= READINGS_OF_HOLD;
+    (rate_hz < SLOW_HZ && !is_enough).then_some(rate_hz)
 }
 
 /// Resolution of a speed source.
@@ -204,7 +208,7 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<Progress>, ch
         yaw_outliers: yaw_outliers.unwrap_or_default(),
         instead: choice.instead(&survey.track),
         undelivered_s: undelivered_s(choice, survey),
-        timing: StepTiming::new(&survey.track.command_nm),
+        timing: StepTiming::new(&survey.track.command_nm).unsure(survey.track.command_std_s),
         cuts: Cuts::default(),
         coarse_mps,
         progress,
@@ -273,8 +277,10 @@ fn lattice_of(segments: &[Segment], speeds: &[Vec<f64>], surveys: &[Survey], set
     for s in segments {
         let command = &surveys[s.log].track.command_nm;
         if let (Some(first), Some(last)) = (s.readings.first(), s.readings.last()) {
-            for k in command.range(first.t_s, last.t_s) {
-                let u = s.gear.sign() * command.value[k];
+            // with the command in force at the start
+            let inside = command.range(first.t_s, last.t_s).map(|k| command.value[k]);
+            for value in command.held(first.t_s).into_iter().chain(inside) {
+                let u = s.gear.sign() * value;
                 low = low.min(u);
                 high = high.max(u);
                 torques.push(u);

@@ -6,6 +6,7 @@
 mod cdr;
 mod index;
 mod json;
+pub(crate) mod json_literals;
 #[cfg(test)]
 mod oracle;
 mod protobuf;

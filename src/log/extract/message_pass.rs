@@ -13,6 +13,8 @@ use crate::log::file::container::Container;
 use crate::log::file::record::{PREFIX, RawMessage, Records, parse};
 use crate::log::file::structure::{Block, BlockKind, Inventory};
 use crate::log::loss::{Damage, Why};
+use crate::log::timing::log_clock::{ClockStep, LEAST_STEP_NS};
+use crate::log::timing::message_times::MessageTimes;
 use crate::log::value::Raw;
 use mcap::records::op;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,6 +25,9 @@ use std::sync::{Mutex, PoisonError};
 const MAX_SAMPLE: usize = 1 << 20;
 /// Number of blocks without a message index that are opened to find the channels of the log.
 const BLIND_BLOCKS: usize = 4;
+
+/// More places where the time of the log goes back are not kept: they are no clock's.
+const MOST_STEPS: usize = 100;
 
 /// The wanted values of the messages of one channel.
 #[derive(Debug)]
@@ -67,6 +72,9 @@ pub(crate) struct Gathered {
     pub learned: Inventory,
     /// The first payload of each channel that was not known before the pass.
     pub samples: BTreeMap<u16, Vec<u8>>,
+    /// The first and the latest time of the log so far, and where it goes back.
+    pub span_ns: Option<(i64, i64)>,
+    pub clock_steps: Vec<ClockStep>,
 }
 
 /// Reads every block; `columns` is the number of columns that `plans` fill. `progress` receives the number of bytes read.
@@ -150,6 +158,7 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
         };
         let (tally, taken) = &mut met[place];
         *tally = tally.with(message.log_time_ns);
+        found.log_time(nanoseconds(message.log_time_ns));
         if let Some(plan) = plan {
             found.decode(plan, &message, taken);
         }
@@ -226,14 +235,14 @@ impl Gathered {
         }
         let log_time_ns = nanoseconds(message.log_time_ns);
         for wanted in &plan.values {
-            let time_ns = || {
-                let stamped = wanted.stamp.and_then(|stamp| stamp.time_ns(taken));
-                let published = (message.publish_time_ns != 0).then(|| nanoseconds(message.publish_time_ns));
-                stamped.or(published).unwrap_or(log_time_ns)
+            let times = || MessageTimes {
+                stamp_ns: wanted.stamp.and_then(|stamp| stamp.time_ns(taken)).unwrap_or(0),
+                publish_ns: nanoseconds(message.publish_time_ns),
+                log_ns: log_time_ns,
             };
             if wanted.list {
                 let list = taken.list(wanted.slot).iter().map(|raw| wanted.convert.apply(&Raw::Number(*raw)).unwrap_or(f64::NAN));
-                self.columns[wanted.column].push_list(time_ns(), log_time_ns, list);
+                self.columns[wanted.column].push_list(times(), list);
                 continue;
             }
             let Some(value) = wanted.convert.apply(taken.get(wanted.slot)) else { continue };
@@ -241,11 +250,31 @@ impl Gathered {
                 self.columns[wanted.column].not_finite += 1;
                 continue;
             }
-            self.columns[wanted.column].push(time_ns(), log_time_ns, value);
+            self.columns[wanted.column].push(times(), value);
+        }
+    }
+
+    /// Notes the time of the next message.
+    fn log_time(&mut self, time_ns: i64) {
+        let (first, latest) = self.span_ns.unwrap_or((time_ns, time_ns));
+        if time_ns < latest.saturating_sub(LEAST_STEP_NS) {
+            let values = self.columns.iter().map(|column| column.value.len()).collect();
+            self.clock_steps.push(ClockStep { before_ns: latest, after_ns: time_ns, values });
+            self.clock_steps.truncate(MOST_STEPS);
+            self.span_ns = Some((first, time_ns));
+        } else {
+            self.span_ns = Some((first, latest.max(time_ns)));
         }
     }
 
     fn append(&mut self, part: Self) {
+        if let Some((first, latest)) = part.span_ns {
+            self.log_time(first);
+            let so_far: Vec<usize> = self.columns.iter().map(|column| column.value.len()).collect();
+            self.clock_steps.extend(part.clock_steps.into_iter().map(|step| step.after(&so_far)));
+            self.clock_steps.truncate(MOST_STEPS);
+            self.span_ns = self.span_ns.map(|(first, _)| (first, latest));
+        }
         for (whole, part) in self.columns.iter_mut().zip(part.columns) {
             whole.append(part);
         }

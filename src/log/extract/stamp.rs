@@ -4,6 +4,7 @@ use crate::log::extract::extractor::Extractor;
 use crate::log::extract::extractor::taken::Taken;
 use crate::log::path::{MessagePath, PathStep};
 use crate::log::schema::Layout;
+use crate::log::signal_map::Stamp;
 use crate::log::value::Raw;
 
 /// Slots that together hold a stamp.
@@ -15,18 +16,20 @@ pub(crate) enum StampPath {
     Single(usize),
 }
 
-const SECONDS: [&str; 3] = ["sec", "seconds", "secs"];
-const NANOSECONDS: [&str; 5] = ["nanosec", "nanos", "nsec", "nsecs", "nanoseconds"];
+/// Names of the whole seconds of a stamp.
+pub(crate) const SECONDS: [&str; 3] = ["sec", "seconds", "secs"];
+/// Names of its nanoseconds.
+pub(crate) const NANOSECONDS: [&str; 5] = ["nanosec", "nanos", "nsec", "nsecs", "nanoseconds"];
 /// Where a stamp is searched for when the signal map names none.
 const PLACES: [&[&str]; 3] = [&["header", "stamp"], &["stamp"], &["header", "timestamp"]];
 
-/// The paths to the parts of a stamp in messages of this layout: at `place`, or where stamps usually are.
-/// `sample` is a payload, tried for layouts without a schema.
-pub(crate) fn find(layout: &Layout, place: Option<&[PathStep]>, sample: Option<&[u8]>) -> Option<Vec<Vec<PathStep>>> {
-    let usual = || {
-        PLACES.iter().map(|names| names.iter().map(|name| PathStep::Field((*name).to_owned())).collect()).collect::<Vec<Vec<PathStep>>>()
+/// The paths to the parts of a stamp in messages of this layout. `sample` is a payload, tried for layouts without a schema.
+pub(crate) fn find(layout: &Layout, stamp: &Stamp, sample: Option<&[u8]>) -> Option<Vec<Vec<PathStep>>> {
+    let places: Vec<Vec<PathStep>> = match stamp {
+        Stamp::None => return None,
+        Stamp::At(place) => vec![place.clone()],
+        Stamp::Usual => PLACES.iter().map(|names| names.iter().map(|name| PathStep::Field((*name).to_owned())).collect()).collect(),
     };
-    let places = place.map_or_else(usual, |place| vec![place.to_vec()]);
     places.into_iter().find_map(|place| {
         let child = |name: &&str| [place.clone(), vec![PathStep::Field((*name).to_owned())]].concat();
         let parts = SECONDS.iter().find(|name| holds(layout, &child(name), sample)).and_then(|seconds| {

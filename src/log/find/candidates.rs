@@ -1,6 +1,7 @@
 //! Every single value in the messages of a log, as a path that a signal map could name.
 
 use crate::log::extract::extractor::Extractor;
+use crate::log::extract::extractor::json_literals::quoted_literals;
 use crate::log::extract::extractor::taken::Taken;
 use crate::log::file::container::Container;
 use crate::log::path::{MessagePath, PathStep, quoted};
@@ -125,9 +126,11 @@ fn taken<T>(layout: &Layout, paths: &[&MessagePath], payload: &[u8], take: impl 
 }
 
 /// Leaves of a JSON channel, found in one of its messages.
-fn json_leaves(sample: Option<&[u8]>) -> Vec<Leaf> {
+pub(crate) fn json_leaves(sample: Option<&[u8]>) -> Vec<Leaf> {
     let mut found = Vec::new();
-    if let Some(value) = sample.and_then(|payload| serde_json::from_slice(payload).ok()) {
+    let parsed = |payload: &[u8]| serde_json::from_slice(payload).ok();
+    let value = sample.and_then(|payload| parsed(payload).or_else(|| parsed(&quoted_literals(payload)?)));
+    if let Some(value) = value {
         descend(&value, String::new(), &mut found);
     }
     found
@@ -155,6 +158,8 @@ fn descend(value: &serde_json::Value, path: String, found: &mut Vec<Leaf>) {
         Value::Bool(_) => LeafKind::Bool,
         Value::Number(number) if number.is_f64() => LeafKind::Float,
         Value::Number(_) => LeafKind::Integer,
+        // NaN and infinity stand for a number
+        Value::String(text) if text.parse().is_ok_and(|number: f64| !number.is_finite()) => LeafKind::Float,
         Value::String(_) => LeafKind::Text,
     };
     found.push(Leaf { path, kind, names: Names::default(), list: None });

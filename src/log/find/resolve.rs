@@ -9,7 +9,7 @@ use crate::log::extractor_error::PlanError;
 use crate::log::file::container::Container;
 use crate::log::find::candidates::{Candidate, Candidates};
 use crate::log::find::presets::Preset;
-use crate::log::find::{detect, series};
+use crate::log::find::{detect, named_stamp, series};
 use crate::log::path::{MessagePath, PathStep};
 use crate::log::schema::Layout;
 use crate::log::signal_map::{SignalMap, SignalName, SignalSpec};
@@ -168,13 +168,12 @@ pub(crate) fn plans(
         };
         let good: Vec<(usize, &PathChoice)> = wanted
             .into_iter()
-            .filter(|(column, choice)| match one(&layout, choice) {
-                Ok(()) => true,
-                Err(source) => {
-                    let path = choice.spec.path.to_string();
-                    problems.entry(*column).or_insert_with(|| Error::Path { signal: choice.signal.key(), path, source });
-                    false
-                }
+            .filter(|(column, choice)| {
+                let path = |source| Error::Path { signal: choice.signal.key(), path: choice.spec.path.to_string(), source };
+                let checked = one(&layout, choice)
+                    .map_err(path)
+                    .and_then(|()| named_stamp::check(&layout, choice.signal, &choice.spec, samples.get(id).map(Vec::as_slice)));
+                checked.map_err(|problem| problems.entry(*column).or_insert(problem)).is_ok()
             })
             .collect();
         served.extend(good.iter().map(|(column, _)| *column));
@@ -215,7 +214,7 @@ fn channel_plan(layout: &Layout, wanted: &[(usize, &PathChoice)], sample: Option
     let mut values = Vec::new();
     for (column, choice) in wanted {
         let spec = &choice.spec;
-        let stamp = stamp::find(layout, spec.stamp.as_deref(), sample).and_then(|parts| {
+        let stamp = stamp::find(layout, &spec.stamp, sample).and_then(|parts| {
             let slots: Vec<usize> = parts.iter().map(|steps| slot(steps, &mut paths)).collect();
             match slots[..] {
                 [seconds, nanoseconds] => Some(StampPath::Parts { seconds, nanoseconds }),

@@ -145,6 +145,7 @@ impl Drive {
             encoder_mps: encoder,
             yaw_speed_mps: Some(yaw),
             command_nm: told,
+            command_std_s: 0.0,
             feedback_nm: None,
             angle_rad,
             gear: Some(gear),

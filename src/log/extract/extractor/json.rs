@@ -1,6 +1,7 @@
 //! JSON payloads: the text is parsed once; values that are not wanted are skipped without being built.
 
 use crate::log::extract::extractor::index::position;
+use crate::log::extract::extractor::json_literals::quoted_literals;
 use crate::log::extract::extractor::request_tree::{Element, ElementCheck, Pick, Wish};
 use crate::log::extract::extractor::slice::elements;
 use crate::log::extract::extractor::taken::Taken;
@@ -32,6 +33,15 @@ impl JsonProgram {
     }
 
     pub(crate) fn run(&self, payload: &[u8], taken: &mut Taken<'_>) -> Option<()> {
+        self.run_strictly(payload, taken).or_else(|| {
+            // no JSON has NaN, but many writers do
+            let quoted = quoted_literals(payload)?;
+            taken.lists.iter_mut().for_each(Vec::clear);
+            self.run_strictly(&quoted, taken)
+        })
+    }
+
+    fn run_strictly(&self, payload: &[u8], taken: &mut Taken<'_>) -> Option<()> {
         let mut parser = serde_json::Deserializer::from_slice(payload);
         Seed { program: self, taken }.deserialize(&mut parser).ok()
     }
