@@ -29,7 +29,7 @@ pub(crate) struct Answer {
 
 /// The accelerations of a wheel, ready to be compared with a torque.
 #[derive(Debug, Clone)]
-pub(crate) struct Motion {
+pub(crate) struct Accelerations {
     t_s: Vec<f64>,
     /// Acceleration less its part along the basis, with its squared length.
     rest: Vec<f64>,
@@ -38,7 +38,7 @@ pub(crate) struct Motion {
     basis: Vec<Vec<f64>>,
 }
 
-impl Motion {
+impl Accelerations {
     /// Of a speed [m/s]; `None` if the wheel moves too little.
     pub(crate) fn of(speed: &Series) -> Option<Self> {
         let slopes = speed.slopes(HALF_WINDOW_S);
@@ -180,12 +180,12 @@ pub(crate) mod tests {
     fn the_lag_and_the_sign_of_a_torque_are_those_of_its_motion() {
         for late_s in [0.1, 1.5, -2.4] {
             let (command, speed) = driven(late_s);
-            let motion = Motion::of(&speed).unwrap();
+            let motion = Accelerations::of(&speed).unwrap();
             let found = motion.best(&HeldMeans::of(&command).unwrap(), -3.0, 3.0, 0.05);
             assert!((found.lag_s - late_s).abs() < 0.051 && found.explained > 0.8 && found.is_positive, "{late_s}: {found:?}");
             let negative = Series { value: command.value.iter().map(|v| -v).collect(), ..command };
             assert!(!motion.answer(&HeldMeans::of(&negative).unwrap(), late_s).is_positive);
         }
-        assert!(Motion::of(&Series::default()).is_none());
+        assert!(Accelerations::of(&Series::default()).is_none());
     }
 }
