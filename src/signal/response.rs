@@ -10,6 +10,8 @@ use crate::signal::Series;
 const HALF_WINDOW_S: f64 = 0.1;
 /// A wheel that turns slower may be about to stop [m/s].
 const MOVING_MPS: f64 = 0.05;
+/// Least time in motion that shows a lag or a sign [s].
+const LEAST_MOTION_S: f64 = 12.0;
 /// Most points that are compared, and fewest.
 const MOST_POINTS: usize = 3000;
 const FEWEST_POINTS: usize = 100;
@@ -43,7 +45,9 @@ impl Accelerations {
     pub(crate) fn of(speed: &Series) -> Option<Self> {
         let slopes = speed.slopes(HALF_WINDOW_S);
         let moving: Vec<usize> = (0..speed.len()).filter(|&k| speed.value[k].abs() > MOVING_MPS).collect();
-        if moving.len() < FEWEST_POINTS {
+        // a few runs agree with anything
+        let moving_s = moving.len() as f64 * speed.median_period_s().min(1.0);
+        if moving.len() < FEWEST_POINTS || moving_s < LEAST_MOTION_S {
             return None;
         }
         let points: Vec<usize> = moving.iter().copied().step_by(moving.len().div_ceil(MOST_POINTS)).collect();
