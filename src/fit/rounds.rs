@@ -40,7 +40,7 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, setting
         Some(KnownCalibration { drive: Some(drive), .. }) => DriveChoice { drive: *drive, others: Vec::new() },
         _ => drive_choice::choose(&examined, surveys, choice, settings),
     };
-    let mut state = State::from_guess(examined.guess(choice, settings, &[chosen.drive]), settings);
+    let mut state = State::from_guess(examined.guess(choice, settings, &[chosen.drive], None), settings);
     let sampled = delay_rounds::run(&mut state)?;
     let estimate = surface_rounds::run(state, sampled)?;
     Ok(Estimate { other_drives: chosen.others, ..estimate })

@@ -38,9 +38,11 @@ const DEAD_TIMES_S: [f64; 2] = [0.0, 0.4];
 const AFTER_FEEDBACK_S: [f64; 2] = [-0.1, 0.3];
 /// More readings per log than this do not sharpen a first estimate.
 const ENOUGH_READINGS: usize = 4000;
-/// So many drives are distinguished by fewer readings first.
-const MANY: usize = 10;
-const FEW_READINGS: usize = 2000;
+/// Beside a drive that is known, so many are enough; dead times are tried in these steps [s], and a drive is dropped beyond this ratio of
+/// deviances.
+const FEW_READINGS: usize = 1500;
+const BESIDE_STEP_S: f64 = 0.015;
+const CLEARLY_WORSE: f64 = 1.1;
 
 /// Data of one log: its segments, their smoothed speeds, its torque.
 pub(crate) struct GridLog<'a> {
@@ -81,16 +83,32 @@ pub(crate) fn limited(drive: DriveModel, largest: TorqueLimit) -> Vec<DriveModel
     LIMITS.iter().map(|share| DriveModel { limit: largest.scaled(*share), ..drive }).collect()
 }
 
-/// The best of `drives` and the best dead time of each log; the parameters are then refined.
-pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel]) -> GridResult {
+/// A drive with its dead times, beside which others are tried.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    pub(crate) drive: &'a DriveModel,
+    /// Of each log [s].
+    pub(crate) dead_time_s: &'a [f64],
+}
+
+/// The best of `drives` and the best dead time of each log. Parameters other than a lag are refined.
+///
+/// Beside a drive that is known already, fewer readings and the dead times that keep the whole delay are enough, and one that is clearly worse
+/// is dropped: its deviance is then infinite.
+pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel], beside: Option<Beside>) -> GridResult {
     let measured = logs.iter().any(|l| l.log.input != TorqueInput::Command);
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;
-    let coarse: Vec<f64> = (0..=steps).map(|k| least_s + k as f64 * DEAD_TIME_STEPS_S[0]).collect();
-    // many drives are distinguished by fewer readings, and by every other dead time
-    let few = drives.len() > MANY;
-    let (stride, first_readings) = if few { (2, FEW_READINGS) } else { (1, ENOUGH_READINGS) };
-    let coarse: Vec<f64> = coarse.into_iter().step_by(stride).collect();
+    let readings = if beside.is_some() { FEW_READINGS } else { ENOUGH_READINGS };
+    let coarse = |drive: &DriveModel, k: usize| -> Vec<f64> {
+        match beside {
+            None => (0..=steps).map(|n| least_s + n as f64 * DEAD_TIME_STEPS_S[0]).collect(),
+            Some(beside) => {
+                let same_delay_s = beside.dead_time_s[k] + beside.drive.mean_lag_s() - drive.mean_lag_s();
+                (-2i32..=2).map(|n| (same_delay_s + f64::from(n) * BESIDE_STEP_S).clamp(least_s, most_s)).collect()
+            }
+        }
+    };
     let profile = |log: &GridLog, torque: &EffectiveTorque, dead_times: &[f64], readings: usize| -> (f64, f64) {
         dead_times
             .iter()
@@ -106,12 +124,17 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel]) -> 
         GridResult { deviance: best.iter().map(|b| b.0).sum(), drive: *drive, dead_time_s: best.iter().map(|b| b.1).collect() }
     };
     let better = |best: GridResult, tried: GridResult| if tried.deviance < best.deviance { tried } else { best };
-    let found: Vec<GridResult> = drives.par_iter().map(|drive| of_drive(drive, first_readings, &|_| coarse.clone())).collect();
-    let start = found.into_iter().reduce(better);
-    let mut best = start.unwrap_or_else(|| of_drive(&DriveModel::first_order(0.05), first_readings, &|_| coarse.clone()));
-    let near = |centre: &[f64], k: usize| -> Vec<f64> {
-        (-4i32..=4).map(|n| (centre[k] + f64::from(n) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect()
+    let found: Vec<GridResult> = drives.par_iter().map(|drive| of_drive(drive, readings, &|k| coarse(drive, k))).collect();
+    let usual = DriveModel::first_order(0.05);
+    let mut best = found.into_iter().reduce(better).unwrap_or_else(|| of_drive(&usual, readings, &|k| coarse(&usual, k)));
+    let near = |centre: &[f64], k: usize, steps: i32| -> Vec<f64> {
+        (-steps..=steps).map(|n| (centre[k] + f64::from(n) * DEAD_TIME_STEPS_S[1]).clamp(least_s, most_s)).collect()
     };
+    if let Some(beside) = beside
+        && best.deviance > CLEARLY_WORSE * of_drive(beside.drive, readings, &|k| vec![beside.dead_time_s[k]]).deviance
+    {
+        return GridResult { deviance: f64::INFINITY, ..best };
+    }
     let plain = best.drive.kind == DriveKind::FirstOrder && best.drive.limit == TorqueLimit::None;
     if !plain && drives.len() > 1 {
         // a pattern search: each parameter in turn, longer and shorter by ever smaller factors
@@ -124,13 +147,13 @@ pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel]) -> 
                     step[parameter] = if parameter == LIMIT { factor.ln() } else { drive.times_s[parameter] * (factor - 1.0) };
                     drive.moved(step)
                 });
-                let tried: Vec<GridResult> = tried.par_iter().map(|drive| of_drive(drive, first_readings, &|k| near(&centre, k))).collect();
+                let tried: Vec<GridResult> = tried.par_iter().map(|drive| of_drive(drive, readings, &|k| near(&centre, k, 2))).collect();
                 best = tried.into_iter().fold(best, better);
             }
         }
     }
     let centre = best.dead_time_s.clone();
-    of_drive(&best.drive, ENOUGH_READINGS, &|k| near(&centre, k))
+    of_drive(&best.drive, ENOUGH_READINGS, &|k| near(&centre, k, 4))
 }
 
 /// ‖y − Xc‖² of the best small model for one log.

@@ -19,7 +19,7 @@ use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
 use crate::fit::motion::so_far::SoFar;
 use crate::fit::rounds::cross_validation::{self, HeldOut};
-use crate::fit::rounds::delay_grid;
+use crate::fit::rounds::delay_grid::{self, Beside};
 use crate::fit::rounds::delay_rounds;
 use crate::fit::rounds::initial_guess::{Examined, largest_nm, largest_power};
 use crate::fit::rounds::state::State;
@@ -54,16 +54,19 @@ pub(crate) struct DriveChoice {
 
 /// Chooses the drive: its kind, and whether it has a limit.
 pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueChoice, settings: &FitSettings) -> DriveChoice {
-    let guess = |drives: &[DriveModel]| examined.guess(choice, settings, drives);
     let of_kind = |kind| delay_grid::drives(kind, largest_nm(surveys));
     let kinds = settings.drive.map_or_else(|| DriveKind::ALL.to_vec(), DriveKind::of);
-    let first = guess(&of_kind(kinds[0]));
+    let first = examined.guess(choice, settings, &of_kind(kinds[0]), None);
     let only = |drive| DriveChoice { drive, others: Vec::new() };
     if choice.is_feedback() || settings.lag_s.is_some() {
         return only(first.calibration.drive);
     }
     let better_than = |deviance: f64| (deviance - WORTH_A_FIT.0).min(deviance * (1.0 - WORTH_A_FIT.1));
-    let promising = |drives: &[DriveModel], deviance: f64| Some(guess(drives)).filter(|g| g.deviance < better_than(deviance));
+    let (known_drive, known_s) = (first.calibration.drive, first.calibration.dead_time_s.clone());
+    let beside = Beside { drive: &known_drive, dead_time_s: &known_s };
+    let promising = |drives: &[DriveModel], deviance: f64| {
+        Some(examined.guess(choice, settings, drives, Some(beside))).filter(|g| g.deviance < better_than(deviance))
+    };
     let mut best = first.deviance;
     let mut tried = vec![first];
     for kind in &kinds[1..] {
@@ -103,7 +106,7 @@ pub(crate) fn with_better_input(surveys: &[Survey], choice: TorqueChoice, settin
     let scored_with = |choice: &TorqueChoice| -> Option<ScoredDrive> {
         let examined = Examined::new(surveys, choice, settings).ok()?;
         let drive = choose(&examined, surveys, choice, settings).drive;
-        scored(State::from_guess(examined.guess(choice, settings, &[drive]), settings)).ok()
+        scored(State::from_guess(examined.guess(choice, settings, &[drive], None), settings)).ok()
     };
     match (scored_with(&choice), scored_with(&command)) {
         (Some(feedback), Some(drive)) if is_better(&drive, &feedback) => command,

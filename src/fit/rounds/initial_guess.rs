@@ -12,7 +12,7 @@ use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
 use crate::fit::noise::model::Noise;
-use crate::fit::rounds::delay_grid;
+use crate::fit::rounds::delay_grid::{self, Beside};
 use crate::fit::surface::lattice::Lattice;
 use crate::fit::{Error, FitSettings, Result};
 use crate::map::{Gear, PerGear};
@@ -91,8 +91,14 @@ impl<'a> Examined<'a> {
         Ok(Self { logs, end, gears, has_yaw, calibration, noise, segments, speeds, lattice })
     }
 
-    /// The first guess with the best of some drives; a known lag and a feedback leave no choice.
-    pub(crate) fn guess(&self, choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> InitialGuess<'a> {
+    /// The first guess with the best of some drives, `beside` one that is known already; a known lag and a feedback leave no choice.
+    pub(crate) fn guess(
+        &self,
+        choice: &TorqueChoice,
+        settings: &FitSettings,
+        drives: &[DriveModel],
+        beside: Option<Beside>,
+    ) -> InitialGuess<'a> {
         let views: Vec<delay_grid::GridLog> = (0..self.logs.len())
             .map(|k| {
                 let own: Vec<usize> = (0..self.segments.len()).filter(|s| self.segments[*s].log == k).collect();
@@ -103,7 +109,7 @@ impl<'a> Examined<'a> {
                 }
             })
             .collect();
-        let found = delay_grid::search(&views, &self.noise, &drives_to_try(choice, settings, drives));
+        let found = delay_grid::search(&views, &self.noise, &drives_to_try(choice, settings, drives), beside);
         let mut calibration = self.calibration.clone();
         (calibration.dead_time_s, calibration.drive) = (found.dead_time_s, found.drive);
         hold_known(&mut calibration, &self.logs, settings);
