@@ -14,10 +14,10 @@ pub(crate) use error::Result;
 pub(crate) use files::PlanFile;
 pub(crate) use files::expect_format;
 pub use files::{
-    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, ComparedDrive, CsvRef, DeadBand, DelayEstimate, DelayStatus,
-    DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, LogActuator, LogRef,
-    PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading, SpeedSource, Stage1Report,
-    Table1File, Table2File, TorqueMap, Units, ZeroRow, sha256_hex,
+    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, Check, CheckOutcome, ComparedDrive, CsvRef, DeadBand,
+    DelayEstimate, DelayStatus, DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow,
+    LimitKind, LogActuator, LogRef, PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading,
+    SpeedSource, Stage1Report, Table1File, Table2File, TorqueMap, Units, ZeroRow, sha256_hex,
 };
 pub(crate) use files::{
     DeadTimeLikelihood, DelayLikelihood, FIT_TRACES_FORMAT, FORMAT_VERSION, FixedText, FolderError, LATERAL_TABLE_FORMAT, LateralCurve,

@@ -15,10 +15,7 @@ impl MapVerdict {
         self.notes = notes(&self.forced, &self.round_trip, &self.scenarios);
         self.notes.extend(others);
         self.notes.extend(note);
-        if self.scenarios.iter().any(|s| s.status == Status::Fail) {
-            self.status = Status::Fail;
-        }
-        self
+        self.concluded()
     }
 }
 
@@ -80,6 +77,11 @@ mod tests {
             format_version: 1,
             tool_version: String::new(),
             status: Status::Pass,
+            reason: String::new(),
+            scope: Vec::new(),
+            checks: Vec::new(),
+            accepted: Vec::new(),
+            basis: None,
             notes: all,
             table2_csv_sha256: Vec::new(),
             forced: vec!["let pass".to_owned()],
