@@ -22,7 +22,9 @@ pub use by_angle::{AngleGroup, Grouped, group_by_angle};
 pub use error::Error;
 pub(crate) use error::Result;
 pub(crate) use hold::Hold;
-pub(crate) use ledger::{ledger, sample_seconds, with_missing};
+pub(crate) use ledger::sample_seconds;
+#[doc(hidden)]
+pub use ledger::{ledger, with_missing};
 pub(crate) use runs::runs;
 pub use settings::SurveySettings;
 pub use survey::{Stretch, Survey};

@@ -3,6 +3,7 @@
 //! They are crates of their own, and so see only what is public. This is no part of the interface: it is not documented, and changes at any
 //! time.
 
+pub use crate::campaign::{ledger, with_missing};
 pub use crate::guidance::route::follower::DriveStage;
 pub use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 pub use crate::guidance::u_turn;

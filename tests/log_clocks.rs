@@ -2,13 +2,12 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use mcap::{MessageStream, Writer};
-use pivot_cal::campaign::{Survey, SurveySettings, ledger, with_missing};
+use pivot_cal::campaign::{Survey, SurveySettings};
 use pivot_cal::fit::{FitSettings, fit};
+use pivot_cal::internals::{Campaign, VehicleFile, ledger, record, with_missing};
 use pivot_cal::log::{Recording, SignalMap, Source, VehicleOverrides, read_bytes};
 use pivot_cal::map::{AccelTable, Table1File};
-use pivot_cal::record::{Campaign, record};
 use pivot_cal::signal::Track;
-use pivot_cal::sim::VehicleFile;
 use std::borrow::Cow;
 use std::io::Cursor;
 use std::sync::LazyLock;

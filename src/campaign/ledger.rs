@@ -18,7 +18,7 @@ pub(crate) fn sample_seconds(series: &Series) -> Vec<f64> {
 }
 
 /// Samples and seconds per verdict, in the order of [`SampleVerdict::ALL`], without verdicts that have no samples.
-pub(crate) fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) -> Vec<LedgerRow> {
+pub fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) -> Vec<LedgerRow> {
     let mut counts = [(0u64, 0.0f64); SampleVerdict::ALL.len()];
     for (verdict, seconds) in samples {
         let row = &mut counts[SampleVerdict::ALL.iter().position(|v| *v == verdict).unwrap_or(0)];
@@ -34,7 +34,7 @@ pub(crate) fn ledger(samples: impl IntoIterator<Item = (SampleVerdict, f64)>) ->
 }
 
 /// The ledger of a whole log: time without any sample counts as a gap, so that the seconds add up to the length of the log.
-pub(crate) fn with_missing(mut rows: Vec<LedgerRow>, missing_s: f64) -> Vec<LedgerRow> {
+pub fn with_missing(mut rows: Vec<LedgerRow>, missing_s: f64) -> Vec<LedgerRow> {
     let missing_s = (missing_s * 1e3).round() / 1e3;
     if missing_s <= 0.0 {
         return rows;

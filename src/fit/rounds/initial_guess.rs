@@ -25,6 +25,8 @@ const COARSE_QUANTUM_MPS: f64 = 0.004;
 const DITHERED: f64 = 0.2;
 /// A speed signal slower than this cannot follow a lag of some 50 ms [Hz]. It shows accelerations where the torque holds.
 const SLOW_HZ: f64 = 10.0;
+/// The slowest that is usable [Hz]: one at 5 Hz, with losses.
+const SLOWEST_HZ: f64 = 4.5;
 /// A slower signal must show a usual hold by so many readings.
 const READINGS_OF_HOLD: f64 = 8.0;
 /// Least time in motion for a fit [s].
@@ -65,7 +67,7 @@ impl<'a> Examined<'a> {
     /// A slow speed signal without a yaw rate, too little motion, one torque only.
     pub(crate) fn new(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Self> {
         if let Some((survey, rate_hz)) =
-            surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, slow_rate_hz(s)?)))
+            surveys.iter().filter(|s| s.track.yaw_speed_mps.is_none()).find_map(|s| Some((s, useless_rate_hz(s)?)))
         {
             return Err(Error::SlowSpeed { file: survey.track.source.file.clone(), rate_hz, needed_hz: SLOW_HZ });
         }
@@ -164,9 +166,14 @@ pub(crate) fn hold_known(calibration: &mut Calibration, logs: &[LogData], settin
 pub(crate) fn slow_rate_hz(survey: &Survey) -> Option<f64> {
     let gaps: Vec<f64> = survey.track.encoder_mps.t_s.windows(2).map(|t| t[1] - t[0]).collect();
     let rate_hz = if gaps.is_empty() { 0.0 } else { 1.0 / crate::signal::median(&gaps) };
+    (rate_hz < SLOW_HZ).then_some(rate_hz)
+}
+
+/// The same, of a signal that shows no accelerations even where the torque holds.
+fn useless_rate_hz(survey: &Survey) -> Option<f64> {
     let holds: Vec<f64> = survey.stretches.iter().map(|s| s.to_s - s.from_s).collect();
-    let is_enough = !holds.is_empty() && crate::signal::median(&holds) * rate_hz >= READINGS_OF_HOLD;
-    (rate_hz < SLOW_HZ && !is_enough).then_some(rate_hz)
+    let is_enough = |rate_hz: f64| rate_hz > SLOWEST_HZ && !holds.is_empty() && crate::signal::median(&holds) * rate_hz >= READINGS_OF_HOLD;
+    slow_rate_hz(survey).filter(|rate_hz| !is_enough(*rate_hz))
 }
 
 /// Resolution of a speed source.

@@ -8,6 +8,7 @@ use crate::fit::rounds::cross_validation;
 use crate::fit::rounds::state::State;
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::solve::penalised_least_squares::{SETTLING_ROUNDS, Solution, System};
+use crate::fit::solve::shrinkage::physics_alone;
 use crate::fit::solve::stribeck_speed;
 use crate::fit::surface::design::Design;
 use crate::fit::{Error, Result};
@@ -52,6 +53,10 @@ impl State<'_> {
         }
         let system = System::new(&self.design, &of_gears, free.nuisances(logs));
         let iterations = if settle { SETTLING_ROUNDS } else { PENALTY_ROUNDS };
+        // intervals follow the surface that places the speed in them: a free surface would be confirmed by its own readings
+        if self.penalties.is_empty() && self.logs.iter().any(|l| l.coarse_mps != [0.0; 2]) {
+            self.penalties = physics_alone(&self.design.blocks);
+        }
         let solution = system.solve(&self.design.blocks, &self.penalties, iterations, &prior).ok_or(Error::Singular)?;
         self.penalties.clone_from(&solution.penalties);
         let next = self.surfaces_of(&solution);

@@ -93,7 +93,7 @@ const FARTHEST: f64 = 4.0;
 /// Length of the windows of the line [s].
 const WINDOW_S: f64 = 20.0;
 /// A period that differs by less than this share from a timer's is one.
-const NOMINAL: f64 = 0.002;
+const NOMINAL: f64 = 0.006;
 /// Largest misfit of the times, in periods.
 const MOST_MISFIT: f64 = 1.5;
 
@@ -120,23 +120,18 @@ impl RegularClock {
             numbers = count(bounds, period_s, std_s, follow)?;
             period_s = slope(bounds, &numbers)?;
         }
-        let timer_s = nominal(period_s).filter(|_| keeps_nominal);
-        if let Some(timer_s) = timer_s {
-            numbers = count(bounds, timer_s, std_s, FOLLOW_BOUND)?;
+        let mut time_s = lines(bounds, &numbers, period_s);
+        if let Some(timer_s) = nominal(period_s).filter(|_| keeps_nominal)
+            && let Some((timer_numbers, timer_times_s)) = timed(bounds, timer_s, std_s)
+        {
+            (numbers, time_s, period_s) = (timer_numbers, timer_times_s, timer_s);
         }
-        let mut time_s = lines(bounds, &numbers, timer_s.unwrap_or(period_s));
         let misses: Vec<f64> = (0..bounds.len()).map(|k| bounds.miss_s(k, time_s[k]).abs()).collect();
         let misfit_s = middle(misses)?;
+        let lost = numbers.last()? - (bounds.len() as i64 - 1);
         if misfit_s > MOST_MISFIT * rhythm.scatter_s.max(LOOSE_S) || period_s <= 0.0 {
             return None;
         }
-        if let Some(timer_s) = timer_s {
-            // the bounds may move slowly, as the delay of a queue does: a timer does not
-            let start_s = middle(time_s.iter().zip(&numbers).map(|(t, n)| t - *n as f64 * timer_s).collect())?;
-            time_s = numbers.iter().map(|n| start_s + *n as f64 * timer_s).collect();
-            period_s = timer_s;
-        }
-        let lost = numbers.last()? - (bounds.len() as i64 - 1);
         // a lost message is found some messages early or late; the line is as good as the mean of a window
         let in_window = (WINDOW_S / period_s).max(1.0);
         let share_lost = lost as f64 / bounds.len() as f64;
@@ -151,6 +146,18 @@ fn nominal(period_s: f64) -> Option<f64> {
     let by_rate = 1.0 / (1.0 / period_s).round();
     let by_time = (period_s * 1e3).round() * 1e-3;
     [by_rate, by_time].into_iter().filter(|p| *p > 0.0 && p.is_finite()).find(|p| (p / period_s - 1.0).abs() < NOMINAL)
+}
+
+/// The numbers and times of the messages of a timer with this period. The bounds may move slowly, as the delay of a queue does: a timer does
+/// not. `None` if it does not fit.
+fn timed(bounds: &Bounds, timer_s: f64, std_s: f64) -> Option<(Vec<i64>, Vec<f64>)> {
+    let numbers = count(bounds, timer_s, std_s, FOLLOW_BOUND)?;
+    let lines_s = lines(bounds, &numbers, timer_s);
+    let start_s = middle(lines_s.iter().zip(&numbers).map(|(t, n)| t - *n as f64 * timer_s).collect())?;
+    let time_s: Vec<f64> = numbers.iter().map(|n| start_s + *n as f64 * timer_s).collect();
+    let width_s = middle((0..bounds.len()).map(|k| bounds.hi_s[k] - bounds.lo_s[k]).collect())?;
+    let off = (0..bounds.len()).filter(|&k| bounds.miss_s(k, time_s[k]).abs() > width_s).count();
+    (off * 10 < bounds.len()).then_some((numbers, time_s))
 }
 
 /// The number of each message's period.

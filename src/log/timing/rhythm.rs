@@ -5,7 +5,7 @@ const FEWEST: usize = 60;
 /// Number of intervals over which the period is measured.
 const OVER: usize = 20;
 /// Largest spread of the period so measured.
-const STEADY: f64 = 0.1;
+const STEADY: f64 = 0.2;
 /// Messages that follow within this share of a period came together.
 pub(crate) const TOGETHER: f64 = 0.3;
 /// Share of such messages in a signal that comes in bursts.

@@ -1,0 +1,160 @@
+//! How the estimator does on drives and sensors as they are in the field: vehicles with one thing changed, several seeds each.
+//!
+//! `cargo run --release --example field -- [--seeds 3] [--kinds base,slew,…]`
+//!
+//! Every kind changes one thing of each of three vehicles. A campaign of five levels from rest and five braking levels in both gears is
+//! recorded and fitted without any option. Per kind: the root mean square torque error of Table 2 over the cells that Table 1 calls
+//! measured, the share of them within 1.96 reported standard errors, the share that is confidently wrong (above 1 N·m and 3 standard
+//! errors), and the drive that was reported.
+
+#![allow(clippy::print_stdout)] // a study prints
+
+use pivot_cal::campaign::{Survey, SurveySettings};
+use pivot_cal::control::RAD_PER_DEG;
+use pivot_cal::fit::{FitSettings, fit};
+use pivot_cal::internals::{Campaign, VehicleFile, record};
+use pivot_cal::invert::{InvertSettings, invert};
+use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
+use pivot_cal::map::{CellStatus, CsvRef, Table1File};
+use pivot_cal::signal::Track;
+use std::collections::BTreeMap;
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+
+const CAMPAIGN: &str = "
+[[runs]]
+torque_nm = [12, 18, 24, 32, 40]
+hold_s = 3.0
+repeats = 2
+[[runs]]
+torque_nm = [-20, -12, -6, 0, 6]
+start_speed_mps = 0.8
+spin_up_nm = 36
+end_speed_mps = 0.05
+hold_s = 3.0
+repeats = 2
+[[runs]]
+gear = \"reverse\"
+torque_nm = [-14, -22, -32, -40]
+hold_s = 3.0
+repeats = 2
+";
+
+/// Kinds: a name, and what is put into the vehicle file below a heading.
+const KINDS: [(&str, &[(&str, &str)]); 8] = [
+    ("base", &[]),
+    ("slew", &[("[drive]", "slew_limit_nm_s = 60.0")]),
+    ("two slopes", &[("[drive]", "slew_limit_nm_s = 50.0\nslew_fall_limit_nm_s = 150.0")]),
+    ("resonant", &[("[drive]", "frequency_hz = 6.0\ndamping = 0.2")]),
+    ("damped second order", &[("[drive]", "frequency_hz = 4.0\ndamping = 0.7")]),
+    ("power limit", &[("[motion]", "power_limit_w = 140.0")]),
+    ("torque limit", &[("[drive]", "torque_limit_nm = 30.0")]),
+    ("coarse encoder", &[("[sensors.encoder]", "counts_per_rev = 300")]),
+];
+
+/// Vehicles: the bundled scrubber, a heavier one, one with more friction.
+const VEHICLES: [&[(&str, &str)]; 3] = [
+    &[],
+    &[("[motion]", "mass_kg = 240.0"), ("[motion]", "yaw_inertia_kgm2 = 108.0")],
+    &[("[motion]", "coulomb_nm = 5.0"), ("[motion]", "viscous_nm_s_m = 8.0"), ("[motion]", "drive_efficiency = 0.88")],
+];
+
+/// The bundled vehicle file with lines replaced, or added below a heading.
+fn changed(changes: &[(&str, &str)]) -> String {
+    let mut text = include_str!("../data/vehicles/scrubber.toml").to_owned();
+    for (heading, lines) in changes {
+        for line in lines.lines() {
+            let key = line.split(" = ").next().unwrap_or(line);
+            let at = text.find(heading).map_or(0, |k| k + heading.len() + 1);
+            let end = text[at..].find("\n[").map_or(text.len(), |k| at + k);
+            let kept: Vec<&str> = text[at..end].lines().filter(|l| !l.starts_with(&format!("{key} "))).collect();
+            text = format!("{}{line}\n{}{}", &text[..at], kept.join("\n"), &text[end..]);
+        }
+    }
+    text
+}
+
+/// Sums over the judged cells.
+#[derive(Default)]
+struct Outcome {
+    squares: f64,
+    within: f64,
+    wrong: f64,
+    cells: f64,
+    drives: BTreeMap<String, usize>,
+}
+
+impl Outcome {
+    fn add(&mut self, vehicle: &VehicleFile, file: &Table1File) -> Fallible<()> {
+        let truth = vehicle.truth()?;
+        let angle_rad = vehicle.settings().vehicle.test_angle_deg * RAD_PER_DEG;
+        let inverted = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &InvertSettings::default())?.file;
+        for map in &file.maps {
+            let table2 = inverted.maps.iter().find(|m| m.gear == map.gear).ok_or("no Table 2")?;
+            let table = table2.table()?;
+            for (i, torque_nm) in map.torque_nm.iter().enumerate() {
+                for (j, speed_mps) in map.speed_mps.iter().enumerate() {
+                    let accel = |u: f64| truth.gear_accel_mps2(map.gear, *speed_mps, u, angle_rad);
+                    // where a limit makes more torque no acceleration, every torque is right
+                    let slope = (accel(*torque_nm + 0.05) - accel(*torque_nm - 0.05)) / 0.1;
+                    if map.status[i][j] != CellStatus::Measured || *speed_mps < 0.04 || slope < 1e-3 {
+                        continue;
+                    }
+                    let Some(answer_nm) = table.torque_from_accel(*speed_mps, accel(*torque_nm)) else { continue };
+                    let error_nm = (answer_nm - torque_nm).abs();
+                    let std_err_nm = map.std_err_mps2[i][j] / slope;
+                    self.squares += error_nm * error_nm;
+                    self.within += f64::from(error_nm < 1.96 * std_err_nm);
+                    self.wrong += f64::from(error_nm > 3.0 * std_err_nm && error_nm > 1.0);
+                    self.cells += 1.0;
+                }
+            }
+        }
+        let drive = file.actuator.drive.as_ref().map_or("first order".to_owned(), |d| {
+            let limit = d.limit.map_or(String::new(), |l| format!(", {:?} limit", l.kind).to_lowercase());
+            format!("{:?}{limit}", d.family)
+        });
+        *self.drives.entry(drive).or_insert(0) += 1;
+        Ok(())
+    }
+}
+
+fn after(flag: &str, otherwise: &str) -> String {
+    let arguments: Vec<String> = std::env::args().collect();
+    arguments.iter().position(|a| a == flag).and_then(|k| arguments.get(k + 1)).cloned().unwrap_or_else(|| otherwise.to_owned())
+}
+
+fn main() -> Fallible<()> {
+    let seeds: u64 = after("--seeds", "3").parse()?;
+    let kinds = after("--kinds", "");
+    let campaign = Campaign::from_toml(CAMPAIGN)?;
+    println!("| kind | runs | RMS N·m | within 1.96 | confidently wrong | drive reported |\n|---|---|---|---|---|---|");
+    for (name, changes) in KINDS.iter().filter(|(name, _)| kinds.is_empty() || kinds.split(',').any(|k| k == *name)) {
+        let (mut outcome, mut refused) = (Outcome::default(), 0);
+        for vehicle in VEHICLES {
+            let vehicle = VehicleFile::from_toml(&changed(&[vehicle, changes].concat()))?;
+            for seed in 1..=seeds {
+                let log = record(&vehicle, &campaign, Some(seed))?.bytes;
+                let overrides = VehicleOverrides { wheelbase_m: Some(0.9), wheel_radius_m: Some(0.12), ..VehicleOverrides::default() };
+                let survey =
+                    Survey::new(Track::new(&read_bytes(log, "field.mcap", &Source::Detect, &overrides)?)?, &SurveySettings::default())?;
+                match fit(vec![survey], &FitSettings::default()) {
+                    Ok(fit) => outcome.add(&vehicle, &fit.file)?,
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+        let share = |sum: f64| 100.0 * sum / outcome.cells.max(1.0);
+        let drives: Vec<String> = outcome.drives.iter().map(|(drive, count)| format!("{drive} ({count})")).collect();
+        println!(
+            "| {name} | {} | {:.3} | {:.0} % | {:.1} % | {}{} |",
+            VEHICLES.len() as u64 * seeds,
+            (outcome.squares / outcome.cells.max(1.0)).sqrt(),
+            share(outcome.within),
+            share(outcome.wrong),
+            drives.join(", "),
+            if refused > 0 { format!(", refused ({refused})") } else { String::new() }
+        );
+    }
+    Ok(())
+}
