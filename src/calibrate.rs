@@ -16,7 +16,8 @@ mod verify_stage;
 mod wheel_angles;
 
 pub use error::{Error, Result};
-pub use event::{Listener, StageEvent};
+pub(crate) use event::Listener;
+pub use event::StageEvent;
 pub use fit_stage::{FittedLogs, fit_logs};
 pub(crate) use folder::read_table1;
 pub use invert_stage::invert_folder;

@@ -6,7 +6,7 @@
 
 mod error;
 pub(crate) mod files;
-mod numbers;
+pub(crate) mod numbers;
 mod vehicle;
 
 pub use error::Error;
@@ -25,10 +25,8 @@ pub(crate) use files::{
     csv_name, is_csv_name,
 };
 pub(crate) use files::{LateralTableFile, write_whole};
+pub(crate) use numbers::AccelMaps;
 pub(crate) use numbers::{ACCEL_AXIS, SPEED_AXIS, TORQUE_AXIS, check_values, decimal};
-pub use numbers::{
-    AccelAtAngle, AccelMaps, AccelTable, AngleFamily, Axis, CellStatus, DepartureFrom, Gear, LeftOutAngle, Matrix, Side, TorqueTable,
-    WheelAngle,
-};
+pub use numbers::{AccelTable, AngleFamily, Axis, CellStatus, DepartureFrom, Gear, LeftOutAngle, Matrix, Side, TorqueTable, WheelAngle};
 pub(crate) use numbers::{AngleSurface, PerGear, SAME_ANGLE_DEG, angle_lookup, lookup};
 pub use vehicle::Vehicle;
