@@ -6,7 +6,7 @@
 mod map_copy;
 
 use map_copy::{change_table1, copied, run, text};
-use pivot_cal::map::{Check, CheckOutcome, Gear, SampleVerdict, SpeedSource, Table1File};
+use pivot_cal::map::{Check, CheckOutcome, DelayStatus, Gear, SampleVerdict, SpeedSource, Table1File};
 use serde_json::Value;
 use std::path::Path;
 
@@ -71,7 +71,7 @@ fn an_objection_rejects_the_map_until_a_person_overrules_it_by_name() {
 
     let (status, _, all) = verify(&maps, &["--accept", "encoder", "--draws", "4"]);
     assert!(status == 1 && all.contains("there is no check \"encoder\" to accept") && all.contains("encoder-scale"), "{all}");
-    let (status, first, all) = verify(&maps, &["--accept", "encoder-scale", "--accept", "coverage", "--draws", "4"]);
+    let (status, first, all) = verify(&maps, &["--accept", "encoder-scale", "--accept", "coverage", "--draws", "20"]);
     assert_eq!(status, 0, "{all}");
     assert!(
         first.starts_with("verdict: pass") && first.contains("overruled by hand: encoder-scale (the encoder's speed is 0.783"),
@@ -113,12 +113,15 @@ fn a_rejected_fit_never_leads_to_a_page_that_allows_deployment() {
 #[test]
 fn samples_condemned_as_push_reject_the_map_and_other_flaws_warn_on_it() {
     let (_folder, maps) = copied();
-    change_table1(&maps, |file| file.maps[0].breakaway.torque_nm = 28.0);
+    change_table1(&maps, |file| {
+        file.actuator.dead_time.status = DelayStatus::WeaklyDetermined;
+        file.actuator.dead_time.std_err_s = Some(0.012);
+    });
     let (status, _, all) = verify(&maps, &SHORT);
     assert_eq!(status, 0, "{all}");
-    assert!(all.contains("warning friction-forward: ") && all.contains("64 % of the largest torque of 44.0 N·m, 60 % is allowed"), "{all}");
+    assert!(all.contains("warning dead-time: the dead time is known to ±12.0 ms, ±10 ms is allowed; drive more steps"), "{all}");
     let (html, _) = page(&maps);
-    assert!(html.contains("Checks that are not passed") && html.contains("<strong>warning friction-forward</strong>"));
+    assert!(html.contains("Checks that are not passed") && html.contains("<strong>warning dead-time</strong>"));
     change_table1(&maps, |file| {
         let used = file.report.ledger.iter_mut().find(|row| row.verdict == SampleVerdict::Used).unwrap();
         let mut pushed = used.clone();

@@ -3,7 +3,9 @@
 //! The fit stores the checks in the file. A verdict and the page make them again, so that a file of an older version, or one from which they
 //! were removed, is judged all the same.
 
-use crate::map::{AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, RunRow, SampleVerdict, SpeedSource, Table1File};
+use crate::map::{
+    AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, LogActuator, RunRow, SampleVerdict, SpeedSource, Table1File,
+};
 
 /// Departure of the encoder's scale from the yaw rate's beyond which it is a warning, and an objection: tyres wear by 1 to 2 %; a wheelbase
 /// or a radius that is measured with a tape is better than 5 %.
@@ -110,7 +112,9 @@ fn scale_advice(file: &Table1File, scale: f64) -> String {
 fn clock_offset(file: &Table1File) -> Option<Check> {
     let known = |status| matches!(status, DelayStatus::Estimated | DelayStatus::NoneFound | DelayStatus::WeaklyDetermined);
     let logs = file.actuator.per_log.iter().filter(|log| known(log.clock_offset.status));
-    let log = logs.max_by(|a, b| a.clock_offset.value_s.abs().total_cmp(&b.clock_offset.value_s.abs()))?;
+    // one that counts goes before a larger one within its own error
+    let size = |log: &LogActuator| (log.clock_offset.status == DelayStatus::Estimated, log.clock_offset.value_s.abs());
+    let log = logs.max_by(|a, b| size(a).0.cmp(&size(b).0).then(size(a).1.total_cmp(&size(b).1)))?;
     let offset_ms = 1e3 * log.clock_offset.value_s;
     let limit_ms = 1e3 * CLOCK_OFFSET_S;
     let meaning =
