@@ -8,6 +8,7 @@
 pub(crate) mod angles;
 pub(crate) mod calibration;
 pub(crate) mod drive;
+pub(crate) mod drive_form;
 mod error;
 mod known_calibration;
 pub(crate) mod motion;

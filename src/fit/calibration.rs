@@ -1,7 +1,7 @@
 //! The values that turn raw readings into speeds on one clock, and commands into torques.
 
-use crate::fit::drive::campaign_drift::CampaignDrift;
-use crate::fit::drive::drive_model::DriveModel;
+use crate::fit::drive_form::campaign_drift::CampaignDrift;
+use crate::fit::drive_form::drive_model::DriveModel;
 
 /// The values that turn raw readings into speeds on one clock, and commands into torques. Estimated with the surface.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,5 @@
 //! Which torque acts on the wheel: the command through dead time and lag, or the torque feedback.
 
-pub(crate) mod campaign_drift;
-pub(crate) mod drive_model;
 pub(crate) mod effective_torque;
 pub(crate) mod feedback_delays;
 pub(crate) mod feedback_scale;
@@ -11,5 +9,4 @@ pub(crate) mod sampled_torque;
 pub(crate) mod settled_holds;
 pub(crate) mod step_timing;
 pub(crate) mod torque_input;
-pub(crate) mod torque_limit;
 pub(crate) mod undelivered;

@@ -1,6 +1,6 @@
 //! Delays and encoder calibration known before a fit, from a fit of other runs of the same logs: the runs at other wheel angles.
 
-use crate::fit::drive::drive_model::DriveModel;
+use crate::fit::drive_form::drive_model::DriveModel;
 use std::collections::BTreeMap;
 
 /// Values that the estimator holds instead of estimating them.

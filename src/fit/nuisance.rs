@@ -1,7 +1,7 @@
 //! Columns after those of the surface: shared ones, then one dead time per log.
 
-use crate::fit::drive::campaign_drift::SPANS;
-use crate::fit::drive::drive_model::PARAMETERS;
+use crate::fit::drive_form::campaign_drift::SPANS;
+use crate::fit::drive_form::parameters::PARAMETERS;
 
 /// The first parameter of the drive; the others follow.
 pub(crate) const DRIVE: usize = 0;

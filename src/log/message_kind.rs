@@ -36,6 +36,8 @@ const REGULAR: f64 = 0.25;
 /// Share of regular intervals of a slow sensor, and its longest period [s].
 const MOSTLY_REGULAR: f64 = 0.8;
 const LONGEST_PERIOD_S: f64 = 1.0;
+/// An interval is a heartbeat's within this share of it.
+const BEAT: f64 = 0.1;
 /// Share of regular intervals before repeated values for a heartbeat.
 const HEARTBEAT: f64 = 0.6;
 /// A shorter interval is a period [s].
@@ -69,7 +71,7 @@ impl MessageKind {
         }
         let regular_where = |wanted: bool| {
             let chosen: Vec<f64> = intervals.iter().zip(&repeated).filter(|(_, r)| **r == wanted).map(|(d, _)| *d).collect();
-            let regular = chosen.iter().filter(|d| (**d - period_s).abs() <= REGULAR * period_s).count();
+            let regular = chosen.iter().filter(|d| (**d - period_s).abs() <= BEAT * period_s).count();
             regular as f64 / chosen.len().max(1) as f64
         };
         let changes = intervals.len() - repeats;

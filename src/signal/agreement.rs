@@ -1,7 +1,7 @@
 //! Brings the signals of a log into agreement: their clocks and their signs.
 
 use crate::signal::clock_check::{feedback_offset_s, moved, torque_offset_s, yaw_offset_s};
-use crate::signal::response::Motion;
+use crate::signal::response::Accelerations;
 use crate::signal::signs::{check_direction, check_torque};
 use crate::signal::{Result, Series, median};
 
@@ -54,7 +54,7 @@ impl Sources<'_> {
         if let Some(feedback) = &feedback {
             own_s = feedback_offset_s(command, feedback);
         }
-        let torque_s = Motion::of(self.encoder_mps).and_then(|motion| torque_offset_s(command, &motion));
+        let torque_s = Accelerations::of(self.encoder_mps).and_then(|motion| torque_offset_s(command, &motion));
         if let Some(offset_s) = torque_s {
             moved(command, offset_s);
             notes.push(format!(
@@ -79,6 +79,6 @@ impl Sources<'_> {
     /// One is reversed.
     pub(crate) fn check_signs(&self, command: &Series, yaw: Option<&Series>) -> Result<()> {
         check_direction(self.encoder_mps, self.gear, yaw, |t| self.is_at_angle(t))?;
-        Motion::of(self.encoder_mps).map_or(Ok(()), |motion| check_torque(command, &motion))
+        Accelerations::of(self.encoder_mps).map_or(Ok(()), |motion| check_torque(command, &motion))
     }
 }

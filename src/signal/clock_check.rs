@@ -5,7 +5,7 @@
 //! the yaw rate follows the wheel, each within some tenths of a second. A signal that agrees much better at another lag is moved.
 
 use crate::signal::Series;
-use crate::signal::response::{HeldMeans, Motion};
+use crate::signal::response::{Accelerations, HeldMeans};
 
 /// Lags of the motion behind its torque, and of the feedback behind the command, that a drive has [s].
 const DRIVE_S: [f64; 2] = [-0.05, 0.45];
@@ -27,7 +27,7 @@ const MOST_POINTS: usize = 2000;
 const FEWEST_POINTS: usize = 100;
 
 /// By how much the torque is to be moved so that the motion follows it [s]; `None` if it is right, or if nothing shows that it is wrong.
-pub(crate) fn torque_offset_s(torque: &Series, motion: &Motion) -> Option<f64> {
+pub(crate) fn torque_offset_s(torque: &Series, motion: &Accelerations) -> Option<f64> {
     let means = HeldMeans::of(torque)?;
     let usual = motion.best(&means, DRIVE_S[0], DRIVE_S[1], 0.05);
     let mut best = motion.best(&means, -NEAR_S, NEAR_S, 0.1);
@@ -115,7 +115,7 @@ mod tests {
     fn a_torque_on_the_same_clock_stays_and_one_that_is_late_or_early_is_moved() {
         for (late_s, wanted_s) in [(0.1, None), (0.3, None), (0.6, Some(0.5)), (-2.0, Some(-2.1)), (25.0, Some(24.9))] {
             let (command, speed) = driven(late_s);
-            let found_s = torque_offset_s(&command, &Motion::of(&speed).unwrap());
+            let found_s = torque_offset_s(&command, &Accelerations::of(&speed).unwrap());
             assert_eq!(found_s.is_some(), wanted_s.is_some(), "{late_s}: {found_s:?}");
             assert!((found_s.unwrap_or(0.0) - wanted_s.unwrap_or(0.0)).abs() < 0.03, "{late_s}: {found_s:?}");
         }

@@ -2,7 +2,7 @@
 //!
 //! A reversed sign is no reason to drop data: it is reported as what it is.
 
-use crate::signal::response::{HeldMeans, Motion};
+use crate::signal::response::{Accelerations, HeldMeans};
 use crate::signal::{Error, Result, Series};
 
 /// Speed that shows a direction [m/s].
@@ -68,7 +68,7 @@ pub(crate) fn check_direction(encoder: &Series, gear: Option<&Series>, yaw: Opti
 ///
 /// # Errors
 /// A higher torque clearly accelerates in the negative direction.
-pub(crate) fn check_torque(torque: &Series, motion: &Motion) -> Result<()> {
+pub(crate) fn check_torque(torque: &Series, motion: &Accelerations) -> Result<()> {
     let Some(means) = HeldMeans::of(torque) else { return Ok(()) };
     let answer = motion.best(&means, LAGS_S[0], LAGS_S[1], 0.05);
     if !answer.is_positive && answer.explained > CLEAR_ANSWER {
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn a_torque_against_the_motion_is_an_error() {
         let (command, speed) = driven(0.1);
-        let motion = Motion::of(&speed).unwrap();
+        let motion = Accelerations::of(&speed).unwrap();
         assert!(check_torque(&command, &motion).is_ok());
         assert!(matches!(check_torque(&negative(&command), &motion), Err(Error::TorqueAgainst { .. })));
     }

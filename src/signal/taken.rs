@@ -15,7 +15,7 @@ pub(crate) const FEWEST: usize = 50;
 const FEWEST_HELD: usize = 2;
 
 /// The series taken from a recording, with notes on them.
-pub(crate) struct Taken<'a> {
+pub(crate) struct TakenSignals<'a> {
     recording: &'a Recording,
     /// Time 0 of the series [ns].
     pub start_ns: i64,
@@ -24,7 +24,7 @@ pub(crate) struct Taken<'a> {
     pub notes: Vec<String>,
 }
 
-impl<'a> Taken<'a> {
+impl<'a> TakenSignals<'a> {
     /// Of a recording.
     pub(crate) fn new(recording: &'a Recording) -> Self {
         let signals = &recording.signals;

@@ -3,7 +3,7 @@
 use crate::log::{Recording, Signal};
 use crate::map::{LogRef, Vehicle};
 use crate::signal::agreement::{NEAR_ANGLE_RAD, Sources};
-use crate::signal::taken::{FEWEST, Taken};
+use crate::signal::taken::{FEWEST, TakenSignals};
 use crate::signal::{Error, Result, Series, resolve};
 use crate::units::RAD_PER_DEG;
 
@@ -54,7 +54,7 @@ impl Track {
     /// As [`Track::new`].
     pub fn at_angle(recording: &Recording, wheel_angle_deg: f64) -> Result<Self> {
         let signals = &recording.signals;
-        let mut taken = Taken::new(recording);
+        let mut taken = TakenSignals::new(recording);
         let gear = signals.gear.as_ref().map(|s| taken.held("gear", s)).filter(|s| !s.is_empty());
         let estop = signals.estop.as_ref().map(|s| taken.held("estop", s)).filter(|s| !s.is_empty());
         let mut encoder_mps = taken.measured("speed", &signals.speed);

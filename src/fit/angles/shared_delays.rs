@@ -5,8 +5,9 @@
 //! logs that no other angle shares.
 
 use crate::campaign::AngleGroup;
-use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::drive_form::drive_model::DriveModel;
+use crate::fit::drive_form::parameters::PARAMETERS;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::actuator::Delays;
 use crate::fit::{Error, FitSettings, KnownCalibration, rounds};

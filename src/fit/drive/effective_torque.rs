@@ -1,16 +1,17 @@
 //! The effective torque of one log from either source: the command through dead time and a drive, or the drive's own feedback.
 
-use crate::fit::drive::campaign_drift::CampaignDrift;
-use crate::fit::drive::drive_model::{DriveKind, DriveModel};
-use crate::fit::drive::lagged_command::{LaggedCommand, LaggedCursor, Share, Torque};
+use crate::fit::drive::lagged_command::{LaggedCommand, LaggedCursor, Share};
 use crate::fit::drive::measured_torque::{MeasuredCursor, MeasuredTorque};
 use crate::fit::drive::sampled_torque::{SampledCursor, SampledTorque};
-use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::drive_form::campaign_drift::CampaignDrift;
+use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
+use crate::fit::drive_form::torque::Torque;
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::signal::Series;
 
 /// Source of an effective torque.
 #[derive(Debug, Clone)]
-enum TorqueSource {
+enum TorqueOrigin {
     /// The command through a first-order lag.
     Lagged(LaggedCommand),
     /// The command through another drive.
@@ -22,7 +23,7 @@ enum TorqueSource {
 /// The effective torque of one log, for look-ups at any time minus the dead time, before the drive's limit.
 #[derive(Debug, Clone)]
 pub(crate) struct EffectiveTorque {
-    source: TorqueSource,
+    source: TorqueOrigin,
     limit: TorqueLimit,
     drift: CampaignDrift,
     /// Where the feedback gives the torque instead.
@@ -103,22 +104,22 @@ impl TorqueCursor<'_> {
 impl EffectiveTorque {
     /// The command through a first-order lag.
     pub(crate) fn lagged(command: LaggedCommand) -> Self {
-        Self { source: TorqueSource::Lagged(command), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
+        Self { source: TorqueOrigin::Lagged(command), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
     }
 
     /// The changes of a command through a drive.
     pub(crate) fn through(changes: &Series, drive: &DriveModel) -> Self {
         let source = if drive.kind == DriveKind::FirstOrder {
-            TorqueSource::Lagged(LaggedCommand::new(changes, drive.lag_s()))
+            TorqueOrigin::Lagged(LaggedCommand::new(changes, drive.lag_s()))
         } else {
-            TorqueSource::Sampled(SampledTorque::new(changes, drive))
+            TorqueOrigin::Sampled(SampledTorque::new(changes, drive))
         };
         Self { source, limit: drive.limit, drift: CampaignDrift::default(), instead: None }
     }
 
     /// The torque feedback, which holds whatever the drive does.
     pub(crate) fn measured(feedback: MeasuredTorque) -> Self {
-        Self { source: TorqueSource::Measured(feedback), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
+        Self { source: TorqueOrigin::Measured(feedback), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
     }
 
     /// The same with what changes during the campaign.
@@ -150,9 +151,9 @@ impl EffectiveTorque {
     /// A cursor at the beginning.
     pub(crate) fn cursor(&self) -> TorqueCursor<'_> {
         let source = match &self.source {
-            TorqueSource::Lagged(lagged) => SourceCursor::Lagged(lagged.cursor()),
-            TorqueSource::Sampled(sampled) => SourceCursor::Sampled(sampled.cursor()),
-            TorqueSource::Measured(measured) => SourceCursor::Measured(measured.cursor()),
+            TorqueOrigin::Lagged(lagged) => SourceCursor::Lagged(lagged.cursor()),
+            TorqueOrigin::Sampled(sampled) => SourceCursor::Sampled(sampled.cursor()),
+            TorqueOrigin::Measured(measured) => SourceCursor::Measured(measured.cursor()),
         };
         TorqueCursor { source, instead: self.instead.as_ref() }
     }
@@ -160,26 +161,26 @@ impl EffectiveTorque {
     /// Largest torque commanded [N·m].
     pub(crate) fn largest_nm(&self) -> f64 {
         match &self.source {
-            TorqueSource::Lagged(lagged) => lagged.largest_nm(),
-            TorqueSource::Sampled(sampled) => sampled.largest_nm(),
-            TorqueSource::Measured(measured) => measured.largest_nm(),
+            TorqueOrigin::Lagged(lagged) => lagged.largest_nm(),
+            TorqueOrigin::Sampled(sampled) => sampled.largest_nm(),
+            TorqueOrigin::Measured(measured) => measured.largest_nm(),
         }
     }
 
     /// Times at which a change of the command by more than `least_nm` begins to act, without the dead time [s].
     pub(crate) fn steps(&self, least_nm: f64) -> Vec<f64> {
         match &self.source {
-            TorqueSource::Lagged(lagged) => lagged.steps(least_nm),
-            TorqueSource::Sampled(sampled) => sampled.steps(least_nm),
-            TorqueSource::Measured(measured) => measured.steps(least_nm),
+            TorqueOrigin::Lagged(lagged) => lagged.steps(least_nm),
+            TorqueOrigin::Sampled(sampled) => sampled.steps(least_nm),
+            TorqueOrigin::Measured(measured) => measured.steps(least_nm),
         }
     }
 
     /// Where the torque is unknown [s], in order: gaps of the feedback.
     pub(crate) fn gaps(&self) -> &[(f64, f64)] {
         match &self.source {
-            TorqueSource::Lagged(_) | TorqueSource::Sampled(_) => &[],
-            TorqueSource::Measured(measured) => measured.gaps(),
+            TorqueOrigin::Lagged(_) | TorqueOrigin::Sampled(_) => &[],
+            TorqueOrigin::Measured(measured) => measured.gaps(),
         }
     }
 }

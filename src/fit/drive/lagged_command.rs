@@ -4,7 +4,7 @@
 //! u(t) = c + (u₀ − c)·e^(−s/T_c), with s the time since the change. The derivatives follow:
 //! ∂u/∂T_d = −u̇ and ∂u/∂T_c = w₀·e^(−s/T_c) + (u₀ − c)·e^(−s/T_c)·s/T_c².
 
-use crate::fit::drive::drive_model::PARAMETERS;
+use crate::fit::drive_form::torque::Torque;
 use crate::signal::Series;
 
 /// The lagged command of one log, for look-ups at any time.
@@ -28,34 +28,6 @@ pub(crate) struct LaggedCursor<'a> {
     lagged: &'a LaggedCommand,
     /// Number of changes at or before the time of the last look-up.
     passed: usize,
-}
-
-/// Effective torque and its derivatives at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Torque {
-    /// u [N·m].
-    pub(crate) torque_nm: f64,
-    /// ∂u/∂T_d [N·m/s].
-    pub(crate) by_dead_time: f64,
-    /// Derivatives by the parameters of the drive [N·m/s]; of a first-order lag, ∂u/∂T_c and zeros.
-    pub(crate) by_drive: [f64; PARAMETERS],
-}
-
-impl Torque {
-    /// A constant torque.
-    pub(crate) fn constant(torque_nm: f64) -> Self {
-        Self { torque_nm, by_dead_time: 0.0, by_drive: [0.0; PARAMETERS] }
-    }
-
-    /// In the frame of a gear, whose sign this is.
-    pub(crate) fn in_gear(self, sign: f64) -> Self {
-        Self { torque_nm: sign * self.torque_nm, by_dead_time: sign * self.by_dead_time, by_drive: self.by_drive.map(|d| sign * d) }
-    }
-
-    /// Whether delays and drive matter at this moment.
-    pub(crate) fn is_moving(&self) -> bool {
-        self.by_dead_time != 0.0 || self.by_drive != [0.0; PARAMETERS]
-    }
 }
 
 impl LaggedCursor<'_> {

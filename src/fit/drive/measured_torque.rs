@@ -4,7 +4,8 @@
 //! neighbours round the corners off. (Means of three left 2 to 6 times the torque error at 25 Hz behind a limit of 150 or 300 N·m/s, and
 //! were no better at 100 Hz.) The dead time is the delay from feedback to speed, and ∂u/∂T_d = −u̇.
 
-use crate::fit::drive::lagged_command::{LaggedCommand, Share, Torque};
+use crate::fit::drive::lagged_command::{LaggedCommand, Share};
+use crate::fit::drive_form::torque::Torque;
 use crate::signal::Series;
 
 /// Between readings further apart than this the torque is unknown [s]: one or two lost readings are bridged.

@@ -5,8 +5,10 @@
 //! and a second-order lag follows a constant in closed form. Derivatives by the parameters are central differences of such responses, and
 //! ∂u/∂T_d = −u̇.
 
-use crate::fit::drive::drive_model::{DriveKind, DriveModel, PARAMETERS};
-use crate::fit::drive::lagged_command::{LaggedCommand, Share, Torque};
+use crate::fit::drive::lagged_command::{LaggedCommand, Share};
+use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
+use crate::fit::drive_form::parameters::PARAMETERS;
+use crate::fit::drive_form::torque::Torque;
 use crate::signal::Series;
 
 /// Samples after a change: the shortest and the longest distance [s].
@@ -151,7 +153,7 @@ fn sample_times(command: &Series, drive: &DriveModel) -> Vec<f64> {
 /// The torque at the times `t_s`, which rise and hold every change of the command.
 fn response(command: &Series, drive: &DriveModel, t_s: &[f64]) -> Vec<f64> {
     let Some(&first_nm) = command.value.first() else { return vec![0.0; t_s.len()] };
-    let mut state = State { ramp_nm: first_nm, torque_nm: first_nm, rate_nm_s: 0.0 };
+    let mut state = DriveState { ramp_nm: first_nm, torque_nm: first_nm, rate_nm_s: 0.0 };
     let mut held = 0;
     let mut now_s = t_s.first().copied().unwrap_or(0.0);
     t_s.iter()
@@ -169,7 +171,7 @@ fn response(command: &Series, drive: &DriveModel, t_s: &[f64]) -> Vec<f64> {
 
 /// The state of a drive.
 #[derive(Debug, Clone, Copy)]
-struct State {
+struct DriveState {
     /// The command after a rate limit [N·m].
     ramp_nm: f64,
     /// u [N·m].
@@ -178,7 +180,7 @@ struct State {
     rate_nm_s: f64,
 }
 
-impl State {
+impl DriveState {
     /// Moves on by `dt_s` under a constant command.
     fn go_on(&mut self, drive: &DriveModel, command_nm: f64, dt_s: f64) {
         if drive.kind == DriveKind::SecondOrder {

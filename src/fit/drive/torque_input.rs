@@ -7,12 +7,12 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
-use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
 use crate::fit::drive::feedback_scale::FeedbackScale;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
 use crate::fit::drive::undelivered::{Undelivered, undelivered};
+use crate::fit::drive_form::drive_model::DriveModel;
 use crate::map::{ActuatorInput, DriveFamily, InputSource, LogRef};
 use crate::signal::{Series, Track};
 use std::collections::BTreeMap;

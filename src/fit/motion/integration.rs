@@ -4,11 +4,12 @@
 //! constant, and never across a reading.
 
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{Change, SPANS};
-use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::lagged_command::{Share, Torque};
-use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::drive::lagged_command::Share;
+use crate::fit::drive_form::campaign_drift::{DriftNow, SPANS};
+use crate::fit::drive_form::parameters::PARAMETERS;
+use crate::fit::drive_form::torque::Torque;
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::segment::Segment;
 use crate::fit::nuisance;
@@ -40,7 +41,7 @@ pub(crate) struct Course<'a> {
     ends: Vec<u32>,
     limit: TorqueLimit,
     /// What has changed by this time of the campaign.
-    drift: Change,
+    drift: DriftNow,
 }
 
 impl<'a> Course<'a> {

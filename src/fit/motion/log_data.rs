@@ -2,12 +2,12 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, Progress};
-use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::measured_torque::MeasuredTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::TorqueInput;
+use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress};
+use crate::fit::drive_form::drive_model::DriveModel;
 use crate::fit::noise::model::Reading;
 use crate::map::Gear;
 use crate::signal::Series;

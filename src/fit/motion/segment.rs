@@ -1,6 +1,6 @@
 //! Segments: stretches of readings on one clock, ready to be integrated.
 
-use crate::fit::drive::campaign_drift::Progress;
+use crate::fit::drive_form::campaign_drift::Progress;
 use crate::fit::noise::model::{Noise, Reading};
 use crate::map::Gear;
 

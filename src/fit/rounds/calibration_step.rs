@@ -1,8 +1,9 @@
 //! A step of the delays and of the encoder's calibration: the nuisance coefficients of a solution, damped and bounded.
 
-use crate::fit::drive::campaign_drift::{CampaignDrift, SPANS};
-use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueInput;
+use crate::fit::drive_form::campaign_drift::{CampaignDrift, SPANS};
+use crate::fit::drive_form::drive_model::DriveModel;
+use crate::fit::drive_form::parameters::{LIMIT, PARAMETERS};
 use crate::fit::motion::regressors::Free;
 use crate::fit::nuisance;
 use crate::fit::rounds::convergence::DelayStep;

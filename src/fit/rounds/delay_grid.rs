@@ -3,11 +3,12 @@
 //! A = c₀ + c₁·U + c₂·U⁺ + c₃·V + c₄·V² + c₅·e^(−(V/0.08)²), integrated and whitened like the full surface, solved for each pair of
 //! dead time (0 … 400 ms) and drive. Each log has its own dead time; the drive is shared.
 
-use crate::fit::drive::campaign_drift::CampaignDrift;
-use crate::fit::drive::drive_model::{DriveKind, DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueInput;
-use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::drive_form::campaign_drift::CampaignDrift;
+use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
+use crate::fit::drive_form::parameters::{LIMIT, PARAMETERS};
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::model::Noise;

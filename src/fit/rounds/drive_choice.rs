@@ -7,10 +7,10 @@
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::torque_input::TorqueChoice;
-use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::motion::coarse_readings::replace_coarse;
 use crate::fit::motion::integration::{Course, courses, surface_of};
 use crate::fit::motion::passes::{along_one, wide_speed};

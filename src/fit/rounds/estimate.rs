@@ -1,9 +1,10 @@
 //! The estimate after the last round: surface, delays, speeds and noise.
 
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, Progress};
-use crate::fit::drive::drive_model::{DriveModel, PARAMETERS};
 use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress};
+use crate::fit::drive_form::drive_model::DriveModel;
+use crate::fit::drive_form::parameters::PARAMETERS;
 use crate::fit::motion::log_data::LogData;
 use crate::fit::motion::lookup_speeds::Speeds;
 use crate::fit::motion::regressors::Free;

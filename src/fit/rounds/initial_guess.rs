@@ -2,11 +2,11 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, CampaignProgress, Progress};
-use crate::fit::drive::drive_model::DriveModel;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::{TorqueChoice, TorqueInput};
+use crate::fit::drive_form::campaign_drift::{CampaignDrift, CampaignProgress, Progress};
+use crate::fit::drive_form::drive_model::DriveModel;
 use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;

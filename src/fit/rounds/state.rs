@@ -2,9 +2,9 @@
 
 use crate::fit::FitSettings;
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::campaign_drift::{CampaignDrift, Progress, SPANS};
-use crate::fit::drive::drive_model::PARAMETERS;
 use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress, SPANS};
+use crate::fit::drive_form::parameters::PARAMETERS;
 use crate::fit::motion::coarse_readings::replace_coarse;
 use crate::fit::motion::integration::Course;
 use crate::fit::motion::log_data::LogData;

@@ -2,10 +2,11 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
-use crate::fit::drive::campaign_drift::SPANS;
-use crate::fit::drive::drive_model::{DriveModel, LIMIT, PARAMETERS};
 use crate::fit::drive::torque_input::TorqueChoice;
 use crate::fit::drive::undelivered::Undelivered;
+use crate::fit::drive_form::campaign_drift::SPANS;
+use crate::fit::drive_form::drive_model::DriveModel;
+use crate::fit::drive_form::parameters::{LIMIT, PARAMETERS};
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::round;
 use crate::map::{

@@ -1,8 +1,8 @@
 //! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
-use crate::fit::drive::campaign_drift::Change;
-use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::drive_form::campaign_drift::DriftNow;
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
 use crate::fit::{CampaignTime, FitSettings, Result};
@@ -102,7 +102,8 @@ pub(crate) fn accel_map(
     let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
     let surface = estimate.model.surface(gear);
     let limit = estimate.calibration.drive.limit;
-    let change = if settings.at == CampaignTime::End { estimate.calibration.drift.at(estimate.data.end[gear]) } else { Change::default() };
+    let change =
+        if settings.at == CampaignTime::End { estimate.calibration.drift.at(estimate.data.end[gear]) } else { DriftNow::default() };
     let grid = |torques: &[f64], speeds: &[f64], limit: TorqueLimit| -> Vec<Vec<f64>> {
         let accel_mps2 = |v: f64, u: f64| {
             surface.accel_mps2(v, (1.0 + change.torque_share) * limit.delivered_nm(v, u))

@@ -25,7 +25,7 @@ pub(crate) struct CampaignDrift {
 
 /// A change as it stands at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Change {
+pub(crate) struct DriftNow {
     /// Of friction, as a share.
     pub(crate) friction_share: f64,
     /// Of the torque, as a share.
@@ -34,9 +34,9 @@ pub(crate) struct Change {
 
 impl CampaignDrift {
     /// The change at a time.
-    pub(crate) fn at(&self, progress: Progress) -> Change {
+    pub(crate) fn at(&self, progress: Progress) -> DriftNow {
         let sum = |of: [f64; SPANS]| of.iter().zip(progress).map(|(change, w)| change * w).sum();
-        Change { friction_share: sum(self.friction_share), torque_share: sum(self.torque_share) }
+        DriftNow { friction_share: sum(self.friction_share), torque_share: sum(self.torque_share) }
     }
 }
 

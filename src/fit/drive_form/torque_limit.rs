@@ -3,8 +3,8 @@
 //! The limit acts on the effective torque u in the gear's frame, at the wheel's speed v: u ≤ u_max in either direction, or u·v ≤ P while
 //! driving. A limit is a corner of the effective torque and not a bend of the surface, so the surface never sees it.
 
-use crate::fit::drive::drive_model::LIMIT;
-use crate::fit::drive::lagged_command::Torque;
+use crate::fit::drive_form::parameters::LIMIT;
+use crate::fit::drive_form::torque::Torque;
 
 /// A limit.
 #[derive(Debug, Clone, Copy, PartialEq)]

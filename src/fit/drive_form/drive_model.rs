@@ -8,15 +8,12 @@
 //!   falls, or one up and one down;
 //! - second order: T₀²·ü + T₁·u̇ + u = c, with ω₀ = 1/T₀ and damping ζ = T₁/(2·T₀).
 
-use crate::fit::drive::torque_limit::TorqueLimit;
+use crate::fit::drive_form::parameters::{LIMIT, PARAMETERS};
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::map::{DriveFamily, DriveLimit, IdentifiedDrive, LimitKind};
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// Most parameters of a drive: three times, and the logarithm of its limit.
-pub(crate) const PARAMETERS: usize = 4;
-/// Number of the limit's parameter.
-pub(crate) const LIMIT: usize = 3;
 /// Longest lag [s].
 const LONGEST_LAG_S: f64 = 0.3;
 /// Shortest and longest time in which a ramp crosses the reference torque [s].
