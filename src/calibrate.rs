@@ -16,15 +16,16 @@ mod verify_stage;
 mod wheel_angles;
 
 pub use error::{Error, Result};
-pub use event::{Listener, StageEvent};
+pub(crate) use event::Listener;
+pub use event::StageEvent;
 pub use fit_stage::{FittedLogs, fit_logs};
 pub(crate) use folder::read_table1;
 pub use invert_stage::invert_folder;
 pub use logs::{read_logs, survey};
 pub use report_stage::{WrittenReport, report_folder};
 pub use settings::{CalibrateSettings, FitStage, InvertStage, LogSource};
-pub(crate) use verify_stage::save_verdict;
 pub use verify_stage::verify_folder;
+pub(crate) use verify_stage::{save_verdict, verify_accepting};
 pub(crate) use wheel_angles::{keep_angles, only_angle};
 
 use crate::invert::Inversion;
@@ -43,9 +44,9 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// Whether the map passed and Table 1 is sound.
+    /// Whether the map passed. An objection to Table 1 that nobody has overruled rejects it.
     pub fn passes(&self) -> bool {
-        self.verdict.passes() && self.fitted.fit.sound
+        self.verdict.passes()
     }
 }
 
@@ -59,7 +60,7 @@ impl Calibrated {
 pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSettings, listen: &Listener) -> Result<Calibrated> {
     let fitted = fit_logs(logs, folder, &settings.fit, listen)?;
     let inversion = invert_folder(folder, &settings.invert, listen)?;
-    let verdict = verify_folder(folder, listen)?;
+    let verdict = verify_accepting(folder, &settings.accept, listen)?;
     report_folder(folder, &folder.join("report.html"), None)?;
     Ok(Calibrated { fitted, inversion, verdict })
 }

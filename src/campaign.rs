@@ -24,6 +24,7 @@ pub(crate) use error::Result;
 pub(crate) use hold::Hold;
 pub(crate) use ledger::sample_seconds;
 #[doc(hidden)]
+#[doc(hidden)] // for the studies and tests
 pub use ledger::{ledger, with_missing};
 pub(crate) use runs::runs;
 pub use settings::SurveySettings;

@@ -4,6 +4,7 @@
 //! `rows\columns` is one of our CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form
 //! CSV; any other CSV is an Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
+pub(crate) mod campaign_checks;
 mod finding;
 pub(crate) mod foreign;
 mod foreign_rules;

@@ -1,6 +1,6 @@
 //! The command line: arguments, files opened and saved, printing, exit status. The other modules do not depend on it.
 //!
-//! Exit status: 0 done, 1 error, 2 usage, 3 finished but rejected (verification failed, coverage too thin, a finding).
+//! Exit status: 0 done, 1 error or nothing judged, 2 usage, 3 finished but rejected (verification failed, a check objects, a finding).
 
 mod advice;
 mod angles;
@@ -126,6 +126,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Rejected) => ExitCode::from(3),
+        Ok(Outcome::NotJudged) => ExitCode::from(1),
         Err(error) => {
             Ui::error(&error);
             ExitCode::from(1)

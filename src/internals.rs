@@ -15,6 +15,7 @@ pub use crate::log::survey::survey_bytes;
 pub use crate::manoeuvre::picture::picture;
 pub use crate::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreKind, ManoeuvreMoment, ManoeuvreSettings, replay_manoeuvre};
 pub use crate::map::files::lateral_table_file::LateralTableFile;
+pub use crate::map::numbers::AccelMaps;
 pub use crate::plan::expected::{ExpectedCell, expected};
 pub use crate::record::{Campaign, RunGroup, Torques, record};
 pub use crate::sim::{

@@ -6,7 +6,7 @@
 
 mod error;
 pub(crate) mod files;
-mod numbers;
+pub(crate) mod numbers;
 mod vehicle;
 
 pub use error::Error;
@@ -14,21 +14,23 @@ pub(crate) use error::Result;
 pub(crate) use files::PlanFile;
 pub(crate) use files::expect_format;
 pub use files::{
-    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, ComparedDrive, CsvRef, DeadBand, DelayEstimate, DelayStatus,
+    AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, Check, CheckOutcome, CsvRef, DeadBand, DelayEstimate, DelayStatus,
     DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, LogActuator, LogRef,
     PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading, SpeedSource, Stage1Report,
-    Table1File, Table2File, TorqueMap, Units, ZeroRow, sha256_hex,
+    Table1File, Table2File, TorqueMap, Units, ZeroRow,
 };
+#[doc(hidden)] // details of the fit, and what tests need
+pub use files::{ComparedDrive, sha256_hex};
 pub(crate) use files::{
     DeadTimeLikelihood, DelayLikelihood, FIT_TRACES_FORMAT, FORMAT_VERSION, FixedText, FolderError, LATERAL_TABLE_FORMAT, LateralCurve,
     LateralEntry, LateralMean, MapFolder, Mismatch, ResidualCells, ResidualTimes, RunTrace, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT,
     csv_name, is_csv_name,
 };
 pub(crate) use files::{LateralTableFile, write_whole};
+pub(crate) use numbers::AccelMaps;
 pub(crate) use numbers::{ACCEL_AXIS, SPEED_AXIS, TORQUE_AXIS, check_values, decimal};
-pub use numbers::{
-    AccelAtAngle, AccelMaps, AccelTable, AngleFamily, Axis, CellStatus, DepartureFrom, Gear, LeftOutAngle, Matrix, Side, TorqueTable,
-    WheelAngle,
-};
+pub use numbers::{AccelTable, AngleFamily, Axis, CellStatus, Gear, Matrix, Side, TorqueTable, WheelAngle};
 pub(crate) use numbers::{AngleSurface, PerGear, SAME_ANGLE_DEG, angle_lookup, lookup};
+#[doc(hidden)] // details of the fit
+pub use numbers::{DepartureFrom, LeftOutAngle};
 pub use vehicle::Vehicle;

@@ -33,6 +33,5 @@ mod tables;
 pub(crate) use coverage::coverage_text;
 pub use error::Error;
 pub(crate) use error::Result;
-pub(crate) use inputs::Judgement;
 pub use inputs::ReportFiles;
 pub use page::{Report, report};

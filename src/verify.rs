@@ -5,8 +5,10 @@
 //! measured cell makes the round trip Table 1 → Table 2 → Table 1. Other laws are compared with the map. A gate of documented limits
 //! decides. Metrics, traces and logs observe the same runs.
 
+mod basis;
 pub(crate) mod bench;
 mod comparison;
+mod conclusion;
 pub(crate) mod drive;
 mod error;
 mod exact_map;

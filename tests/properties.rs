@@ -63,6 +63,7 @@ fn file(accel: &[Vec<f64>]) -> Table1File {
         noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.3, run_offset_mps2: 0.0, speed_noise_mps: 0.0 },
         maps: vec![map],
         families: Vec::new(),
+        checks: Vec::new(),
         report: Stage1Report::default(),
     }
 }

@@ -12,11 +12,11 @@ use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::control::{AngleTable, AngleTables, GearTerms};
 use pivot_cal::fit;
 use pivot_cal::fit::{Fit, fit_angles};
-use pivot_cal::internals::{Campaign, Truth, VehicleFile, record};
+use pivot_cal::internals::{AccelMaps, Campaign, Truth, VehicleFile, record};
 use pivot_cal::invert;
 use pivot_cal::invert::{Inversion, invert};
 use pivot_cal::log::{Recording, Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{AccelMaps, CellStatus, CsvRef, Gear, Side, TorqueTable, WheelAngle};
+use pivot_cal::map::{CellStatus, CsvRef, Gear, Side, TorqueTable, WheelAngle};
 use program::text;
 
 const ANGLES_DEG: [f64; 4] = [0.0, 30.0, 60.0, 90.0];

@@ -27,4 +27,4 @@ pub enum StageEvent {
 }
 
 /// A listener; called from any thread.
-pub type Listener<'a> = dyn Fn(StageEvent) + Sync + 'a;
+pub(crate) type Listener<'a> = dyn Fn(StageEvent) + Sync + 'a;

@@ -11,6 +11,8 @@ pub struct CalibrateSettings {
     pub fit: FitStage,
     /// Settings of inverting Table 1.
     pub invert: InvertStage,
+    /// Names of checks whose objections a person overrules. Default none.
+    pub accept: Vec<String>,
 }
 
 /// Sources of the signals and of the vehicle's data.

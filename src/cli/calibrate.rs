@@ -16,13 +16,16 @@ Examples:
   pivot-cal calibrate --signals signals.toml --maps maps/monday monday/*.mcap
 
 Runs fit, invert, verify and report with their defaults in the folder of --maps.
-Exit status: 0 the map passes, 3 it does not (or the coverage is too thin), 1 error.")]
+Exit status: 0 the map passes, 3 it fails or a check rejects it, 1 error or too little was driven to judge.")]
 pub(crate) struct Arguments {
     #[command(flatten)]
     fit: fit::Arguments,
     /// Breaks of the desired acceleration [m/s²]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
     accel_breaks: Option<crate::cli::breaks::Breaks>,
+    /// Overrule the objection of this check; it is written into verify.json and onto the page (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    accept: Vec<String>,
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
@@ -31,12 +34,15 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let settings = CalibrateSettings {
         fit: arguments.fit.stage()?,
         invert: InvertStage { settings: InvertSettings { accel_breaks_mps2, ..InvertSettings::default() }, ..InvertStage::default() },
+        accept: arguments.accept.clone(),
     };
     let listener = UiListener::new(ui, "calibrating");
     let made = calibrate_with(&arguments.fit.input.logs, maps, &settings, &|event| listener.hear(event)).map_err(with_advice)?;
     let Calibrated { fitted: FittedLogs { fit, is_damaged }, inversion, verdict } = made;
     let damaged = is_damaged && arguments.fit.is_strict();
     ui.document(&json!({ "table1": fit.file, "table2": inversion.file, "verify": verdict }))?;
+    ui.say(format!("verdict: {}", verdict.headline()));
+    ui.say("");
     ui.say("── Table 1 ──");
     fit::show(&fit.file, ui);
     ui.say("");
@@ -64,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.say(format!("coverage     {:.0} % of the cells measured", 100.0 * fit.file.report.coverage));
     let trip = inversion.file.maps.iter().map(|m| m.round_trip.between_rms_mps2).fold(0.0, f64::max);
     ui.say(format!("round trip   {trip:.4} m/s² root mean square"));
-    ui.say(format!("verdict      {}", if verdict.passes() { "pass" } else { "FAIL" }));
+    ui.say(format!("verdict      {}", verify_text::status_word(verdict.status)));
     ui.say(format!("files        {folder}/table1.csv, table1.json, table2.csv, table2.json, verify.json, report.html"));
-    Ok(if verdict.passes() && fit.sound && !damaged { Outcome::Done } else { Outcome::Rejected })
+    Ok(if damaged { Outcome::Rejected } else { verdict.status.into() })
 }

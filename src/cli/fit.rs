@@ -7,8 +7,9 @@ use crate::cli::breaks::Breaks;
 use crate::cli::listener::UiListener;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
+use crate::cli::verify_text::show_checks;
 use crate::fit::{CampaignTime, FitSettings};
-use crate::map::{DriveFamily, Table1File};
+use crate::map::{Check, DriveFamily, Table1File};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
 
@@ -24,7 +25,7 @@ Examples:
 
 Writes table1.csv and table1.json (and table1.reverse.csv if reverse gear was tested) into the folder of --maps, and fit_traces.json for
 the report. A log with runs at several wheel angles gives a map of each angle: table1.csv for the test angle, table1.angle30.csv for 30°.
-Exit status: 0 done, 3 written but the coverage is too thin (or, with --strict, a log is damaged), 1 error.")]
+Exit status: 0 done, 3 written but a check is an objection (or, with --strict, a log is damaged), 1 error.")]
 pub(crate) struct Arguments {
     #[command(flatten)]
     pub(crate) input: LogArguments,
@@ -190,6 +191,8 @@ pub(crate) fn show(file: &Table1File, ui: Ui) {
     for note in &file.report.notes {
         ui.say(format!("note: {note}"));
     }
+    let noted = |check: &Check| file.report.notes.contains(&check.text());
+    show_checks(&file.checks.iter().filter(|c| !noted(c)).cloned().collect::<Vec<_>>(), ui);
     for map in &file.maps {
         ui.say(format!("written: {}", map.csv.file));
     }

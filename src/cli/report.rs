@@ -3,7 +3,8 @@
 use crate::calibrate::report_folder;
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::report::{Judgement, coverage_text};
+use crate::cli::verify_text::show_checks;
+use crate::report::coverage_text;
 use std::path::PathBuf;
 
 /// Arguments of `report`.
@@ -32,25 +33,24 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let output = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("report.html"));
     let made = report_folder(&arguments.maps, &output, arguments.svg.as_deref())?;
+    let (judgement, reason) = made.files.judgement();
     ui.document(&serde_json::json!({
         "file": output.display().to_string(),
         "bytes": made.bytes,
-        "judgement": made.files.judgement(),
+        "judgement": judgement,
+        "reason": reason,
+        "checks": made.files.checks,
         "notes": made.files.notes,
         "figures": made.figures,
     }))?;
+    ui.say(format!("verdict: {reason}"));
+    show_checks(&made.files.checks, ui);
     for map in &made.files.table1.maps {
         ui.picture(coverage_text(map));
     }
     for note in &made.files.notes {
         ui.say(format!("note: {note}"));
     }
-    let judgement = match made.files.judgement() {
-        Judgement::Pass => "pass",
-        Judgement::Fail => "FAIL",
-        Judgement::NotJudged => "not judged",
-    };
-    ui.say(format!("verdict: {judgement}"));
     if let Some(folder) = &arguments.svg {
         ui.say(format!("written: {} figures in {}", made.figures.len(), folder.display()));
     }

@@ -25,7 +25,9 @@ Examples:
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
   pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
 
-Exit status: 0 the map passes, 3 it does not, 1 it cannot be judged.")]
+  pivot-cal verify --accept coverage          the objection of a check overruled by hand
+
+Exit status: 0 the map passes, 3 it fails or a check rejects it, 1 it cannot be judged or too little was driven.")]
 pub(crate) struct Arguments {
     /// Folder with table1.json, table2.json and table2.csv
     #[arg(long, value_name = "DIR", default_value = "maps")]
@@ -64,6 +66,9 @@ pub(crate) struct Arguments {
     /// Perturbed plants per scenario
     #[arg(long, value_name = "N", default_value_t = 200)]
     draws: usize,
+    /// Overrule the objection of this check; it is written into verify.json and onto the page (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    accept: Vec<String>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -103,7 +108,8 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         gate: gate.clone(),
         ..defaults
     };
-    let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, ..VerifySettings::new()? };
+    let accept = arguments.accept.clone();
+    let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, accept, ..VerifySettings::new()? };
     let maps = Maps::read(&arguments.maps, arguments.force)?;
     for forced in &maps.forced {
         ui.warn(format!("{forced}; continued, since --force was given"));
@@ -134,7 +140,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             ui.detail(format!("written: {}", path.display()));
         }
     }
-    Ok(if verdict.passes() { Outcome::Done } else { Outcome::Rejected })
+    Ok(verdict.status.into())
 }
 
 /// Does `work` with a progress bar on a terminal. `work` calls its argument after every run, with the total number of runs.

@@ -1,6 +1,7 @@
 //! A verdict as text: the table of the scenarios, replayed runs, manoeuvres, and the comparison with other laws.
 
 use crate::cli::Ui;
+use crate::map::{Check, CheckOutcome};
 use crate::verify::{Class, LawComparison, LimitCheck, MapVerdict, Metric, ReplayedRun, ScenarioVerdict, Statistic, Status};
 use comfy_table::{ContentArrangement, Table, presets};
 
@@ -13,6 +14,8 @@ pub(crate) fn new_table(header: &[&str]) -> Table {
 
 /// Prints a verdict as text.
 pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
+    ui.say(format!("verdict: {}", verdict.headline()));
+    show_checks(&verdict.checks, ui);
     let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
     for trip in &verdict.round_trip {
         let value = trip.worst.map_or("none".to_owned(), |w| format!("{:.3} m/s²", w.error_mps2.abs()));
@@ -41,7 +44,30 @@ pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     if verdict.scenarios.iter().any(|s| s.notes.iter().any(|n| n.starts_with("symmetry"))) {
         ui.say("note: mirrored right turns use the table of the wheel to the left: symmetry assumed");
     }
-    ui.say(format!("verdict: {}", if verdict.passes() { "pass" } else { "FAIL" }));
+    ui.say(format!("verdict: {}", status_word(verdict.status)));
+}
+
+/// The checks that are not passed, one a line; with `-v` all of them.
+pub(crate) fn show_checks(checks: &[Check], ui: Ui) {
+    for check in checks {
+        let line = |outcome: &str| format!("{outcome} {}: {}", check.name, check.text());
+        match check.outcome {
+            CheckOutcome::Passed => ui.detail(line("passed")),
+            CheckOutcome::Warning => ui.say(line("warning")),
+            CheckOutcome::Objection => ui.say(line("objection")),
+        }
+    }
+}
+
+/// A status as a word.
+pub(crate) fn status_word(status: Status) -> &'static str {
+    match status {
+        Status::Pass => "pass",
+        Status::Fail => "FAIL",
+        Status::Rejected => "rejected",
+        Status::NotJudged => "not judged",
+        Status::NotTested => "not tested",
+    }
 }
 
 /// Shown of a scenario: the broken limits, or the one nearest to being broken. `verify.json` has all of them.
@@ -73,21 +99,12 @@ fn mark(pass: bool) -> &'static str {
 }
 
 fn value(check: &LimitCheck) -> String {
-    check.value.map_or("none".to_owned(), |v| number(check.metric, v))
+    check.value.map_or("none".to_owned(), |v| check.metric.with_unit(v))
 }
 
 fn limit(check: &LimitCheck) -> String {
-    let at_most = check.at_most.map(|m| format!("≤ {}", number(check.metric, m)));
-    at_most.or_else(|| check.at_least.map(|m| format!("≥ {}", number(check.metric, m)))).unwrap_or_default()
-}
-
-/// A value with its unit; shares in per cent.
-fn number(metric: Metric, value: f64) -> String {
-    match metric.unit() {
-        "" => format!("{:.1} %", 100.0 * value),
-        "°" => format!("{value:.2}°"),
-        unit => format!("{value:.3} {unit}"),
-    }
+    let at_most = check.at_most.map(|m| format!("≤ {}", check.metric.with_unit(m)));
+    at_most.or_else(|| check.at_least.map(|m| format!("≥ {}", check.metric.with_unit(m)))).unwrap_or_default()
 }
 
 /// Every metric of a scenario, with `-v`.
@@ -99,7 +116,7 @@ fn detail(scenario: &ScenarioVerdict, ui: Ui) {
     let statistics = [Statistic::Nominal, Statistic::Median, Statistic::P95, Statistic::P99, Statistic::Max];
     let mut table = new_table(&["metric", "nominal", "median", "95 %", "99 %", "max"]);
     for summary in &scenario.metrics {
-        let figure = |s: Statistic| summary.figure(s).map_or("none".to_owned(), |v| number(summary.metric, v));
+        let figure = |s: Statistic| summary.figure(s).map_or("none".to_owned(), |v| summary.metric.with_unit(v));
         table.add_row(std::iter::once(summary.metric.title().to_owned()).chain(statistics.map(figure)));
     }
     ui.detail(table.to_string());
@@ -172,7 +189,7 @@ fn compare(comparison: &LawComparison, ui: Ui) {
         let figure = |metric: Metric| {
             let statistic = if metric == Metric::AsExpected { Statistic::Mean } else { Statistic::Median };
             let found = law.metrics.iter().find(|s| s.metric == metric).and_then(|s| s.figure(statistic));
-            found.map_or("none".to_owned(), |v| number(metric, v))
+            found.map_or("none".to_owned(), |v| metric.with_unit(v))
         };
         table.add_row(std::iter::once(law.name.clone()).chain(metrics.map(figure)));
     }

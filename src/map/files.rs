@@ -3,6 +3,7 @@
 //! In: JSON and CSV text, or a folder. Out: [`Table1File`], [`Table2File`] and the files beside them, checked field by field, and
 //! [`MapFolder`], which checks whether each file is the one that the others describe.
 
+mod check;
 mod csv_name;
 mod fit_traces;
 mod folder;
@@ -18,6 +19,7 @@ mod status;
 mod table1_file;
 mod table2_file;
 
+pub use check::{Check, CheckOutcome};
 pub(crate) use csv_name::{csv_name, is_csv_name};
 pub use fit_traces::FitTraces;
 pub(crate) use fit_traces::{DeadTimeLikelihood, DelayLikelihood, ResidualCells, ResidualTimes, RunTrace};

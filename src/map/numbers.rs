@@ -15,8 +15,8 @@ mod wheel_angle;
 
 pub use crate::control::Gear;
 pub(crate) use crate::control::{angle_lookup, lookup};
+pub use accel_maps::AccelMaps;
 pub(crate) use accel_maps::AngleSurface;
-pub use accel_maps::{AccelAtAngle, AccelMaps};
 pub use accel_table::AccelTable;
 pub(crate) use accel_table::{SPEED_AXIS, TORQUE_AXIS, check_values};
 pub use angle_family::{AngleFamily, DepartureFrom, LeftOutAngle};

@@ -131,7 +131,8 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
             @match scenario.status {
                 Status::Pass => "pass",
                 Status::Fail => strong { "FAIL" },
-                Status::NotTested => "not tested",
+                Status::NotTested | Status::NotJudged => "not tested",
+                Status::Rejected => "rejected",
             }
         },
         html! { (of_nearest(&|c| format!("{}, {}", c.metric.title(), c.statistic.title()))) },

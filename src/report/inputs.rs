@@ -1,9 +1,10 @@
 //! The files in a folder of maps, and whether they belong together.
 
+use crate::check::campaign_checks::all_checks;
 use crate::manoeuvre::ManoeuvreTraces;
-use crate::map::{FitTraces, FolderError, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File};
+use crate::map::{Check, FitTraces, FolderError, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File};
 use crate::report::{Error, Result};
-use crate::verify::{ClosedLoop, MapVerdict, Scenario};
+use crate::verify::{ClosedLoop, MapVerdict, Scenario, Status};
 use std::path::{Path, PathBuf};
 
 /// The input files of a report. Only `table1.json` is needed.
@@ -29,20 +30,10 @@ pub struct ReportFiles {
     pub notes: Vec<String>,
     /// Whether the verdict is about these tables.
     pub verdict_is_current: bool,
+    /// The checks on the campaign and the fit.
+    pub(crate) checks: Vec<Check>,
     /// Other wheel angles [°] with maps in the files. They are not shown: the page is about the test angle.
     pub other_angles_deg: Vec<f64>,
-}
-
-/// Whether a map may be deployed, according to the files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Judgement {
-    /// The verdict on these tables is a pass.
-    Pass,
-    /// The verdict is a fail.
-    Fail,
-    /// There is no verdict, it is about other tables, or it lacks pivots.
-    NotJudged,
 }
 
 impl ReportFiles {
@@ -97,16 +88,36 @@ impl ReportFiles {
             let note = "plan.json was made from another table1.json and is left out: run `pivot-cal plan` again";
             left_out(p.table1_sha256 == sha1, note)
         });
+        let checks = all_checks(&table1);
+        let verdict = verdict.map(|v| if verdict_is_current { v.on(&table1) } else { v });
         let other_angles_deg = keep_test_angle(&mut table1, table2.as_mut());
-        Ok(Self { table1, table2, verdict, fit_traces, closed_loop, manoeuvres, plan, files, notes, verdict_is_current, other_angles_deg })
+        Ok(Self {
+            table1,
+            table2,
+            verdict,
+            fit_traces,
+            closed_loop,
+            manoeuvres,
+            plan,
+            files,
+            notes,
+            verdict_is_current,
+            checks,
+            other_angles_deg,
+        })
     }
 
-    /// Whether the map may be deployed.
-    pub(crate) fn judgement(&self) -> Judgement {
-        match &self.verdict {
-            Some(verdict) if self.verdict_is_current && !verdict.passes() => Judgement::Fail,
-            Some(verdict) if self.verdict_is_current && pivots_left_out(verdict) == 0 => Judgement::Pass,
-            _ => Judgement::NotJudged,
+    /// Whether the map may be deployed, and the reason as one line. An objection of Table 1 counts without a verdict too.
+    pub(crate) fn judgement(&self) -> (Status, String) {
+        let current = self.verdict.as_ref().filter(|_| self.verdict_is_current);
+        let accepted = current.map_or(&[][..], |verdict| &verdict.accepted);
+        match current {
+            Some(verdict) if !verdict.passes() => (verdict.status, verdict.headline()),
+            Some(verdict) if pivots_left_out(verdict) == 0 => (Status::Pass, verdict.headline()),
+            _ => match self.checks.iter().find(|c| c.objects() && !accepted.contains(&c.name)) {
+                Some(check) => (Status::Rejected, format!("rejected by {}: {}", check.name, check.text())),
+                None => (Status::NotJudged, "not judged: no verdict on every pivot covers these tables".to_owned()),
+            },
         }
     }
 }

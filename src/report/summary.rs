@@ -1,8 +1,10 @@
 //! The head of the page: the verdict, its three main figures, and warnings.
 
-use crate::map::{AccelMap, DelayEstimate, SampleVerdict};
+use crate::map::{AccelMap, Check, CheckOutcome, DelayEstimate, SampleVerdict};
+use crate::report::ReportFiles;
+use crate::report::html::TableColumn::{Number, Text};
+use crate::report::html::table;
 use crate::report::svg::num;
-use crate::report::{Judgement, ReportFiles};
 use crate::verify::{Class, MapVerdict, Metric, Statistic, Status, Worst};
 use maud::{Markup, html};
 
@@ -24,26 +26,64 @@ impl Figure {
 pub(crate) fn summary(inputs: &ReportFiles) -> Markup {
     html! {
         section id="verdict" {
-            (banner(inputs.judgement()))
+            (banner(inputs))
             div.figures {
                 @for figure in [unseen_runs(inputs), round_trip(inputs), closed_loop(inputs)] { (card(&figure)) }
             }
+            (checks(inputs))
             (warnings(inputs))
             (facts(inputs))
         }
     }
 }
 
-fn banner(judgement: Judgement) -> Markup {
-    let (class, mark, verdict, meaning) = match judgement {
-        Judgement::Pass => ("pass", "✓", "Pass", "Table 2 keeps every limit in closed loop. It may be deployed on this vehicle."),
-        Judgement::Fail => ("fail", "✕", "Fail", "Table 2 breaks a limit. It must not be deployed; what failed is listed below."),
-        Judgement::NotJudged => ("open", "?", "Not judged", "No verdict covers these tables. They must not be deployed before one does."),
+fn banner(inputs: &ReportFiles) -> Markup {
+    let (status, cause) = inputs.judgement();
+    let (class, mark, verdict, meaning) = match status {
+        Status::Pass => ("pass", "✓", "Pass", "Table 2 keeps every limit in closed loop. It may be deployed on this vehicle."),
+        Status::Fail => ("fail", "✕", "Fail", "Table 2 breaks a limit. It must not be deployed; what failed is listed below."),
+        Status::Rejected => ("fail", "✕", "Rejected", "The campaign or its fit is not sound. These tables must not be deployed."),
+        Status::NotJudged | Status::NotTested => {
+            ("open", "?", "Not judged", "No verdict covers these tables. They must not be deployed before one does.")
+        }
     };
     html! {
         div class={ "verdict " (class) } {
             span.mark aria-hidden="true" { (mark) }
-            div { strong { (verdict) } span { (meaning) } }
+            div { strong { (verdict) } span.cause { (cause) } br; span { (meaning) } }
+        }
+    }
+}
+
+/// The checks: those that are not passed first, as sentences, then all of them as a table.
+fn checks(inputs: &ReportFiles) -> Markup {
+    let accepted = inputs.verdict.as_ref().filter(|_| inputs.verdict_is_current).map_or(&[][..], |v| &v.accepted);
+    let word = |check: &Check| match check.outcome {
+        CheckOutcome::Passed => "passed",
+        CheckOutcome::Warning => "warning",
+        CheckOutcome::Objection if accepted.contains(&check.name) => "objection, overruled by hand",
+        CheckOutcome::Objection => "objection",
+    };
+    let mut broken: Vec<&Check> = inputs.checks.iter().filter(|c| c.outcome != CheckOutcome::Passed).collect();
+    broken.sort_by_key(|c| std::cmp::Reverse(c.outcome));
+    let number = |value: f64| num(value, if value.abs() < 1.0 { 3 } else { 1 });
+    let row = |check: &Check| {
+        let outcome = word(check).to_owned();
+        vec![check.name.clone(), outcome, number(check.figure), number(check.limit), check.unit.clone(), check.meaning.clone()]
+    };
+    let columns = [Text("check"), Text("outcome"), Number("figure"), Number("limit"), Text("unit"), Text("meaning")];
+    html! {
+        @if !broken.is_empty() {
+            div.notes {
+                h3 { "Checks that are not passed" }
+                ul { @for check in broken { li { strong { (word(check)) " " (check.name) } ": " (check.text()) } } }
+            }
+        }
+        @if !inputs.checks.is_empty() {
+            details {
+                summary { "All " (inputs.checks.len()) " checks on the campaign and the fit" }
+                (table("", &columns, &inputs.checks.iter().map(row).collect::<Vec<_>>()))
+            }
         }
     }
 }
@@ -151,6 +191,8 @@ fn warnings(inputs: &ReportFiles) -> Markup {
     }
     all.extend(&inputs.table1.report.notes);
     all.dedup();
+    // an objection is among the checks
+    all.retain(|note| inputs.checks.iter().all(|check| check.text() != **note));
     html! {
         @if !all.is_empty() {
             div.notes {

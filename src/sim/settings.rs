@@ -200,6 +200,7 @@ mod tests {
             noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.2, run_offset_mps2: 0.0, speed_noise_mps: 0.004 },
             maps: vec![map],
             families: Vec::new(),
+            checks: Vec::new(),
             report: crate::map::Stage1Report::default(),
         }
     }

@@ -25,6 +25,8 @@ pub enum Error {
     NoMap { gear: Gear, angle_deg: f64, table: &'static str, found: String },
     #[error("there is no scenario {found:?}; nearest: {nearest} (all: pivot-cal verify --list)")]
     NoScenario { found: String, nearest: String },
+    #[error("there is no check {found:?} to accept; the checks of this table1.json are {known}")]
+    NoCheck { found: String, known: String },
     #[error("the gate cannot be read: {0}")]
     Gate(#[from] toml::de::Error),
     #[error("the gate's limit on {metric:?} has to have one of at_most and at_least, and a number there")]

@@ -1,7 +1,9 @@
 //! Runs the scenarios and the comparison, applies the gate, and puts the verdict together.
 
-use crate::map::FORMAT_VERSION;
+use crate::check::campaign_checks::all_checks;
+use crate::map::{Check, FORMAT_VERSION};
 use crate::sim;
+use crate::verify::basis::Basis;
 use crate::verify::bench::PivotMoment;
 use crate::verify::comparison::{compare, comparison_runs};
 use crate::verify::drive::EachMoment;
@@ -17,7 +19,7 @@ use crate::verify::scenario::Scenario;
 use crate::verify::settings::{RunLog, VerifySettings, Wanted};
 use crate::verify::stage::PivotStage;
 use crate::verify::verdict::{FORMAT, MapVerdict, PlantSummary, ScenarioVerdict, Status};
-use crate::verify::{Maps, Result};
+use crate::verify::{Error, Maps, Result};
 use rayon::prelude::*;
 
 /// A verdict, and the requested traces and logs.
@@ -44,7 +46,9 @@ pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
 /// # Errors
 /// As [`verify`], and any error of the MCAP writer.
 pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
-    let tested = settings.scenarios.iter().filter(|s| !s.needs_reverse() || maps.reverse.is_some()).count();
+    let (checks, basis) = (all_checks(&maps.table1), Basis::new(&maps.table1));
+    let accepted = accepted(&checks, &settings.accept)?;
+    let tested = settings.scenarios.iter().filter(|s| basis.untestable(s, maps.reverse.is_some()).is_none()).count();
     let total = tested * (settings.draws + 1) + comparison_runs(settings);
     let done = || {
         if let Some(progress) = wanted.progress {
@@ -54,7 +58,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
     let stage = PivotStage::new(maps, settings, &done)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
-    let judged = judge_scenarios(&stage, settings, &varied[..settings.draws.min(varied.len())], wanted.logs)?;
+    let judged = judge_scenarios(&stage, settings, &basis, &varied[..settings.draws.min(varied.len())], wanted.logs)?;
     let (scenarios, logs): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
     let compared = compare(&stage, settings, &varied, wanted.traces)?;
     let (comparison, traces) = compared.unzip();
@@ -62,13 +66,20 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
     if !maps.angles.is_empty() {
         notes.push(format!("pivots: the map at the test angle of {}°", maps.table2.vehicle.test_angle_deg));
     }
-    let good = !trips.is_empty() && trips.iter().all(|t| t.pass) && scenarios.iter().all(|s| s.status != Status::Fail);
+    notes.extend(
+        settings.accept.iter().filter(|name| !accepted.contains(name)).map(|name| format!("{name} is no objection: nothing to accept")),
+    );
     let kind = if matches!(stage.plant.motion, sim::MotionSettings::Physical(_)) { "physical" } else { "identified" };
     let verdict = MapVerdict {
         format: FORMAT.to_owned(),
         format_version: FORMAT_VERSION,
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
-        status: if good { Status::Pass } else { Status::Fail },
+        status: Status::Pass,
+        reason: String::new(),
+        scope: Vec::new(),
+        checks,
+        accepted,
+        basis: Some(basis),
         notes,
         table2_csv_sha256: maps.csv_sha256.clone(),
         forced: maps.forced.clone(),
@@ -90,8 +101,21 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         scenarios,
         comparison,
         replayed: Vec::new(),
-    };
+    }
+    .concluded();
     Ok(Verified { verdict, traces: traces.flatten(), logs: logs.into_iter().flatten().collect() })
+}
+
+/// The objections among the checks that are named in `names`.
+///
+/// # Errors
+/// A name that no check has.
+fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
+    if let Some(found) = names.iter().find(|name| checks.iter().all(|c| c.name != **name)) {
+        let known: Vec<&str> = checks.iter().map(|c| c.name.as_str()).collect();
+        return Err(Error::NoCheck { found: found.clone(), known: known.join(", ") });
+    }
+    Ok(checks.iter().filter(|c| c.objects() && names.contains(&c.name)).map(|c| c.name.clone()).collect())
 }
 
 /// Runs one scenario on the nominal plant, as [`verify`] does, and shows every control period to `record`.
@@ -108,13 +132,13 @@ pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, recor
 fn judge_scenarios(
     stage: &PivotStage<'_>,
     settings: &VerifySettings,
+    basis: &Basis,
     varied: &[(sim::WorldSettings, u64)],
     logs: bool,
 ) -> Result<Vec<(ScenarioVerdict, Option<RunLog>)>> {
     let judge = |scenario: &Scenario| {
         let (name, what) = (&scenario.name, &scenario.what);
-        if scenario.needs_reverse() && stage.maps.reverse.is_none() {
-            let why = "not tested: there is no reverse table".to_owned();
+        if let Some(why) = basis.untestable(scenario, stage.maps.reverse.is_some()) {
             return Ok((ScenarioVerdict::not_tested(name, what, scenario.class, why), None));
         }
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));

@@ -123,6 +123,15 @@ impl Metric {
         }
     }
 
+    /// A value with its unit; shares in per cent.
+    pub(crate) fn with_unit(self, value: f64) -> String {
+        match self.unit() {
+            "" => format!("{:.1} %", 100.0 * value),
+            "°" => format!("{value:.2}°"),
+            unit => format!("{value:.3} {unit}"),
+        }
+    }
+
     /// Display unit; empty for a share.
     pub fn unit(self) -> &'static str {
         match self {

@@ -15,10 +15,7 @@ impl MapVerdict {
         self.notes = notes(&self.forced, &self.round_trip, &self.scenarios);
         self.notes.extend(others);
         self.notes.extend(note);
-        if self.scenarios.iter().any(|s| s.status == Status::Fail) {
-            self.status = Status::Fail;
-        }
-        self
+        self.concluded()
     }
 }
 
@@ -64,6 +61,7 @@ pub(crate) fn notes(forced: &[String], trips: &[RoundTripVerdict], scenarios: &[
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::map::Gear;
     use crate::verify::scenario::Class;
     use crate::verify::verdict::FORMAT;
     use crate::verify::{PlantSummary, RoundTripLimit, Spread};
@@ -80,6 +78,11 @@ mod tests {
             format_version: 1,
             tool_version: String::new(),
             status: Status::Pass,
+            reason: String::new(),
+            scope: Vec::new(),
+            checks: Vec::new(),
+            accepted: Vec::new(),
+            basis: None,
             notes: all,
             table2_csv_sha256: Vec::new(),
             forced: vec!["let pass".to_owned()],
@@ -98,6 +101,21 @@ mod tests {
         }
     }
 
+    fn sound_trip() -> RoundTripVerdict {
+        RoundTripVerdict {
+            gear: Gear::Forward,
+            wheel_angle_deg: None,
+            places: 1,
+            beyond_axes: 0,
+            failed: 0,
+            failed_rows_mps: Vec::new(),
+            starts_at_zero: true,
+            rms_mps2: 0.0,
+            worst: None,
+            pass: true,
+        }
+    }
+
     #[test]
     fn added_scenarios_are_noted_as_if_they_had_been_there_from_the_start() {
         let (left, right) = (scenario("left", Status::Pass), scenario("right", Status::NotTested));
@@ -113,7 +131,12 @@ mod tests {
 
     #[test]
     fn nothing_added_changes_nothing_and_no_addition_makes_a_bad_map_good() {
-        let before = verdict(vec![scenario("left", Status::Pass)]);
+        let before = MapVerdict { draws: 4, round_trip: vec![sound_trip()], ..verdict(vec![scenario("left-90", Status::Pass)]) };
+        let before = before.with_scenarios(Vec::new(), None);
+        assert_eq!(
+            (before.status, before.reason.as_str()),
+            (Status::Pass, "pass: forward gear only, left turns only, 1 of 25 pivots only")
+        );
         assert_eq!(before.clone().with_scenarios(Vec::new(), None), before);
         let bad = MapVerdict { status: Status::Fail, ..before };
         assert_eq!(bad.with_scenarios(vec![scenario("parking", Status::Pass)], None).status, Status::Fail);

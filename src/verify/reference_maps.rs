@@ -3,8 +3,8 @@
 use crate::control::TorqueFromAccel as _;
 use crate::map::{
     AccelMap, AccelTable, Actuator, ActuatorInput, Axis, BreakawayTorque, CellStatus, CsvRef, DeadBand, DelayEstimate, DelayStatus,
-    FORMAT_VERSION, FineSurface, Gear, PlantNoise, RoundTripErrors, Stage1Report, TABLE1_FORMAT, TABLE2_FORMAT, Table1File, Table2File,
-    TorqueMap, TorqueTable, Units, ZeroRow, sha256_hex,
+    FORMAT_VERSION, FineSurface, Gear, PlantNoise, RoundTripErrors, RunRow, Stage1Report, TABLE1_FORMAT, TABLE2_FORMAT, Table1File,
+    Table2File, TorqueMap, TorqueTable, Units, ZeroRow, sha256_hex,
 };
 use crate::sim::WorldSettings;
 use crate::verify::Result;
@@ -41,11 +41,14 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
         noise: PlantNoise { disturbance_mps2: 0.03, disturbance_time_s: 0.3, run_offset_mps2: 0.02, speed_noise_mps: 0.006 },
         maps: Vec::new(),
         families: Vec::new(),
+        checks: Vec::new(),
         report: Stage1Report { coverage: 1.0, ..Stage1Report::default() },
     };
     for gear in Gear::ALL {
         if let Some(exact) = plant.table(gear) {
-            table1.maps.push(accel_map(gear, exact, &plant, world)?);
+            let map = accel_map(gear, exact, &plant, world)?;
+            table1.report.runs.extend(map.torque_nm.iter().map(|torque_nm| perfect_run(gear, *torque_nm)));
+            table1.maps.push(map);
         }
     }
     let mut table2 = Table2File {
@@ -68,6 +71,25 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
         }
     }
     Ok((table1, table2))
+}
+
+/// A run of 10 s under one torque, all of it used.
+fn perfect_run(gear: Gear, torque_nm: f64) -> RunRow {
+    RunRow {
+        log: "exact".to_owned(),
+        wheel_angle_deg: None,
+        start_s: 0.0,
+        duration_s: 10.0,
+        gear,
+        torque_nm,
+        start_speed_mps: 0.0,
+        end_speed_mps: 0.0,
+        used_s: 10.0,
+        speed_rmse_mps: None,
+        r_squared: None,
+        offset_mps2: None,
+        rejected: Vec::new(),
+    }
 }
 
 fn accel_map(gear: Gear, exact: &AccelTable, plant: &ExactMap, world: &WorldSettings) -> Result<AccelMap> {

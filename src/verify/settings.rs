@@ -22,6 +22,8 @@ pub struct VerifySettings {
     pub seed: u64,
     /// The limits.
     pub gate: Gate,
+    /// Names of checks whose objections a person overrules. Default none.
+    pub accept: Vec<String>,
     /// The drive law; `None`, the default, is the usual one for the map's vehicle.
     pub law: Option<WaypointLawSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
@@ -42,6 +44,7 @@ impl VerifySettings {
             spread: Spread::default(),
             seed: 1,
             gate: Gate::with(None)?,
+            accept: Vec::new(),
             law: None,
             plant: None,
         })

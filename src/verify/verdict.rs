@@ -1,7 +1,8 @@
 //! The verdict: the content of `verify.json`.
 
 use crate::control::HeadingLawSettings;
-use crate::map::expect_format;
+use crate::map::{Check, expect_format};
+use crate::verify::basis::Basis;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
 use crate::verify::metric::MetricSummary;
 use crate::verify::perturbations::Spread;
@@ -21,8 +22,12 @@ pub enum Status {
     Pass,
     /// A limit is broken.
     Fail,
-    /// It could not be run; a note gives the reason. This is not a failure.
+    /// It could not be run; a note gives the reason. This is not a failure. Of a scenario only.
     NotTested,
+    /// A check of the campaign or the fit is an objection, and nobody has overruled it. Of a map only.
+    Rejected,
+    /// Too little was driven, in the campaign or in the verdict, to judge. Of a map only.
+    NotJudged,
 }
 
 /// `verify.json`. The same maps, settings and seed give the same bytes: it holds no time of day.
@@ -34,8 +39,23 @@ pub struct MapVerdict {
     pub format_version: u32,
     /// Version of the program that wrote it.
     pub tool_version: String,
-    /// Whether the map passes: the round trip, and every scenario that was tested.
+    /// Whether the map passes: no check is an objection, the round trip and every tested scenario pass, and enough was tested.
     pub status: Status,
+    /// The verdict as one line: pass with its scope, or the cause with figure and limit.
+    #[serde(default)]
+    pub reason: String,
+    /// What the pass is narrowed to by what was not tested.
+    #[serde(default)]
+    pub scope: Vec<String>,
+    /// The checks on the campaign and the fit of Table 1.
+    #[serde(default)]
+    pub checks: Vec<Check>,
+    /// Names of the objections that a person has overruled.
+    #[serde(default)]
+    pub accepted: Vec<String>,
+    /// What the verdict rests on beside its runs; absent in files of versions before it.
+    #[serde(default)]
+    pub(crate) basis: Option<Basis>,
     /// Failures and skipped scenarios, in words.
     pub notes: Vec<String>,
     /// SHA-256 of the Table 2 files that were judged, forward first.

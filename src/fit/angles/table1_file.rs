@@ -1,6 +1,7 @@
 //! One `table1.json` from the fits of all angles.
 
 use crate::campaign::{SampleVerdict, ledger, with_missing};
+use crate::check::campaign_checks::content_checks;
 use crate::fit::Result;
 use crate::fit::angles::family::families;
 use crate::fit::angles::fitted_angles::FittedAngles;
@@ -9,8 +10,8 @@ use crate::fit::table1::actuator::actuator;
 use crate::fit::table1::angle_fit::AngleFit;
 use crate::fit::table1::diagnostics::{diagnostics, plant_noise, speed_readings};
 use crate::fit::table1::runs::{residual_rms_mps2, round};
-use crate::fit::table1::soundness::coverage;
-use crate::map::{AccelMap, FORMAT_VERSION, LogRef, RunRow, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle};
+use crate::fit::table1::soundness::{checks, coverage};
+use crate::map::{AccelMap, Check, CheckOutcome, FORMAT_VERSION, LogRef, RunRow, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle};
 
 /// Table 1 with its files.
 #[derive(Debug, Clone)]
@@ -21,8 +22,7 @@ pub struct Fit {
     pub csvs: Vec<(String, String)>,
     /// The final verdict on every encoder sample, per log in the order of `file.logs`.
     pub verdicts: Vec<Vec<SampleVerdict>>,
-    /// Whether the table may be trusted: enough of it is measured or interpolated, the torque varied, and no log contradicts another. The
-    /// report's notes give the reasons against.
+    /// Whether the table may be trusted: no check of the file is an objection.
     pub sound: bool,
 }
 
@@ -44,12 +44,12 @@ impl FittedAngles<'_> {
             ledger: with_missing(ledger(seconds), surveys.iter().map(|survey| survey.missing_s()).sum()),
             runs: self.runs().into_iter().map(|run| run.row).collect(),
             residual_rms_mps2: round(self.residual_rms_mps2(), 1e5),
-            coverage: round(coverage(&maps).0, 1e4),
+            coverage: round(coverage(&maps), 1e4),
             iterations: self.angles.iter().map(|fit| fit.estimate.rounds.count as u32).max().unwrap_or(0),
             notes: self.notes(),
             diagnostics: self.diagnostics(test),
         };
-        let file = Table1File {
+        let mut file = Table1File {
             format: TABLE1_FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -62,10 +62,36 @@ impl FittedAngles<'_> {
             noise: plant_noise(&test.estimate),
             maps,
             families: found.into_iter().map(|f| f.reported).collect(),
+            checks: self.checks(),
             report,
         };
-        let sound = self.angles.iter().all(|fit| fit.objections.is_empty()) && (self.left_out.is_empty() || !self.task.asked);
+        let of_content = content_checks(&file);
+        file.checks.extend(of_content);
+        let sound = !file.checks.iter().any(Check::objects);
         Ok(Fit { file, csvs, verdicts, sound })
+    }
+
+    /// The checks that need the estimates; the name of one at another wheel angle than the test angle ends in the angle.
+    fn checks(&self) -> Vec<Check> {
+        let mut all = Vec::new();
+        for fit in &self.angles {
+            let angle_deg = fit.wheel_angle_deg;
+            let own = checks(&fit.estimate, &fit.maps, &fit.samples, self.task.settings);
+            if self.task.is_test(angle_deg) {
+                all.extend(own);
+            } else {
+                let named =
+                    |c: Check| Check { name: format!("{}-{angle_deg}", c.name), meaning: format!("{angle_deg}°: {}", c.meaning), ..c };
+                all.extend(own.into_iter().map(named));
+            }
+        }
+        if self.task.asked && !self.left_out.is_empty() {
+            let reasons: Vec<String> = self.left_out.iter().map(|(angle, reason)| format!("{angle}° is left out: {reason}")).collect();
+            let figure = (self.left_out.len() as f64, 0.0, "wheel angles");
+            let check = Check::passed("wheel-angles", figure, reasons.join("; "));
+            all.push(check.broken(CheckOutcome::Objection, "drive more runs there, or fit without these angles"));
+        }
+        all
     }
 
     /// The vehicle with the test angle, and with the largest commanded torque where no limit is given.

@@ -1,12 +1,13 @@
 //! Whether a computed table may also be trusted: enough of it measured, torque varied, and logs that agree.
 
+use crate::check::campaign_checks::{coverage_check, torques_name};
 use crate::fit::FitSettings;
 use crate::fit::motion::integration::Course;
 use crate::fit::noise::whitening::whiten;
-use crate::fit::rounds::estimate::Estimate;
+use crate::fit::rounds::estimate::{Estimate, RoundCount};
 use crate::fit::rounds::outliers::calm;
 use crate::fit::table1::tables::UsedSample;
-use crate::map::{AccelMap, CellStatus, Gear};
+use crate::map::{AccelMap, CellStatus, Check, CheckOutcome, Gear};
 use std::collections::BTreeMap;
 
 /// Below this effective number of torques, the dependence of acceleration on torque is a guess: one torque and coasting make about two.
@@ -22,51 +23,58 @@ const SIGNIFICANT: f64 = 3.5;
 
 /// The reasons against the table, for people; none when it is sound.
 pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<String> {
-    let mut found: Vec<String> = thin(maps, settings).into_iter().collect();
-    found.extend(estimate.data.gears.iter().filter_map(|gear| few_torques(*gear, samples)));
-    found.extend(contradiction(estimate));
-    found
+    checks(estimate, maps, samples, settings).iter().filter(|c| c.objects()).map(Check::text).collect()
 }
 
-/// Share of the cells that are measured, and of those measured or interpolated.
-pub(crate) fn coverage(maps: &[AccelMap]) -> (f64, f64) {
+/// The checks that need the estimate: coverage, torques of each gear, agreement of the logs, convergence.
+pub(crate) fn checks(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<Check> {
+    let mut all = vec![coverage_check(&maps.iter().collect::<Vec<_>>(), settings.least_coverage)];
+    all.extend(estimate.data.gears.iter().map(|gear| varied_torques(*gear, samples)));
+    all.extend(agreement(estimate));
+    all.push(convergence(estimate.rounds, settings));
+    all
+}
+
+/// Share of the cells that are measured.
+pub(crate) fn coverage(maps: &[AccelMap]) -> f64 {
     let cells = || maps.iter().flat_map(|m| m.status.iter().flatten());
-    let share = |good: &dyn Fn(CellStatus) -> bool| cells().filter(|s| good(**s)).count() as f64 / cells().count().max(1) as f64;
-    (share(&|s| s == CellStatus::Measured), share(&|s| s != CellStatus::Extrapolated))
-}
-
-fn thin(maps: &[AccelMap], settings: &FitSettings) -> Option<String> {
-    let known = coverage(maps).1;
-    (known < settings.least_coverage).then(|| {
-        format!(
-            "coverage is too thin: {:.0} % of the cells are measured or interpolated, {:.0} % are needed; drive the missing torques, from rest and from speed",
-            100.0 * known,
-            100.0 * settings.least_coverage
-        )
-    })
+    cells().filter(|s| **s == CellStatus::Measured).count() as f64 / cells().count().max(1) as f64
 }
 
 /// The effective number of torques is 1/Σp², with p the share of the used samples at each torque (Hill's number of order two).
-fn few_torques(gear: Gear, samples: &[UsedSample]) -> Option<String> {
+fn varied_torques(gear: Gear, samples: &[UsedSample]) -> Check {
     let own: Vec<f64> = samples.iter().filter(|s| s.gear == gear).map(|s| s.torque_nm).collect();
     let largest = own.iter().fold(1e-9f64, |m, u| m.max(u.abs()));
     let mut counts: BTreeMap<i64, usize> = BTreeMap::new();
     for u in &own {
         *counts.entry((u / (SAME_TORQUE * largest)).round() as i64).or_insert(0) += 1;
     }
-    let effective = 1.0 / counts.values().map(|n| (*n as f64 / own.len() as f64).powi(2)).sum::<f64>();
+    let squares: f64 = counts.values().map(|n| (*n as f64 / own.len() as f64).powi(2)).sum();
+    let effective = if own.is_empty() { 0.0 } else { 1.0 / squares };
+    let check = |meaning| Check::passed(torques_name(gear), (effective, FEWEST_TORQUES, "torques"), meaning);
+    let figures = format!("effective number of torques {effective:.1}, {FEWEST_TORQUES} are needed");
     if effective >= FEWEST_TORQUES {
-        return None;
+        return check(format!("{gear} gear: {figures}"));
     }
     let mut usual: Vec<(usize, i64)> = counts.iter().map(|(level, n)| (*n, *level)).collect();
     usual.sort_unstable_by(|a, b| b.cmp(a));
     let at: Vec<String> = usual.iter().take(2).map(|(_, level)| format!("{:.0}", *level as f64 * SAME_TORQUE * largest)).collect();
-    Some(format!(
-        "torque was hardly varied: nearly all motion in {gear} gear is at {} N·m, so that other torques are a guess; add runs at about {:.0} and {:.0} N·m",
-        at.join(" and "),
-        0.6 * largest,
-        1.5 * largest
-    ))
+    let meaning = format!(
+        "torque was hardly varied: nearly all motion in {gear} gear is at {} N·m, so that other torques are a guess ({figures})",
+        at.join(" and ")
+    );
+    let advice = format!("add runs at about {:.0} and {:.0} N·m", 0.6 * largest, 1.5 * largest);
+    check(meaning).broken(CheckOutcome::Objection, advice)
+}
+
+/// Whether surface and delays converged within the iterations.
+fn convergence(rounds: RoundCount, settings: &FitSettings) -> Check {
+    let figure = (rounds.count as f64, settings.iterations.iter().sum::<usize>() as f64, "iterations");
+    if rounds.converged {
+        return Check::passed("convergence", figure, format!("the fit converged after {} iterations", rounds.count));
+    }
+    let meaning = format!("the fit stopped after {} iterations before the surface converged", rounds.count);
+    Check::passed("convergence", figure, meaning).broken(CheckOutcome::Warning, "look at the runs that disagree, or drive more runs")
 }
 
 /// How one log's accelerations differ from the common surface: relatively, and by a constant [m/s²], each with its standard error.
@@ -77,8 +85,8 @@ struct Departure {
     offset_std_err_mps2: f64,
 }
 
-/// The two logs that differ most, if they differ by more than one vehicle can.
-fn contradiction(estimate: &Estimate) -> Option<String> {
+/// The two logs that differ most, against what one vehicle can differ. `None` with one log, or logs that show nothing.
+fn agreement(estimate: &Estimate) -> Option<Check> {
     if estimate.data.logs.len() < 2 {
         return None;
     }
@@ -95,26 +103,32 @@ fn contradiction(estimate: &Estimate) -> Option<String> {
     };
     let (low, high, a, b) = by(&|d| d.scale)?;
     let (difference, std_err) = ((b.scale - a.scale) / (1.0 + a.scale), a.scale_std_err.hypot(b.scale_std_err));
+    let same_torque = format!(
+        "the same torque accelerates {} {:.0} ± {:.0} % more than {}, {:.0} % is allowed",
+        name(high),
+        100.0 * difference,
+        (100.0 * std_err).max(1.0),
+        name(low),
+        100.0 * SAME_VEHICLE
+    );
+    let check = |meaning| Check::passed("logs-agree", (100.0 * difference, 100.0 * SAME_VEHICLE, "%"), meaning);
     if difference > SAME_VEHICLE && difference > SIGNIFICANT * std_err {
-        return Some(format!(
-            "the logs contradict each other: the same torque accelerates {} {:.0} ± {:.0} % more than {}, {:.0} % is allowed. Another load, vehicle or torque scale? Fit them apart",
-            name(high),
-            100.0 * difference,
-            (100.0 * std_err).max(1.0),
-            name(low),
-            100.0 * SAME_VEHICLE
-        ));
+        let meaning = format!("the logs contradict each other: {same_torque}");
+        return Some(check(meaning).broken(CheckOutcome::Objection, "another load, vehicle or torque scale? Fit them apart"));
     }
     let (low, high, a, b) = by(&|d| d.offset_mps2)?;
     let (difference, std_err) = (b.offset_mps2 - a.offset_mps2, a.offset_std_err_mps2.hypot(b.offset_std_err_mps2));
-    (difference > SAME_FLOOR * reach_mps2 && difference > SIGNIFICANT * std_err).then(|| {
-        format!(
-            "the logs contradict each other: under the same torque {} accelerates by {difference:.3} ± {std_err:.3} m/s² more than {}, {:.3} is allowed. Another floor, a slope, a dragging brake? Fit them apart",
+    let limit_mps2 = SAME_FLOOR * reach_mps2;
+    if difference > limit_mps2 && difference > SIGNIFICANT * std_err {
+        let meaning = format!(
+            "the logs contradict each other: under the same torque {} accelerates by {difference:.3} ± {std_err:.3} m/s² more than {}, {limit_mps2:.3} is allowed",
             name(high),
-            name(low),
-            SAME_FLOOR * reach_mps2
-        )
-    })
+            name(low)
+        );
+        let check = Check::passed("logs-agree", (difference, limit_mps2, "m/s²"), meaning);
+        return Some(check.broken(CheckOutcome::Objection, "another floor, a slope, a dragging brake? Fit them apart"));
+    }
+    Some(check(same_torque))
 }
 
 /// Regression of a log's whitened residuals on the surface's prediction and on a constant acceleration. The noise is bounded as for the
@@ -158,11 +172,11 @@ mod tests {
 
     #[test]
     fn one_torque_and_coasting_are_too_few_and_three_even_ones_are_enough() {
-        let reason = few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400)])).unwrap_or_default();
-        assert!(reason.contains("20 and 0 N·m"), "{reason}");
-        assert!(few_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400), (35.0, 500)])).is_none());
+        let one = varied_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400)]));
+        assert!(one.objects() && one.text().contains("20 and 0 N·m") && one.figure < one.limit, "{one:?}");
+        assert!(!varied_torques(Gear::Forward, &at(&[(20.0, 600), (0.0, 400), (35.0, 500)])).objects());
         // a torque dithered by hand has no levels at all
         let dithered: Vec<(f64, usize)> = (0..200).map(|k| (0.1 * f64::from(k), 5)).collect();
-        assert!(few_torques(Gear::Forward, &at(&dithered)).is_none());
+        assert!(!varied_torques(Gear::Forward, &at(&dithered)).objects());
     }
 }

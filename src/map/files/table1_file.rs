@@ -1,5 +1,6 @@
 //! `table1.json`: Table 1 with everything that is not in its CSV.
 
+use crate::map::files::check::Check;
 use crate::map::files::format::{TABLE1_FORMAT, expect_format};
 use crate::map::files::identified_drive::{CampaignChange, IdentifiedDrive};
 use crate::map::files::named;
@@ -38,6 +39,9 @@ pub struct Table1File {
     /// The common part of a gear's maps at several wheel angles; none with one angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<AngleFamily>,
+    /// The checks on the campaign and the fit; absent in files of versions before them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub checks: Vec<Check>,
     /// Counts of the samples, and the runs.
     pub report: Stage1Report,
 }
