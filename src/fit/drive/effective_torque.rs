@@ -32,12 +32,12 @@ pub(crate) struct EffectiveTorque {
 
 /// A feedback instead of the command's torque, in some intervals.
 #[derive(Debug, Clone)]
-struct Instead {
-    feedback: MeasuredTorque,
+pub(crate) struct Instead {
+    pub(crate) feedback: MeasuredTorque,
     /// By how much the feedback is later than the command [s].
-    late_s: f64,
+    pub(crate) late_s: f64,
     /// On the command's clock, in order [s].
-    intervals: Vec<(f64, f64)>,
+    pub(crate) intervals: Vec<(f64, f64)>,
 }
 
 impl Instead {
@@ -137,10 +137,9 @@ impl EffectiveTorque {
         self.limit
     }
 
-    /// The same with a feedback instead of the command in some intervals, on the command's clock, in order [s]. The feedback is `late_s`
-    /// later than the command.
-    pub(crate) fn with_feedback(self, feedback: MeasuredTorque, late_s: f64, intervals: Vec<(f64, f64)>) -> Self {
-        Self { instead: Some(Instead { feedback, late_s, intervals }), ..self }
+    /// The same with a feedback instead of the command in some intervals.
+    pub(crate) fn with_feedback(self, instead: Instead) -> Self {
+        Self { instead: Some(instead), ..self }
     }
 
     /// Effective torque at `t_s`. The dead time is already subtracted: pass t − T_d.

@@ -110,7 +110,8 @@ mod tests {
         for (scale, offset) in [(1.0, 0.08), (0.8, -0.3), (0.31, 0.0), (-1.0, 0.1)] {
             let (command, feedback) = driven(|u| scale * u.min(21.0) + offset);
             let found = FeedbackScale::of(&command, &feedback).unwrap();
-            assert!((found.scale - scale).abs() < 0.02 * f64::abs(scale), "{scale}: {found:?}");
+            // the mode of few readings is as wide as their noise, 0.2 N·m of 20
+            assert!((found.scale - scale).abs() < 0.012, "{scale}: {found:?}");
             assert!((found.offset_nm - offset).abs() < 0.05, "{offset}: {found:?}");
         }
         let (command, feedback) = driven(|u| 0.5 * u);

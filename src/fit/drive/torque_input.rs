@@ -7,7 +7,7 @@
 
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
-use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::effective_torque::{EffectiveTorque, Instead};
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
 use crate::fit::drive::feedback_scale::FeedbackScale;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
@@ -130,9 +130,9 @@ impl TorqueChoice {
         self.undelivered.get(log).map_or(&[], Vec::as_slice)
     }
 
-    /// What stands for the torque of a log's command where it was not delivered: the corrected feedback, by how much it is later, and the
-    /// intervals in which the torque depends on it.
-    pub(crate) fn instead(&self, track: &Track) -> Option<(MeasuredTorque, f64, Vec<(f64, f64)>)> {
+    /// What stands for the torque of a log's command where it was not delivered: the corrected feedback, in the intervals in which the torque
+    /// depends on it.
+    pub(crate) fn instead(&self, track: &Track) -> Option<Instead> {
         let undelivered = self.undelivered(&track.source);
         if self.feedback || undelivered.is_empty() {
             return None;
@@ -140,7 +140,7 @@ impl TorqueChoice {
         let (scale, delays) = (self.scales.get(&track.source)?, self.delays.get(&track.source)?);
         let corrected = scale.corrected(track.feedback_nm.as_ref()?)?;
         let intervals = undelivered.iter().map(|u| (u.from_s, u.forgotten_s)).collect();
-        Some((MeasuredTorque::new(&track.command_nm, &corrected, 0.0), delays.dead_time_s, intervals))
+        Some(Instead { feedback: MeasuredTorque::new(&track.command_nm, &corrected, 0.0), late_s: delays.dead_time_s, intervals })
     }
 
     /// The same choice with the command as the input.

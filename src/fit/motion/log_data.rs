@@ -2,8 +2,7 @@
 
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
-use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive::measured_torque::MeasuredTorque;
+use crate::fit::drive::effective_torque::{EffectiveTorque, Instead};
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress};
@@ -30,8 +29,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) command: Series,
     /// Source of its effective torque.
     pub(crate) input: TorqueInput,
-    /// The feedback instead of the command's torque where it was not delivered: by how much it is later, and the intervals.
-    pub(crate) instead: Option<(MeasuredTorque, f64, Vec<(f64, f64)>)>,
+    /// The feedback instead of the command's torque where it was not delivered.
+    pub(crate) instead: Option<Instead>,
     /// Where the drive did not deliver the torque that was asked for, on the command's clock [s].
     pub(crate) undelivered_s: Vec<(f64, f64)>,
     /// Timing errors of the steps of its command.
@@ -52,7 +51,7 @@ impl LogData<'_> {
     pub(crate) fn torque(&self, drive: &DriveModel, drift: CampaignDrift) -> EffectiveTorque {
         let torque = self.input.torque(&self.survey.track, &self.command, drive).drifting(drift);
         match &self.instead {
-            Some((feedback, late_s, intervals)) => torque.with_feedback(feedback.clone(), *late_s, intervals.clone()),
+            Some(instead) => torque.with_feedback(instead.clone()),
             None => torque,
         }
     }

@@ -85,7 +85,7 @@ pub(crate) fn limited(drive: DriveModel, largest: TorqueLimit) -> Vec<DriveModel
 
 /// A drive with its dead times, beside which others are tried.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Beside<'a> {
+pub(crate) struct KnownDrive<'a> {
     pub(crate) drive: &'a DriveModel,
     /// Of each log [s].
     pub(crate) dead_time_s: &'a [f64],
@@ -95,7 +95,7 @@ pub(crate) struct Beside<'a> {
 ///
 /// Beside a drive that is known already, fewer readings and the dead times that keep the whole delay are enough, and one that is clearly worse
 /// is dropped: its deviance is then infinite.
-pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel], beside: Option<Beside>) -> GridResult {
+pub(crate) fn search(logs: &[GridLog], noise: &Noise, drives: &[DriveModel], beside: Option<KnownDrive>) -> GridResult {
     let measured = logs.iter().any(|l| l.log.input != TorqueInput::Command);
     let [least_s, most_s] = if measured { AFTER_FEEDBACK_S } else { DEAD_TIMES_S };
     let steps = ((most_s - least_s) / DEAD_TIME_STEPS_S[0]).round() as usize;

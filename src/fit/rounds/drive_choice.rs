@@ -19,7 +19,7 @@ use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
 use crate::fit::motion::so_far::SoFar;
 use crate::fit::rounds::cross_validation::{self, HeldOut};
-use crate::fit::rounds::delay_grid::{self, Beside};
+use crate::fit::rounds::delay_grid::{self, KnownDrive};
 use crate::fit::rounds::delay_rounds;
 use crate::fit::rounds::initial_guess::{Examined, largest_nm, largest_power};
 use crate::fit::rounds::state::State;
@@ -63,7 +63,7 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
     }
     let better_than = |deviance: f64| (deviance - WORTH_A_FIT.0).min(deviance * (1.0 - WORTH_A_FIT.1));
     let (known_drive, known_s) = (first.calibration.drive, first.calibration.dead_time_s.clone());
-    let beside = Beside { drive: &known_drive, dead_time_s: &known_s };
+    let beside = KnownDrive { drive: &known_drive, dead_time_s: &known_s };
     let promising = |drives: &[DriveModel], deviance: f64| {
         Some(examined.guess(choice, settings, drives, Some(beside))).filter(|g| g.deviance < better_than(deviance))
     };

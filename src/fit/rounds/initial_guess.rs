@@ -12,7 +12,7 @@ use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
 use crate::fit::noise::model::Noise;
-use crate::fit::rounds::delay_grid::{self, Beside};
+use crate::fit::rounds::delay_grid::{self, KnownDrive};
 use crate::fit::surface::lattice::Lattice;
 use crate::fit::{Error, FitSettings, Result};
 use crate::map::{Gear, PerGear};
@@ -97,7 +97,7 @@ impl<'a> Examined<'a> {
         choice: &TorqueChoice,
         settings: &FitSettings,
         drives: &[DriveModel],
-        beside: Option<Beside>,
+        beside: Option<KnownDrive>,
     ) -> InitialGuess<'a> {
         let views: Vec<delay_grid::GridLog> = (0..self.logs.len())
             .map(|k| {
