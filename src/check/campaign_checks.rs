@@ -243,8 +243,9 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
+    /// The bundled map, without the checks that its fit stored.
     fn demo() -> Table1File {
-        Table1File::from_json(include_str!("../../maps/table1.json")).unwrap()
+        Table1File { checks: Vec::new(), ..Table1File::from_json(include_str!("../../maps/table1.json")).unwrap() }
     }
 
     fn check(file: &Table1File, name: &str) -> Check {

@@ -1,8 +1,7 @@
 //! Scale and offset of a torque feedback against the command: feedback = scale·command + offset where the drive delivers what is asked for.
 //!
-//! A limited torque, a governor or a stalled drive bend a line through all readings, and may hold for most of them. So the scale is the mode
-//! of the ratios of single readings, which delivered torques share and others do not (half-sample mode: Bickel & Frühwirth 2006, *On a fast,
-//! robust estimator of the mode*), and the offset is the median at no command.
+//! A limited torque, a governor or a stalled drive bend a line through all readings, and may hold for most of them. So the scale is the largest
+//! ratio of single readings that many of them share: a drive that does not deliver only lowers them. The offset is the median at no command.
 
 use crate::signal::{Series, median};
 
@@ -18,7 +17,10 @@ const FEWEST: usize = 20;
 const NEAR_ONE: f64 = 0.03;
 /// …are the scale when they are this share of all.
 const SHARE_NEAR_ONE: f64 = 0.2;
-/// More ratios than this do not sharpen the mode.
+/// Otherwise the scale is the largest ratio that this share has within this width.
+const SHARE_OF_MODE: f64 = 0.15;
+const WIDTH_OF_MODE: f64 = 0.06;
+/// More ratios than this do not sharpen it.
 const ENOUGH: usize = 20_000;
 
 /// How a feedback reads.
@@ -61,7 +63,7 @@ impl FeedbackScale {
         let ratios: Vec<f64> = large.iter().step_by(stride).map(|(asked, f)| (f - offset_nm) / asked).collect();
         let near_one: Vec<f64> = ratios.iter().copied().filter(|r| (r - 1.0).abs() < NEAR_ONE).collect();
         let agrees = near_one.len() as f64 > SHARE_NEAR_ONE * ratios.len() as f64;
-        let scale = if agrees { median(&near_one) } else { half_sample_mode(ratios) };
+        let scale = if agrees { median(&near_one) } else { largest_shared(ratios) };
         Some(Self { scale, offset_nm })
     }
 
@@ -77,17 +79,17 @@ impl FeedbackScale {
     }
 }
 
-/// The mode: the densest half, of it the densest half, and so on.
-fn half_sample_mode(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let mut range = &values[..];
-    while range.len() > 2 {
-        let half = range.len().div_ceil(2);
-        let widths = (0..=range.len() - half).map(|k| (range[k + half - 1] - range[k], k));
-        let densest = widths.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |w| w.1);
-        range = &range[densest..densest + half];
-    }
-    0.5 * (range[0] + range[range.len() - 1])
+/// The largest ratio that many readings share: a drive that does not deliver only lowers them.
+fn largest_shared(mut values: Vec<f64>) -> f64 {
+    let sign = median(&values).signum();
+    values.iter_mut().for_each(|v| *v *= sign);
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
+    let enough = (SHARE_OF_MODE * values.len() as f64).ceil().max(1.0) as usize;
+    let group = (0..values.len()).find_map(|k| {
+        let to = k + values[k..].partition_point(|v| *v > values[k] * (1.0 - WIDTH_OF_MODE));
+        (to - k >= enough).then_some(k..to)
+    });
+    sign * median(&values[group.unwrap_or(0..values.len())])
 }
 
 #[cfg(test)]
@@ -110,7 +112,7 @@ mod tests {
         for (scale, offset) in [(1.0, 0.08), (0.8, -0.3), (0.31, 0.0), (-1.0, 0.1)] {
             let (command, feedback) = driven(|u| scale * u.min(21.0) + offset);
             let found = FeedbackScale::of(&command, &feedback).unwrap();
-            // the mode of few readings is as wide as their noise, 0.2 N·m of 20
+            // a group of readings is as wide as their noise, 0.2 N·m of 20
             assert!((found.scale - scale).abs() < 0.012, "{scale}: {found:?}");
             assert!((found.offset_nm - offset).abs() < 0.05, "{offset}: {found:?}");
         }

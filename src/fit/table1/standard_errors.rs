@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// What no model of a drive and its friction holds, as a share of the largest torque.
-const MODEL_ERROR: f64 = 6.5e-4;
+const MODEL_ERROR: f64 = 4.5e-4;
 /// Fewest folds whose spread says something.
 const FEWEST_FOLDS: usize = 4;
 /// Largest factor on the standard errors: beyond it the model is wrong, which other checks report.
