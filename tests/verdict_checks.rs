@@ -201,5 +201,5 @@ fn calibrate_rejects_a_wheelbase_that_the_yaw_rate_contradicts() {
     let html = text(&folder.path().join("maps"), "report.html");
     assert!(banner(&html).contains("encoder-scale") && !html.contains("may be deployed"));
     let table1 = Table1File::from_json(&text(&folder.path().join("maps"), "table1.json")).unwrap();
-    assert!(table1.checks.iter().any(|c| c.name == "coverage") && table1.checks.iter().any(|c| c.objects()));
+    assert!(table1.checks.iter().any(|c| c.name == "coverage") && table1.checks.iter().any(Check::objects));
 }

@@ -82,7 +82,9 @@ impl FeedbackScale {
 /// The largest ratio that many readings share: a drive that does not deliver only lowers them.
 fn largest_shared(mut values: Vec<f64>) -> f64 {
     let sign = median(&values).signum();
-    values.iter_mut().for_each(|v| *v *= sign);
+    for value in &mut values {
+        *value *= sign;
+    }
     values.sort_unstable_by(|a, b| b.total_cmp(a));
     let enough = (SHARE_OF_MODE * values.len() as f64).ceil().max(1.0) as usize;
     let group = (0..values.len()).find_map(|k| {
