@@ -20,6 +20,8 @@ const SHARE_NEAR_ONE: f64 = 0.2;
 /// Otherwise the scale is the largest ratio that this share has within this width.
 const SHARE_OF_MODE: f64 = 0.15;
 const WIDTH_OF_MODE: f64 = 0.06;
+/// How often the centre of a group is sought again from the readings around it.
+const CENTRINGS: usize = 3;
 /// More ratios than this do not sharpen it.
 const ENOUGH: usize = 20_000;
 
@@ -63,7 +65,8 @@ impl FeedbackScale {
         let ratios: Vec<f64> = large.iter().step_by(stride).map(|(asked, f)| (f - offset_nm) / asked).collect();
         let near_one: Vec<f64> = ratios.iter().copied().filter(|r| (r - 1.0).abs() < NEAR_ONE).collect();
         let agrees = near_one.len() as f64 > SHARE_NEAR_ONE * ratios.len() as f64;
-        let scale = if agrees { median(&near_one) } else { largest_shared(ratios) };
+        let about = if agrees { median(&near_one) } else { largest_shared(&ratios) };
+        let scale = centred(&ratios, about);
         Some(Self { scale, offset_nm })
     }
 
@@ -79,12 +82,10 @@ impl FeedbackScale {
     }
 }
 
-/// The largest ratio that many readings share: a drive that does not deliver only lowers them.
-fn largest_shared(mut values: Vec<f64>) -> f64 {
-    let sign = median(&values).signum();
-    for value in &mut values {
-        *value *= sign;
-    }
+/// The largest ratio that many readings share, or a little more: a drive that does not deliver only lowers them.
+fn largest_shared(values: &[f64]) -> f64 {
+    let sign = median(values).signum();
+    let mut values: Vec<f64> = values.iter().map(|v| sign * v).collect();
     values.sort_unstable_by(|a, b| b.total_cmp(a));
     let enough = (SHARE_OF_MODE * values.len() as f64).ceil().max(1.0) as usize;
     let group = (0..values.len()).find_map(|k| {
@@ -92,6 +93,14 @@ fn largest_shared(mut values: Vec<f64>) -> f64 {
         (to - k >= enough).then_some(k..to)
     });
     sign * median(&values[group.unwrap_or(0..values.len())])
+}
+
+/// The centre of the readings around one of them. The first group of the largest readings leans upward with their noise.
+fn centred(values: &[f64], about: f64) -> f64 {
+    (0..CENTRINGS).fold(about, |centre, _| {
+        let near: Vec<f64> = values.iter().copied().filter(|v| (v - centre).abs() < 0.5 * WIDTH_OF_MODE * centre.abs()).collect();
+        if near.is_empty() { centre } else { median(&near) }
+    })
 }
 
 #[cfg(test)]
@@ -114,8 +123,7 @@ mod tests {
         for (scale, offset) in [(1.0, 0.08), (0.8, -0.3), (0.31, 0.0), (-1.0, 0.1)] {
             let (command, feedback) = driven(|u| scale * u.min(21.0) + offset);
             let found = FeedbackScale::of(&command, &feedback).unwrap();
-            // a group of readings is as wide as their noise, 0.2 N·m of 20
-            assert!((found.scale - scale).abs() < 0.012, "{scale}: {found:?}");
+            assert!((found.scale - scale).abs() < 0.006, "{scale}: {found:?}");
             assert!((found.offset_nm - offset).abs() < 0.05, "{offset}: {found:?}");
         }
         let (command, feedback) = driven(|u| 0.5 * u);

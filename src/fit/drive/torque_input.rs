@@ -18,9 +18,9 @@ use crate::signal::{Series, Track};
 use std::collections::BTreeMap;
 
 /// Largest departure of a feedback's scale from 1: more is another torque, or a current.
-const AGREES: f64 = 0.03;
+const AGREES: f64 = 0.02;
 /// Largest offset of a feedback, as a share of the largest torque.
-const MOST_OFFSET: f64 = 0.05;
+const MOST_OFFSET: f64 = 0.02;
 /// A feedback with a longer time between readings cannot follow the drive after a step [s].
 const LONGEST_PERIOD_S: f64 = 0.05;
 /// Largest share of the usable time that gaps of the feedback may take.
