@@ -1,6 +1,7 @@
 //! Delays of the drive by its torque feedback. Command → feedback shows dead time and lag without a clock of the speed sensors. So it
 //! separates dead time from a clock offset between command and speed, and shows whether a first-order lag explains the drive.
 
+use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive::lagged_command::LaggedCommand;
 use crate::fit::drive::settled_holds::settled;
 use crate::fit::drive::step_timing::StepTiming;
@@ -53,6 +54,17 @@ const LAG_EXPLAINS: f64 = 2.5;
 /// milliseconds leave 2 %. (Behind 800 N·m/s, 5 % are left, and the feedback is 4 times better than the command; behind 1200 N·m/s, 2.4 %.)
 const LEAST_MISFIT: f64 = 0.03;
 
+/// Fewest readings near steps.
+const FEWEST_READINGS: usize = 20;
+/// Readings of a coarse search.
+const MOST_READINGS: usize = 1500;
+/// Most iterations of a Gauss-Newton search.
+const ITERATIONS: usize = 12;
+/// Standard deviation of normal errors over the median of their sizes.
+const STD_OF_MEDIAN: f64 = 1.4826;
+/// Beyond so many standard deviations Huber's weight falls.
+const HUBER: f64 = 2.5;
+
 impl FeedbackDelays {
     /// Ratio of the residual after steps to its noise, at least 1: the factor on the standard errors of a drive that is not of first order.
     pub(crate) fn misfit(&self) -> f64 {
@@ -81,26 +93,18 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
     if steps.is_empty() || largest <= 0.0 {
         return None;
     }
-    // only readings near steps show delays
-    let near: Vec<usize> = (0..feedback.len())
-        .filter(|&i| {
-            let t = feedback.t_s[i];
-            let k = steps.partition_point(|s| *s <= t);
-            k > 0 && t - steps[k - 1] < 1.0
-        })
-        .collect();
-    if near.len() < 20 {
+    let near = near_steps(feedback, &steps);
+    if near.len() < FEWEST_READINGS {
         return None;
     }
     let cost = |lagged: &LaggedCommand, dead: f64, stride: usize| -> f64 {
         near.iter().step_by(stride).map(|&i| (feedback.value[i] - lagged.at(feedback.t_s[i] - dead).torque_nm).abs().min(largest)).sum()
     };
-    let stride = near.len().div_ceil(1500);
+    let stride = near.len().div_ceil(MOST_READINGS);
     let mut best = (f64::INFINITY, 0.0, 0.05);
     for lag in fixed_lag_s.map_or(vec![0.01, 0.03, 0.06, 0.1, 0.15, 0.2], |l| vec![l]) {
         let lagged = LaggedCommand::new(command, lag);
-        for k in 0..=40 {
-            let dead = f64::from(k) * 0.01;
+        for dead in dead_times_s() {
             let value = cost(&lagged, dead, stride);
             if value < best.0 {
                 best = (value, dead, lag);
@@ -110,16 +114,16 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
     let (_, mut dead, mut lag) = best;
     let mut std_err = [0.0; 2];
     let mut scale = 1.0;
-    for _ in 0..12 {
+    for _ in 0..ITERATIONS {
         let lagged = LaggedCommand::new(command, lag);
         let (mut a, mut g) = ([[0.0; 2]; 2], [0.0; 2]);
         let residuals: Vec<f64> = near.iter().map(|&i| feedback.value[i] - lagged.at(feedback.t_s[i] - dead).torque_nm).collect();
         let sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-        scale = (1.4826 * crate::signal::median(&sizes)).max(1e-6);
+        scale = (STD_OF_MEDIAN * crate::signal::median(&sizes)).max(1e-6);
         for (&i, r) in near.iter().zip(&residuals) {
             let at = lagged.at(feedback.t_s[i] - dead);
-            // Huber's weight: a drive that is not of first order, or a lost message, does not drag the fit
-            let weight = (2.5 * scale / r.abs().max(1e-12)).min(1.0);
+            // a drive that is not of first order, or a lost message, does not drag the fit
+            let weight = (HUBER * scale / r.abs().max(1e-12)).min(1.0);
             let j = [at.by_dead_time, if fixed_lag_s.is_some() { 0.0 } else { at.by_drive[0] }];
             for p in 0..2 {
                 g[p] += weight * j[p] * r;
@@ -164,6 +168,64 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
         settled: Squares::of(settled(command, feedback, (-dead).max(0.0)).into_iter().flat_map(|hold| hold.readings).map(residual)),
         steps: Squares::of(after.iter().map(|(_, step)| *step)),
     })
+}
+
+/// Dead time of the feedback behind a drive that is known, with its standard error [s], where this drive explains the feedback better than
+/// the first-order lag of `first`. A feedback of the motor's torque does not show the gear behind it.
+pub(crate) fn dead_time_through(
+    torque: &EffectiveTorque,
+    command: &Series,
+    feedback: &Series,
+    first: &FeedbackDelays,
+) -> Option<(f64, f64)> {
+    let largest = torque.largest_nm();
+    let near = near_steps(feedback, &torque.steps(0.1 * largest));
+    if near.len() < FEWEST_READINGS {
+        return None;
+    }
+    let away = |i: usize, dead_s: f64| feedback.value[i] - torque.at(feedback.t_s[i] - dead_s).torque_nm;
+    let cost =
+        |dead_s: f64| -> f64 { near.iter().step_by(near.len().div_ceil(MOST_READINGS)).map(|&i| away(i, dead_s).abs().min(largest)).sum() };
+    let mut dead_s = dead_times_s().min_by(|a, b| cost(*a).total_cmp(&cost(*b)))?;
+    let mut std_err_s = 0.0;
+    for _ in 0..ITERATIONS {
+        let scale = STD_OF_MEDIAN * crate::signal::median(&near.iter().map(|&i| away(i, dead_s).abs()).collect::<Vec<_>>());
+        let (mut information, mut slope) = (0.0, 0.0);
+        for &i in &near {
+            let (at, r) = (torque.at(feedback.t_s[i] - dead_s), away(i, dead_s));
+            let weight = (HUBER * scale / r.abs().max(1e-12)).min(1.0);
+            information += weight * at.by_dead_time * at.by_dead_time;
+            slope += weight * at.by_dead_time * r;
+        }
+        if information <= 0.0 {
+            return None;
+        }
+        let step = (slope / information).clamp(-0.02, 0.02);
+        dead_s += step;
+        std_err_s = scale / information.sqrt();
+        if step.abs() < 1e-6 {
+            break;
+        }
+    }
+    let lagged = LaggedCommand::new(command, first.lag_s);
+    let of_first = Squares::of(near.iter().map(|&i| feedback.value[i] - lagged.at(feedback.t_s[i] - first.dead_time_s).torque_nm));
+    let own = Squares::of(near.iter().map(|&i| away(i, dead_s)));
+    (own.rms() < of_first.rms()).then_some((dead_s, std_err_s))
+}
+
+/// The dead times of a coarse search [s].
+fn dead_times_s() -> impl Iterator<Item = f64> {
+    (0..=40).map(|k| f64::from(k) * 0.01)
+}
+
+/// The readings in the second after a step: only they show delays.
+fn near_steps(feedback: &Series, steps: &[f64]) -> Vec<usize> {
+    let is_near = |&i: &usize| {
+        let t = feedback.t_s[i];
+        let k = steps.partition_point(|s| *s <= t);
+        k > 0 && t - steps[k - 1] < 1.0
+    };
+    (0..feedback.len()).filter(is_near).collect()
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ impl FeedbackScale {
     pub(crate) fn of(command: &Series, feedback: &Series) -> Option<Self> {
         let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let (mut none, mut large) = (Vec::new(), Vec::new());
-        let (mut k, mut changed_s) = (0, f64::NEG_INFINITY);
+        let (mut k, mut changed_s, mut until_s) = (0, f64::NEG_INFINITY, f64::NEG_INFINITY);
         for (t, f) in feedback.t_s.iter().zip(&feedback.value) {
             while k + 1 < command.len() && command.t_s[k + 1] <= *t {
                 k += 1;
@@ -47,8 +47,12 @@ impl FeedbackScale {
                     changed_s = command.t_s[k];
                 }
             }
+            if *t > until_s {
+                until_s = next_change_s(command, k);
+            }
             let asked_nm = command.value.get(k).copied().unwrap_or(0.0);
-            if *t - changed_s < SETTLED_S {
+            // a slow drive is still on its way in the first half of a hold
+            if *t - changed_s < SETTLED_S.max(0.5 * (until_s - changed_s)) {
                 continue;
             }
             if asked_nm.abs() <= NONE * largest {
@@ -80,6 +84,12 @@ impl FeedbackScale {
         (self.scale.abs() > 1e-3)
             .then(|| Series { t_s: feedback.t_s.clone(), value: feedback.value.iter().map(|f| self.torque_nm(*f)).collect() })
     }
+}
+
+/// When the command of message `k` changes, or the last message [s].
+fn next_change_s(command: &Series, k: usize) -> f64 {
+    let change = command.value[k..].windows(2).position(|pair| pair[0] != pair[1]);
+    change.map_or_else(|| command.t_s.last().copied().unwrap_or(0.0), |n| command.t_s[k + n + 1])
 }
 
 /// The largest ratio that many readings share, or a little more: a drive that does not deliver only lowers them.

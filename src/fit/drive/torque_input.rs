@@ -8,13 +8,13 @@
 use crate::campaign::Survey;
 use crate::fit::FitSettings;
 use crate::fit::drive::effective_torque::{EffectiveTorque, Instead};
-use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, delays, lag_explains};
+use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, dead_time_through, delays, lag_explains};
 use crate::fit::drive::feedback_scale::FeedbackScale;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
 use crate::fit::drive::undelivered::{Undelivered, undelivered};
-use crate::fit::drive_form::drive_model::DriveModel;
+use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
 use crate::map::{ActuatorInput, DriveFamily, InputSource, LogRef};
-use crate::signal::{Series, Track};
+use crate::signal::{Series, Track, saturation};
 use std::collections::BTreeMap;
 
 /// Largest departure of a feedback's scale from 1: more is another torque, or a current.
@@ -83,7 +83,9 @@ impl TorqueChoice {
         let tracks: BTreeMap<&LogRef, &Track> = surveys.iter().map(|s| (&s.track.source, &s.track)).collect();
         let read = |track: &Track| FeedbackScale::of(&track.command_nm, track.feedback_nm.as_ref()?);
         let all: BTreeMap<LogRef, FeedbackScale> = tracks.iter().filter_map(|(log, track)| Some(((*log).clone(), read(track)?))).collect();
-        let disagreement = disagreement(all.values().copied(), largest_nm(&tracks));
+        let largest_nm = largest_nm(&tracks);
+        let saturated = || tracks.values().find_map(|track| saturated(track, largest_nm));
+        let disagreement = disagreement(all.values().copied(), largest_nm).or_else(saturated);
         // a feedback of something else than the command's torque says nothing
         let scales = if disagreement.is_some() { BTreeMap::new() } else { all };
         let corrected: BTreeMap<&LogRef, Series> =
@@ -158,6 +160,19 @@ impl TorqueChoice {
         self.delays.get(log)
     }
 
+    /// Dead time from command to feedback by the feedback of one log, with its standard error [s], behind the drive that was found.
+    pub(crate) fn feedback_dead_time(&self, track: &Track, drive: &DriveModel) -> Option<(f64, f64)> {
+        let first = self.delays(&track.source)?;
+        let misfit = if self.feedback { first.misfit() } else { 1.0 };
+        let plain = (first.dead_time_s, misfit * first.dead_time_std_err_s);
+        if self.feedback || drive.kind == DriveKind::FirstOrder {
+            return Some(plain);
+        }
+        let corrected = self.scales.get(&track.source)?.corrected(track.feedback_nm.as_ref()?)?;
+        let torque = EffectiveTorque::through(&track.command_nm, drive);
+        Some(dead_time_through(&torque, &track.command_nm, &corrected, first).unwrap_or(plain))
+    }
+
     /// Delays of the drive by the feedback of all logs.
     pub(crate) fn all_delays(&self) -> impl ExactSizeIterator<Item = &FeedbackDelays> {
         self.delays.values()
@@ -224,4 +239,12 @@ fn disagreement(mut scales: impl Iterator<Item = FeedbackScale>, largest_nm: f64
             None
         }
     })
+}
+
+/// Where a feedback saturates below the torque that was commanded.
+fn saturated(track: &Track, largest_nm: f64) -> Option<String> {
+    let feedback = track.feedback_nm.as_ref()?;
+    let below = |at_nm: &f64| at_nm.abs() < (1.0 - AGREES) * largest_nm && at_nm.abs() > MOST_OFFSET * largest_nm;
+    let at_nm = saturation(&feedback.value).into_iter().flatten().find(below)?;
+    Some(format!("saturates at {at_nm:.1} N·m instead of {largest_nm:.1} N·m"))
 }

@@ -71,11 +71,11 @@ pub(crate) fn actuator(
         .enumerate()
         .map(|(k, survey)| {
             let own = (found.dead_time_s[k], found.dead_time_std_err_s[k]);
-            let feedback = choice.delays(&survey.track.source);
+            let feedback = choice.feedback_dead_time(&survey.track, &found.drive);
             // dead time from command to speed, and its part after the feedback
             let ((total, std_err), offset) = match feedback {
-                Some(f) if choice.is_feedback() => ((f.dead_time_s + own.0, own.1.hypot(f.misfit() * f.dead_time_std_err_s)), Some(own)),
-                Some(f) => (own, Some((own.0 - f.dead_time_s, (own.1 * own.1 + f.dead_time_std_err_s * f.dead_time_std_err_s).sqrt()))),
+                Some((late_s, std_err_s)) if choice.is_feedback() => ((late_s + own.0, own.1.hypot(std_err_s)), Some(own)),
+                Some((late_s, std_err_s)) => (own, Some((own.0 - late_s, own.1.hypot(std_err_s)))),
                 None => (own, None),
             };
             std_errs_s.push(std_err);
@@ -88,9 +88,9 @@ pub(crate) fn actuator(
                 };
             }
             let (clock_offset, dead_time) = match (offset, feedback) {
-                (Some((offset, error)), Some(f)) => {
+                (Some((offset, error)), Some((late_s, _))) => {
                     let offset = offset_estimate(offset, error);
-                    let dead_time = if offset.status == DelayStatus::Estimated { f.dead_time_s } else { total };
+                    let dead_time = if offset.status == DelayStatus::Estimated { late_s } else { total };
                     (offset, dead_time)
                 }
                 // no drive acts before its command: the speed's clock is ahead
