@@ -4,6 +4,7 @@ pub(crate) mod actuator;
 pub(crate) mod angle_fit;
 pub(crate) mod delay_likelihood;
 pub(crate) mod diagnostics;
+pub(crate) mod prediction_checks;
 pub(crate) mod runs;
 pub(crate) mod soundness;
 pub(crate) mod standard_errors;

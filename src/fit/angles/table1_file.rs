@@ -9,6 +9,7 @@ use crate::fit::angles::shrink_together::draw_together;
 use crate::fit::table1::actuator::actuator;
 use crate::fit::table1::angle_fit::AngleFit;
 use crate::fit::table1::diagnostics::{diagnostics, plant_noise, speed_readings};
+use crate::fit::table1::prediction_checks::prediction_checks;
 use crate::fit::table1::runs::{residual_rms_mps2, round};
 use crate::fit::table1::soundness::{checks, coverage};
 use crate::map::{AccelMap, Check, CheckOutcome, FORMAT_VERSION, LogRef, RunRow, Stage1Report, TABLE1_FORMAT, Table1File, Units, Vehicle};
@@ -76,7 +77,8 @@ impl FittedAngles<'_> {
         let mut all = Vec::new();
         for fit in &self.angles {
             let angle_deg = fit.wheel_angle_deg;
-            let own = checks(&fit.estimate, &fit.maps, &fit.samples, self.task.settings);
+            let mut own = checks(&fit.estimate, &fit.maps, &fit.samples, self.task.settings);
+            own.extend(prediction_checks(&fit.estimate, &fit.compared));
             if self.task.is_test(angle_deg) {
                 all.extend(own);
             } else {

@@ -16,6 +16,13 @@ pub(crate) struct Compared {
     offset: f64,
 }
 
+impl Compared {
+    /// Speed that the simulation lacks [m/s].
+    pub(crate) fn missing_mps(&self) -> f64 {
+        self.recorded - self.simulated
+    }
+}
+
 /// The runs, and the held-out figures over all of them.
 pub(crate) struct RunFigures {
     /// One row per hold, with its errors.
