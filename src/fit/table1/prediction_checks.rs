@@ -210,5 +210,9 @@ fn after_steps(estimate: &Estimate) -> Option<Check> {
         "in the {AFTER_STEP_S} s after steps of the torque, the speed departs {ratio:.1} times as much from the fit as elsewhere (squared), {limit} times is allowed"
     );
     let check = Check::passed("after-steps", (ratio, limit, "times"), meaning);
-    Some(percent(check, outcome, "the drive is not as it was modelled: look at the torque's clock and at the drive's limits, or log the torque feedback"))
+    Some(percent(
+        check,
+        outcome,
+        "the drive is not as it was modelled: look at the torque's clock and at the drive's limits, or log the torque feedback",
+    ))
 }
