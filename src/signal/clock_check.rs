@@ -1,8 +1,8 @@
 //! Offsets between the clocks of signals that must agree, found from their values.
 //!
 //! The stamps and the log's times are compared where the log is read. This file finds signals whose times agree with the log but are
-//! wrong: from a relay that recorded late, or in a log joined from two. The feedback follows the command, the motion follows the torque, and
-//! the yaw rate follows the wheel, each within some tenths of a second. A signal that agrees much better at another lag is moved.
+//! wrong: from a relay that recorded late, or in a log joined from two. The feedback follows the command, the motion follows the torque,
+//! and the yaw rate follows the wheel, each within some tenths of a second. A signal that agrees much better at another lag is moved.
 
 use crate::signal::Series;
 use crate::signal::response::{Accelerations, HeldMeans};

@@ -1,7 +1,7 @@
 //! Two publishers on one topic of commands: values that come and go from message to message.
 //!
-//! A command is held. A second publisher interrupts it for one or two messages, again and again, always with the same value. Its messages are
-//! found, and removed where the torque feedback shows that the drive follows the rest. Otherwise it is an error.
+//! A command is held. A second publisher interrupts it for one or two messages, again and again, always with the same value. Its messages
+//! are found, and removed where the torque feedback shows that the drive follows the rest. Otherwise it is an error.
 
 use crate::signal::response::HeldMeans;
 use crate::signal::{Error, Result, Series, median};

@@ -19,7 +19,7 @@ pub(crate) struct DelayStep {
 impl DelayStep {
     /// The step that is made when the equations ask for `asked_s`, given the last one.
     ///
-    /// The equations hold the look-up speeds fixed, but these follow the delays, and the more so the smaller the disturbance. In the limit
+    /// The equations hold the look-up speeds fixed, but these follow the delays, and more so for a smaller disturbance. In the limit
     /// each step overshoots by as much as was asked for. The secant of the last two steps then gives the length, never more than asked.
     pub(crate) fn damped(asked_s: f64, last: Option<&Self>) -> Self {
         let secant = last.map(|last| last.made_s / (last.asked_s - asked_s));
@@ -50,7 +50,7 @@ pub(crate) struct Convergence {
 }
 
 impl Convergence {
-    /// Whether they have, after a round with this movement.
+    /// Whether they have converged after a round with this movement.
     pub(crate) fn reached(&mut self, moved: Moved) -> bool {
         let small = |now: f64, before: Option<f64>, still: f64| now < still || before.is_some_and(|before| to_come(before, now) < still);
         let surface = small(moved.surface_mps2, self.last.map(|l| l.surface_mps2), STILL_MPS2);
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn steps_that_overshoot_find_the_answer_and_others_are_made_as_asked() {
-        // undamped, the second would go on for ever and the third away
+        // undamped, the second would never end and the third would diverge
         for overshoot in [0.3, 1.0, 1.6] {
             assert!(left(overshoot, 4).abs() < 1e-9, "{overshoot}: {}", left(overshoot, 4));
         }

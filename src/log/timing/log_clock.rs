@@ -1,7 +1,7 @@
 //! The recorder's own clock, which may be set back while it records.
 //!
-//! Messages that follow the step would be sorted among earlier ones. They are moved forward by the time that the clock was set back, so that the
-//! log continues without a gap. A log whose parts are not in order of time looks similar, but its parts do not overlap.
+//! Messages that follow the step would be sorted among earlier ones. They are moved forward by the time that the clock was set back, so
+//! that the log continues without a gap. A log whose parts are not in order of time looks similar, but its parts do not overlap.
 
 use crate::log::timing::message_times::{SignalTimes, to_s};
 
