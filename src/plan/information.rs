@@ -87,7 +87,8 @@ impl Model {
             Some(breaks) => breaks.clone(),
             None => driven.into_iter().filter(|v| *v <= reached + 1e-9).collect(),
         };
-        // no reading lies in the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error remains
+        // no reading lies in the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error
+        // remains
         let speeds: Vec<f64> = speeds.into_iter().filter(|v| *v > 1e-9).collect();
         let Some(&fastest_wanted) = speeds.last().filter(|_| high > low && high > 0.0) else {
             return Err(Error::NoCells { low_nm: low, high_nm: high });

@@ -24,8 +24,8 @@ const LEAST_STD_ERR_MPS2: f64 = 2e-3;
 /// Rounds of the least squares, and the relative change of an inertia at which they have converged.
 const ROUNDS: usize = 2000;
 const STILL: f64 = 1e-9;
-/// Fewest angles for a third term of friction, and the largest ratio of the errors at angles left out with and without it: with two or
-/// three such errors, a smaller gain may be chance.
+/// Fewest angles for a third term of friction, and the least ratio of the errors at angles left out without it to those with it: with two
+/// or three such errors, a smaller gain may be chance.
 const ANGLES_FOR_THIRD: usize = 4;
 const GAIN_OF_THIRD: f64 = 1.25;
 /// If no angle lies between two others: the part of the change of friction between neighbours that its shape over the angle may hide. The

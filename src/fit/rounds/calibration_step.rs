@@ -82,7 +82,7 @@ impl State<'_> {
         self.settings.lag_s.is_some() || self.settings.known.as_ref().is_some_and(|k| k.drive.is_some())
     }
 
-    /// Makes the step of delays and encoder calibration that `solution` asks for, and stores their standard errors. Returns the largest
+    /// Makes the step of delays and encoder calibration that `solution` gives, and stores their standard errors. Returns the largest
     /// step of a delay over its standard error.
     pub(crate) fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
         let q = self.design.coefficients();
