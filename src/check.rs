@@ -1,4 +1,4 @@
-//! Judges a map: ours, or one of another system. Nothing is refused at the first flaw; every broken rule is reported with its place.
+//! Judges a map: ours, or one of another system. The check does not stop at the first flaw; it reports every broken rule with its place.
 //!
 //! In: a file. Out: a [`CheckReport`] of findings. The format follows from the content: JSON by its `format` field; a corner cell
 //! `rows\columns` is one of our CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form
@@ -22,8 +22,8 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckSettings {
     /// A step is a jump when its slope is more than this many times the slope that bounds nine in ten steps along the same axis. Default
-    /// 10: the steepest sound step in the published Autoware maps is 4 times theirs, and one wrong cell of a finely stepped map is far
-    /// above it.
+    /// 10: the steepest correct step in the published Autoware maps is 4 times that slope, and one wrong cell of a finely stepped map is
+    /// far above it.
     pub slope_bound: f64,
 }
 

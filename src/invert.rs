@@ -1,8 +1,8 @@
 //! From Table 1 to Table 2: the torque that gives the desired acceleration at the present speed.
 //!
 //! In: `table1.json`. Out: an [`Inversion`]: `table2.json` and its CSVs. At each speed the fine surface is piecewise linear and rises with
-//! torque, so its inverse is exact. A controller reads a bilinear table, so the nodes are chosen for the least squared error at and between
-//! them.
+//! torque, so its inverse is exact. A controller reads a bilinear table, so the nodes are chosen for the smallest squared error at and
+//! between them.
 
 mod breaks;
 mod delivered_torque;

@@ -1,4 +1,4 @@
-//! The campaign still to drive: the runs that reduce the standard errors of the torque map most per second.
+//! The next campaign: the runs that reduce the standard errors of the torque map most per second.
 //!
 //! Greedy A-optimal design (Fedorov 1972, *Theory of Optimal Experiments*; Chaloner & Verdinelli 1995, *Bayesian experimental design*). The
 //! information of a run is the Gram matrix of its whitened regressors, the columns of the estimator, along the run predicted by the fitted
@@ -23,7 +23,7 @@ pub use settings::PlanSettings;
 /// Turning the wheel to its angle before the first run [s].
 const STEER_S: f64 = 2.0;
 
-/// Plans the campaign still to drive after the one behind `file`.
+/// Plans the next campaign after that of `file`.
 ///
 /// # Errors
 /// A budget that is not positive or that no run fits, no tables, runs or tables that show no motion.

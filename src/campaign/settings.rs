@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Thresholds of the gates. The defaults suit any vehicle of the class; an ordinary log needs no change.
+/// Thresholds of the gates. The defaults suit any vehicle of the class; an ordinary log needs no other values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurveySettings {
     /// Largest deviation of the wheel from the test angle [°]. Default 2.5: an angle sensor's bias and noise stay below 1°, and 2.5° change

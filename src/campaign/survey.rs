@@ -125,7 +125,7 @@ impl Survey {
         Ok(survey)
     }
 
-    /// Time of the log in which no encoder sample came [s].
+    /// Time of the log without any encoder sample [s].
     pub fn missing_s(&self) -> f64 {
         missing_seconds(&self.track.encoder_mps, &self.seconds)
     }
@@ -219,7 +219,7 @@ fn mark_aborted(encoder: &Series, stops: &[(f64, f64)], holds: &[Hold], at_rest:
     }
 }
 
-/// The last interval before rest. A mean over some samples detects rest late, most of all in hard braking, and readings at rest would look
+/// The last interval before rest. A mean over some samples detects rest late, especially in hard braking, and readings at rest would look
 /// like motion without acceleration. So the time of the stop is extrapolated from the readings before it, and the samples from a little
 /// earlier on are left out.
 fn mark_stopping(encoder: &Series, speed: &[f64], at_rest: &[bool], settings: &SurveySettings, verdicts: &mut [SampleVerdict]) {

@@ -1,23 +1,23 @@
-//! What `table1.json` holds about its own making → checks: how much was driven, and how the campaign's signals fit together.
+//! What `table1.json` holds about its campaign → checks: how much was driven, and how well the campaign's signals agree.
 //!
 //! The fit stores the checks in the file. A verdict and the page make them again, so that a file of an older version, or one from which they
-//! were removed, is judged all the same.
+//! were removed, is judged as well.
 
 use crate::map::{
     AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, LogActuator, RunRow, SampleVerdict, SpeedSource, Table1File,
 };
 
-/// Departure of the encoder's scale from the yaw rate's beyond which it is a warning, and an objection: tyres wear by 1 to 2 %; a wheelbase
-/// or a radius that is measured with a tape is better than 5 %.
+/// Departure of the encoder's scale from the yaw rate's above which it is a warning, and an objection: tyres wear by 1 to 2 %; a wheelbase
+/// or a radius that is measured with a tape is wrong by less than 5 %.
 const ENCODER_SCALE: [f64; 2] = [0.02, 0.05];
-/// Share of the moving samples that a push or slip condemned, for a warning and for an objection: of more than two in five samples left
-/// out, the rest is chosen by the model that it is meant to judge.
+/// Share of the moving samples left out as push or slip, for a warning and for an objection: if more than two in five samples are left
+/// out, the model chooses the rest that is meant to judge it.
 const CONDEMNED: [f64; 2] = [0.20, 0.40];
 /// Breakaway torque over the largest torque beyond which little is left to accelerate with.
 const FRICTION: f64 = 0.60;
 /// Largest clock offset that sampling phases explain [s].
 const CLOCK_OFFSET_S: f64 = 0.02;
-/// Largest standard error of a dead time that is determined [s].
+/// Largest standard error of a well-determined dead time [s].
 const DEAD_TIME_STD_ERR_S: f64 = 0.01;
 /// Fewest driving torques of a gear: two and coasting do not show whether acceleration is linear in torque.
 const FEWEST_DRIVING_TORQUES: usize = 3;
@@ -29,14 +29,14 @@ const SAME_TORQUE: f64 = 0.04;
 const VARIED_TORQUES: f64 = 6.0;
 /// Share of the cells that must be measured or interpolated, where the file does not give it.
 const LEAST_COVERAGE: f64 = 0.3;
-/// Ratios that a mistaken unit makes, and the mistake.
+/// Ratios that a wrong unit makes, and the mistake.
 const UNIT_RATIOS: [(f64, &str); 3] = [
     (60.0 / std::f64::consts::TAU, "revolutions per minute taken for rad/s (9.549)"),
     (180.0 / std::f64::consts::PI, "degrees taken for radians (57.3)"),
     (std::f64::consts::TAU, "revolutions per second taken for rad/s (6.283)"),
 ];
 
-/// Every check on a Table 1: the stored ones, and those that the file's own content gives. Of two with one name the worse stays.
+/// Every check on a Table 1: the stored ones, and those that the file's own content gives. Of two with one name the worse is kept.
 pub(crate) fn all_checks(file: &Table1File) -> Vec<Check> {
     let mut all = file.checks.clone();
     let at_test_angle: Vec<&AccelMap> = file.maps.iter().filter(|m| m.angle().is_same(file.vehicle.test_angle())).collect();
@@ -90,7 +90,7 @@ fn encoder_scale(file: &Table1File) -> Option<Check> {
     Some(if outcome == CheckOutcome::Passed { check } else { check.broken(outcome, scale_advice(file, scale)) })
 }
 
-/// What would explain a scale, the most likely first.
+/// Advice on a wrong scale: the most likely cause first.
 fn scale_advice(file: &Table1File, scale: f64) -> String {
     let ratio = scale.max(1.0 / scale.max(1e-9));
     let near = |value: f64| (ratio / value - 1.0).abs() < ENCODER_SCALE[1];
@@ -112,7 +112,7 @@ fn scale_advice(file: &Table1File, scale: f64) -> String {
 fn clock_offset(file: &Table1File) -> Option<Check> {
     let known = |status| matches!(status, DelayStatus::Estimated | DelayStatus::NoneFound | DelayStatus::WeaklyDetermined);
     let logs = file.actuator.per_log.iter().filter(|log| known(log.clock_offset.status));
-    // one that counts goes before a larger one within its own error
+    // an offset that counts is preferred to a larger one within its own error
     let size = |log: &LogActuator| (log.clock_offset.status == DelayStatus::Estimated, log.clock_offset.value_s.abs());
     let log = logs.max_by(|a, b| size(a).0.cmp(&size(b).0).then(size(a).1.total_cmp(&size(b).1)))?;
     let offset_ms = 1e3 * log.clock_offset.value_s;
@@ -195,7 +195,7 @@ fn graded(figure: f64, [warning, objection]: [f64; 2]) -> (CheckOutcome, f64) {
     } else if figure <= objection {
         (CheckOutcome::Warning, warning)
     } else {
-        // a figure that is no number ends here
+        // NaN ends here
         (CheckOutcome::Objection, objection)
     }
 }

@@ -29,7 +29,7 @@ pub enum Rule {
     CoastPositive,
     /// No step far steeper than the map's others.
     Jump,
-    /// The axes begin where they should, and leave no hole.
+    /// The axes begin where they should, and have no gap.
     RangeGap,
     /// The torques at which a resting wheel stays at rest are given.
     DeadBand,
@@ -64,7 +64,7 @@ impl fmt::Display for Rule {
 pub enum Severity {
     /// Worth knowing; the map keeps its rules.
     Note,
-    /// The map can be used, but hardly as its maker meant.
+    /// The map can be used, but probably not as intended.
     Warning,
     /// A controller that reads the map fails, or acts wrongly.
     Error,

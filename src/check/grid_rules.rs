@@ -3,7 +3,7 @@
 use crate::check::foreign::{CellGrid, Misread, MisreadKind};
 use crate::check::{CheckSettings, Rule, RuleBreach, Severity};
 
-/// The axis along which something lies or changes.
+/// An axis of the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum GridAxis {
     /// From row to row.

@@ -7,7 +7,7 @@ use crate::check::{Rule, RuleBreach, Severity};
 /// Which signs of command and acceleration contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SignRule {
-    /// Throttle asks for acceleration, brake for deceleration: any difference in sign is wrong. Apollo's table.
+    /// Throttle means acceleration, brake means deceleration: any difference in sign is wrong. Apollo's table.
     Strict,
     /// A braking torque cannot speed up a wheel; a driving torque may be smaller than friction. Torque maps.
     Physical,

@@ -35,7 +35,7 @@ pub struct HeadingLawSettings {
     pub torque: ConstantGain,
 }
 
-/// The law with its memory.
+/// The law with its state.
 #[derive(Debug, Clone)]
 pub struct HeadingLaw {
     settings: HeadingLawSettings,

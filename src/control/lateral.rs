@@ -15,7 +15,7 @@ pub struct LateralSettings {
     pub settle_s: f64,
     /// While driving, the wheel is lost if it is further than this [rad] from its target. Default 5°.
     pub lost_rad: f64,
-    /// Largest plausible angle either way [rad]. Default 110°: a usual stop is at 100°.
+    /// Largest plausible angle in either direction [rad]. Default 110°: a usual stop is at 100°.
     pub plausible_rad: f64,
     /// An angle that moves less than this [rad] … Default 0.8°, above the noise.
     pub stuck_rad: f64,
@@ -40,7 +40,7 @@ impl Default for LateralSettings {
     }
 }
 
-/// The lateral module with its memory.
+/// The lateral module with its state.
 #[derive(Debug, Clone)]
 pub(crate) struct Lateral {
     settings: LateralSettings,

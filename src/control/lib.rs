@@ -2,7 +2,7 @@
 //!
 //! In: [`Inputs`], the measurements of a period. Out: [`Outputs`], torque, wheel angle and gear. Planning places waypoints with speeds
 //! along the front wheel's arc; lateral holds the wheel at its angle; longitudinal gets the torque from the drive law. [`WaypointLaw`] is
-//! the law of the map; a law of another kind goes behind the same [`DriveLaw`].
+//! the law of the map; a law of another kind implements the same [`DriveLaw`].
 //!
 //! Everything here is a pure step: state and inputs to state and outputs, without allocation, clock, input or output, or panic.
 //! The crate has no standard library and no allocator, and a test compiles it alone (`tests/alone.rs`); mathematics comes from `libm`

@@ -144,7 +144,7 @@ pub enum LateralTask {
 /// From lateral to longitudinal: status of the front wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleStatus {
-    /// On its way, without a fault.
+    /// Moving to its target, without a fault.
     InProgress,
     /// Within tolerance of its target.
     Reached,

@@ -69,7 +69,7 @@ impl TorqueFromAccel for Tables<'_> {
 pub struct ConstantGain {
     /// Torque per acceleration [N·m per m/s²].
     pub gain_nm_per_mps2: f64,
-    /// Limit of the torque either way [N·m].
+    /// Limit of the torque in either direction [N·m].
     pub limit_nm: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Apollo's calibration table: protobuf text, one `calibration` message per speed and acceleration. Command is 100 · torque / full torque,
 //! the full torque being that of [`MapSource::full_torque_nm`]: per cent of throttle when positive, of brake when negative.
 //!
-//! Sign rules: throttle stands for acceleration and brake for deceleration, so no entry has a command and an acceleration of opposite sign.
+//! Sign rules: throttle means acceleration and brake means deceleration, so no entry has a command and an acceleration of opposite sign.
 //! Between coasting (command 0) and holding a speed (acceleration 0), friction requires a driving torque at a negative acceleration. There
 //! the table has the two ends, and Apollo's linear interpolation gives the values between. Accelerations of the same torque, at a limit or
 //! of a wheel that is held, have one entry.
@@ -59,7 +59,7 @@ fn row(table: &TorqueTable, i: usize) -> (Vec<(f64, f64)>, f64) {
     let mut all: Vec<(f64, f64)> = Vec::new();
     for entry in accels.iter().enumerate().map(|(j, a)| (*a, table.at(i, j))) {
         match all.last_mut() {
-            // of several accelerations of one torque (a limit or a wheel that is held), the one nearest to the others stands for all
+            // of several accelerations of one torque (a limit or a wheel that is held), only the one nearest to the others is written
             Some(last) if last.1 == entry.1 && entry.1 > 0.0 => {}
             Some(last) if last.1 == entry.1 => *last = entry,
             _ => all.push(entry),

@@ -9,7 +9,7 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 /// Why a map cannot be exported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // the fields are what the message says
+#[allow(missing_docs)] // the message explains the fields
 pub enum Error {
     #[error("{}: {source}; a map is made by `pivot-cal fit` and `pivot-cal invert`, and --maps names its folder", path.display())]
     Read { path: PathBuf, source: std::io::Error },

@@ -23,7 +23,7 @@ impl MapSource {
     /// Reads `table1.json`, `table2.json` and the CSV files that they describe from `folder`.
     ///
     /// # Errors
-    /// A file that is missing or cannot be read; a CSV or a `table1.json` whose hash is another one; a JSON whose numbers are not
+    /// A file that is missing or cannot be read; a CSV or a `table1.json` whose hash differs; a JSON whose numbers are not
     /// those of its CSV; no map at the test angle.
     pub fn read(folder: &Path) -> Result<Self> {
         Self::read_at(folder, None)

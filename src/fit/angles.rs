@@ -37,8 +37,8 @@ pub(crate) fn fit_traced(surveys: Vec<Survey>, settings: &FitSettings) -> Result
 
 /// Fits every group; the maps of `test_angle_deg` have the plain file names.
 ///
-/// An angle that cannot be fitted is skipped, and a note gives the reason; at `test_angle_deg` it is an error. With `asked`, the angles
-/// were asked for by name: one that is skipped, or whose table is not sound, makes the fit not sound. Without, angles were only found in
+/// An angle that cannot be fitted is skipped, and a note gives the reason; at `test_angle_deg` it is an error. With `asked`, the user
+/// requested the angles: one that is skipped, or whose table is not sound, makes the fit not sound. Without it, angles were only found in
 /// the logs, and one without a sound table is skipped like one that cannot be fitted: a drive across the yard spoils no campaign.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Along the runs: segments of readings, the integral of the surface along them, whitened residuals and regressors, and the noise's likelihood.
+//! The runs: segments of readings, the integral of the surface along them, whitened residuals and regressors, and the noise's likelihood.
 
 pub(crate) mod coarse_readings;
 pub(crate) mod expected_stop;

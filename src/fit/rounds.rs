@@ -1,4 +1,4 @@
-//! The rounds of the estimator: speeds, noise, cuts, surface and delays, each from the others, until nothing moves.
+//! The rounds of the estimator: speeds, noise, cuts, surface and delays, each from the others, until they converge.
 //!
 //! 1. A first guess of calibration, noise, dead time and lag (`initial_guess`, `delay_grid`).
 //! 2. Rounds on a sample of a long campaign, with delays, encoder and noise free (`delay_rounds`, `sampling`).

@@ -15,7 +15,7 @@ pub enum CampaignTime {
     End,
 }
 
-/// Settings of the estimator, with defaults that none needs to touch for an ordinary log.
+/// Settings of the estimator; an ordinary log needs only the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitSettings {
     /// Dead time of the drive [s] when it is known; estimated otherwise. What the logs show beyond it is an offset of the clocks.
@@ -24,8 +24,8 @@ pub struct FitSettings {
     pub drive: Option<DriveFamily>,
     /// Time constant of the drive's lag [s] when it is known; estimated otherwise.
     pub lag_s: Option<f64>,
-    /// Coefficients of the surface along speed. Default 20, on knots uniform in ln(1 + V/0.12): with 15 a wave of 0.6 m/s is out of reach
-    /// at 1 m/s, with 22 nothing comes nearer to the truth.
+    /// Coefficients of the surface along speed. Default 20, on knots uniform in ln(1 + V/0.12): 15 cannot follow a wave of 0.6 m/s
+    /// at 1 m/s, and 22 are not nearer to the truth.
     pub speed_nodes: usize,
     /// Coefficients of the surface along torque, about. Default 17: as fine as the usual steps of a campaign; between them are no data.
     pub torque_nodes: usize,

@@ -137,7 +137,7 @@ mod tests {
         assert!((one.separation_m(&square(3.0, 0.0, 1.0)) - 1.0).abs() < 1e-12);
         assert!((one.separation_m(&square(5.0, 6.0, 1.0)) - 5.0).abs() < 1e-12, "corner to corner: 3, 4, 5");
         assert!((one.separation_m(&square(1.7, 0.2, 1.0)) + 0.3).abs() < 1e-12);
-        // a square on its corner: the tip at (√2, 0) seen from an edge at 2
+        // a square on its corner: the corner at (√2, 0) seen from an edge at 2
         let tip = Polygon::new(
             (0..4)
                 .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2)

@@ -30,7 +30,7 @@ pub(crate) struct LookAhead {
     pub window_m: f64,
     /// Largest change of the wheel angle per step [rad]. Default 3°: at 0.25 m/s and 0.02 m it is 37°/s, within a steering of 60°/s.
     pub wheel_step_rad: f64,
-    /// Largest wheel angle either way [rad]. Default 70°.
+    /// Largest wheel angle in either direction [rad]. Default 70°.
     pub wheel_limit_rad: f64,
 }
 

@@ -1,6 +1,7 @@
 //! The torques that a drive delivers, by speed.
 
-/// The torques that a drive delivers: the vehicle's limit both ways, and while driving that of the drive where it is lower.
+/// The torques that a drive delivers: within the vehicle's limit in both directions and, while driving, the drive's limit where it is
+/// lower.
 pub(crate) struct DeliveredTorque<'a> {
     /// Least torque [N·m].
     pub(crate) least_nm: f64,

@@ -1,4 +1,4 @@
-//! Nodes of a bilinear table with the least squared torque error, at and between them (Garcia & Gupta 2009, lattice regression).
+//! Nodes of a bilinear table with the smallest squared torque error, at and between them (Garcia & Gupta 2009, lattice regression).
 //!
 //! Minimises Σ (T(v, a) − τ(v, a))² over a dense cloud of reachable (v, a), plus 1e-3 × the same toward the exact nodes, subject to
 //! T rising in a and |T| ≤ τ_max.
@@ -81,7 +81,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
         return None;
     }
     let mut nodes: Vec<f64> = solver.solution.x.iter().enumerate().map(|(k, t)| limit.clamp(speeds[k / columns], *t)).collect();
-    // the solver meets its constraints only to a tolerance: falling values are made level
+    // the solver keeps its constraints only to a tolerance: falling values are made level
     for row in nodes.chunks_exact_mut(columns) {
         for j in 1..columns {
             row[j] = row[j].max(row[j - 1]);

@@ -21,7 +21,7 @@ pub struct Inversion {
 /// Inverts every table of `file`. `table1` names the JSON that it was read from, with its hash.
 ///
 /// # Errors
-/// No table, a table that does not rise with torque, breaks that make no axis, a programme that does not finish.
+/// No table, a table that does not rise with torque, breaks that are not a valid axis, a programme that does not finish.
 pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> Result<Inversion> {
     if file.maps.is_empty() {
         return Err(Error::NoTables);

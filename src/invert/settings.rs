@@ -14,6 +14,7 @@ pub struct InvertSettings {
     pub place: Option<usize>,
     /// Values of the row at speed 0.
     pub zero_row: ZeroRow,
-    /// Exact at the nodes instead of best over the whole. Default false: exact nodes cost more than the estimation error.
+    /// Whether the table is exact at its nodes instead of best over the whole. Default false: exact nodes cost more than the estimation
+    /// error.
     pub node_exact: bool,
 }

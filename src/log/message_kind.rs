@@ -1,13 +1,13 @@
 //! What a message of a signal means: one reading of many, or a value that holds until the next message.
 //!
 //! Found from the messages themselves. A periodic signal repeats its value or measures a new one in every period. A signal that is logged on
-//! change has long, irregular intervals, and nearly every message brings a new value. With a heartbeat, the same value comes again after a
+//! change has long, irregular intervals, and nearly every message brings a new value. With a heartbeat, the same value is repeated after a
 //! fixed time, and changes come in between. A latched signal has one message.
 
 use crate::log::timing::rhythm::middle;
 use std::fmt;
 
-/// The habit by which a signal was logged.
+/// How a signal was logged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MessageKind {
@@ -61,7 +61,7 @@ impl MessageKind {
         let span_s: f64 = intervals.iter().sum();
         let mut long: Vec<f64> = intervals.iter().copied().filter(|d| *d > (4.0 * period_s).max(LONG_S)).collect();
         long.sort_unstable_by(f64::total_cmp);
-        // a pause of the recording is no habit
+        // a pause of the recording is not a property of the signal
         let pauses_s: f64 = long.iter().rev().take(PAUSES).sum();
         let waiting_s = long.iter().sum::<f64>() - pauses_s;
         let near = intervals.iter().filter(|d| (**d - period_s).abs() <= REGULAR * period_s).count();

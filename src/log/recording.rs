@@ -61,7 +61,7 @@ pub struct Signal {
     pub time_ns: Vec<i64>,
     /// The values, in the signal's SI unit.
     pub value: Vec<f64>,
-    /// What is unsure of each time, apart from an offset of all of them [s]; 0 where the times are as logged.
+    /// Uncertainty of each time, apart from an offset of all of them [s]; 0 where the times are as logged.
     pub time_std_s: f64,
     /// Positive means in the gear's direction; the value is unchanged.
     pub relative_to_gear: bool,

@@ -165,7 +165,7 @@ pub(crate) enum Stamp {
     At(Vec<PathStep>),
 }
 
-/// A value that stands for a gear.
+/// A value that means a gear.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum Code {

@@ -14,8 +14,8 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Reads the files of one recording, in their order, as one. A file without a required signal, or without any message, is skipped with a
-/// note, as long as another file has it. The hash of several files is the hash of their concatenated hashes in hexadecimal. `progress` is
+/// Reads the files of one recording, in their order, as one log. A file without a required signal, or without any message, is skipped with
+/// a note, as long as another file has it. The hash of several files is the hash of their concatenated hashes in hexadecimal. `progress` is
 /// as in [`crate::log::read`].
 ///
 /// # Errors

@@ -3,10 +3,11 @@
 //! In: up to three times per message, as the log holds them: the stamp inside the message, the time of publication, and the time of the log.
 //! Out: one time per value, on one clock for all signals of the recording, and notes on what was corrected.
 //!
-//! The recorder's clock is the common one. If it was set back while recording, what follows is moved on (`log_clock`). A stamp comes from a
-//! clock of its own: it may be set, stand still, drift, or be an hour away. A message never arrives before it was sent, so the earliest
-//! arrivals give the offset of that clock and its drift (`stamp_clock`, `clock_offset`). Where times scatter or come in bursts, and the
-//! signal is periodic, the true times are those of a regular clock (`regular`, `sampling`). Times without such a fault are not changed.
+//! The recorder's clock is the common one. If it was set back while recording, later times are moved forward (`log_clock`). A stamp comes
+//! from a separate clock: it may be set, stand still, drift, or be an hour away. A message never arrives before it was sent, so the
+//! earliest arrivals give the offset of that clock and its drift (`stamp_clock`, `clock_offset`). Where times scatter or come in bursts,
+//! and the signal is periodic, the true times are those of a regular clock (`regular`, `sampling`). Times without such a fault are not
+//! changed.
 
 pub(crate) mod clock_offset;
 pub(crate) mod log_clock;
@@ -27,7 +28,7 @@ use crate::log::timing::stamp_clock::StampClock;
 pub(crate) struct TrueTimes {
     /// One per value, in the order of the log [ns].
     pub time_ns: Vec<i64>,
-    /// What stays unsure of each time, apart from an offset of all of them [s].
+    /// Remaining uncertainty of each time, apart from an offset of all of them [s].
     pub std_s: f64,
 }
 

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 /// A value of a message.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) enum Raw<'a> {
-    /// The message does not hold it.
+    /// The message does not hold the value.
     #[default]
     Missing,
     Number(f64),

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
 
 impl VehicleOverrides {
-    /// These values; `other` where they are missing.
+    /// These values, and those of `other` where they are missing.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {

@@ -6,7 +6,7 @@ use crate::guidance::route::follower::{DriveCommand, DriveStage, FollowerSetting
 use crate::guidance::route::path_position::Leg;
 use crate::guidance::torque_source::TorqueSource;
 
-/// The driver with its memory; it borrows the path.
+/// The driver with its state; it borrows the path.
 pub(crate) struct LegsDriver<'a> {
     path: &'a PosePath,
     /// Index of the leg's first pose.

@@ -20,7 +20,7 @@ use crate::verify::{Metric, Values};
 use std::f64::consts::PI;
 
 fn follower_settings(planned: &Planned, wheelbase_m: f64) -> FollowerSettings {
-    // feedback over about a turning radius: back onto the path within a metre
+    // feedback over about a turning radius: it returns to the path within a metre
     let law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 4.0 };
     let mut settings = FollowerSettings::new(wheelbase_m, TrackingSettings::RearAxle(law));
     settings.speed =

@@ -78,7 +78,7 @@ impl PlannedTask {
     }
 }
 
-/// The parking scene for a wheelbase, and the start: beside the row, 2.2 wheelbases before the slot, 3° askew.
+/// The parking scene for a wheelbase, and the start: beside the row, 2.2 wheelbases before the slot, heading 3° off the row.
 pub(crate) fn parking_scene(wheelbase_m: f64, angle_deg: f64, obstacle_right: bool) -> (parking::ParkingScene, parking::ParkingStart) {
     let body = BodyShape::usual(wheelbase_m);
     let mut slot = parking::Slot::usual(&body, 0.2);

@@ -1,4 +1,4 @@
-//! The polyline scenario: eight segments that need every case of the plan, driven by each tracking law.
+//! The polyline scenario: eight segments with every case of the plan, driven by each tracking law.
 
 use crate::control::{Inputs, Pose};
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};
@@ -15,8 +15,8 @@ use crate::sim::TrueState;
 use crate::verify::drive::{Observer, Period};
 use crate::verify::{Metric, Values};
 
-/// The corners [m]: a left turn of 90°, a right one, a bend of 3° without a stop, a short segment in reverse (half/half), and corners sharper
-/// than 90°, after which the vehicle drives in reverse.
+/// The corners [m]: a left turn of 90°, a right one, a bend of 3° without a stop, a short segment in reverse (split into halves), and
+/// corners sharper than 90°, after which the vehicle drives in reverse.
 pub const DEMO_POINTS: [[f64; 2]; 9] =
     [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [10.0, 4.0], [14.0, 4.2], [14.0, 2.8], [8.0, 1.0], [3.0, -2.0], [0.0, -2.0]];
 

@@ -15,11 +15,11 @@ const STEPS_PER_READING: u32 = 4;
 const STEP_S: f64 = CYCLE_S / STEPS_PER_READING as f64;
 /// Time between two readings [s].
 pub(crate) const READING_S: f64 = STEP_S * STEPS_PER_READING as f64;
-/// Age of the speed that the driver sees, in steps: half a reading's time and its way through the vehicle.
+/// Age of the speed that the driver sees, in steps: half the time of a reading, and its transmission in the vehicle.
 const SEEN_LATE: usize = 3;
-/// Mean time from reaching a speed to the command that answers [s].
+/// Mean time from reaching a speed to the command in response [s].
 const ANSWER_S: f64 = SEEN_LATE as f64 * STEP_S + 0.5 * READING_S;
-/// Longest time at a level [s], as in most campaigns; and longer, for levels that hardly change the speed.
+/// Longest time at a level [s], as in most campaigns; the longer one is for levels that hardly change the speed.
 const HOLDS_S: [f64; 2] = [2.5, 6.0];
 /// A level at which the wheel rests ends after this time [s].
 pub(crate) const STALL_S: f64 = 1.0;
@@ -110,7 +110,7 @@ impl PlannedVehicle {
             }
             for &spin_up_nm in driving.iter().rev().step_by(2).filter(|u| (*u - torque_nm).abs() > 1e-9) {
                 for share in [0.3, 0.6, 1.0] {
-                    // the spin-up continues while the drive answers late
+                    // the spin-up continues during the drive's delay
                     let start_speed_mps = rounded(share * top - late_s * self.accel_mps2(share * top, spin_up_nm).max(0.0));
                     let slows = self.accel_mps2(start_speed_mps, torque_nm) < 0.0;
                     let speed_limit_mps = if slows { rounded(share * top + SPEED_MARGIN_MPS) } else { top };

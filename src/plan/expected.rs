@@ -1,4 +1,4 @@
-//! What a plan is expected to bring: the standard error of each cell after its runs.
+//! The expected result of a plan: the standard error of each cell after its runs.
 
 use crate::fit::Result;
 use crate::map::{Gear, PlannedRun, Table1File};

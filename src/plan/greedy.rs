@@ -105,7 +105,7 @@ impl Greedy {
         self.solved(run, &square).map_or(0.0, |m| (0..n).map(|k| m[(k, k)]).sum())
     }
 
-    /// The most useful run per second of those that take at most `left_s`; the first of equals.
+    /// The most useful run per second of those that take at most `left_s`; of equal ones the first.
     pub(crate) fn best(&self, left_s: f64) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
         for (k, run) in self.runs.iter().enumerate().filter(|(_, r)| !r.rows.is_empty() && r.seconds <= left_s) {

@@ -21,7 +21,7 @@ const LEFT_OUT: f64 = 1e-3;
 /// Least standard deviation that a block of the physics form may add to the surface [m/s², root mean square over the lattice]: a term that
 /// the data so far did not need is not known to be zero.
 const UNSEEN_PHYSICS_MPS2: f64 = 0.01;
-/// The same for a block beyond it: if runs left out ask for none of the surface, and if they ask for all of it.
+/// The same for a block beyond it: if runs left out support none of the surface, and if they support all of it.
 const UNSEEN_BEYOND_MPS2: [f64; 2] = [0.0003, 0.003];
 /// The lag, and the dead times of the log driven before and of the next one.
 const DELAYS: usize = 3;
@@ -87,7 +87,8 @@ impl Model {
             Some(breaks) => breaks.clone(),
             None => driven.into_iter().filter(|v| *v <= reached + 1e-9).collect(),
         };
-        // no reading lies in the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error stays
+        // no reading lies in the row of a wheel that has just begun to move: the surface is extrapolated to it, and most of its error
+        // remains
         let speeds: Vec<f64> = speeds.into_iter().filter(|v| *v > 1e-9).collect();
         let Some(&fastest_wanted) = speeds.last().filter(|_| high > low && high > 0.0) else {
             return Err(Error::NoCells { low_nm: low, high_nm: high });

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Settings of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlanSettings {
-    /// Time of driving [s], with turning the wheel to its angle, spin-ups and stops. Default 300.
+    /// Time of driving [s], including turning the wheel to its angle, spin-ups and stops. Default 300.
     pub budget_s: f64,
     /// Speeds of the cells whose torque is to be estimated [m/s], rising; by default those of Table 1 that were driven. Runs go a little
     /// faster than the last. A speed of 0 is skipped: it has no readings.

@@ -88,7 +88,7 @@ fn planned(plan: &Proposal) -> Markup {
     }
 }
 
-/// The torques whose cells have the most doubt in total.
+/// The torques whose cells have the least confidence in total.
 fn doubtful_levels(maps: &[AccelMap]) -> Markup {
     let columns =
         [Text("gear"), Number("torque N·m"), Number("cells measured"), Number("mean standard error m/s²"), Number("doubt"), Text("how")];

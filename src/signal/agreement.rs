@@ -18,7 +18,7 @@ pub(crate) struct Sources<'a> {
 pub(crate) const NEAR_ANGLE_RAD: f64 = 0.09;
 /// Largest difference of encoder and yaw rate, as a share, by which the yaw rate shows the wheel angle.
 const SHOWS_ANGLE: f64 = 0.1;
-/// Speed at which they are compared [m/s], and fewest readings.
+/// Lowest speed at which they are compared [m/s], and fewest readings.
 const CLEAR_MPS: f64 = 0.1;
 const FEWEST_READINGS: usize = 100;
 
@@ -28,7 +28,7 @@ impl Sources<'_> {
         self.angle_rad.held(t_s).is_some_and(|a| (a - self.wheel_angle_rad).abs() <= NEAR_ANGLE_RAD)
     }
 
-    /// Whether the yaw rate shows that the wheel stands at the angle of the runs, whatever the angle's own signal says.
+    /// Whether the yaw rate shows that the wheel stands at the angle of the runs, whatever the angle's own signal is.
     pub(crate) fn yaw_shows_angle(&self, yaw: &Series) -> bool {
         let mut along = yaw.cursor();
         let moving = self.encoder_mps.t_s.iter().zip(&self.encoder_mps.value).filter(|(_, v)| v.abs() > CLEAR_MPS);
@@ -36,7 +36,7 @@ impl Sources<'_> {
         ratios.len() >= FEWEST_READINGS && (median(&ratios) - 1.0).abs() < SHOWS_ANGLE
     }
 
-    /// Moves signals whose clock is clearly another, with a note on each.
+    /// Moves signals that are clearly on another clock, with a note on each.
     pub(crate) fn onto_one_clock(
         &self,
         command: &mut Series,

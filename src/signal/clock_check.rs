@@ -1,24 +1,24 @@
-//! Offsets between the clocks of signals that must agree: found from what they say.
+//! Offsets between the clocks of signals that must agree, found from their values.
 //!
-//! The stamps and the log's times are compared where the log is read. What is left are signals whose times agree with the log and are wrong
-//! all the same: a relay that recorded late, a log put together from two. The feedback follows the command, the motion follows the torque, and
-//! the yaw rate follows the wheel, each within some tenths of a second. A signal that agrees much better at another lag is moved.
+//! The stamps and the log's times are compared where the log is read. This file finds signals whose times agree with the log but are
+//! wrong: from a relay that recorded late, or in a log joined from two. The feedback follows the command, the motion follows the torque,
+//! and the yaw rate follows the wheel, each within some tenths of a second. A signal that agrees much better at another lag is moved.
 
 use crate::signal::Series;
 use crate::signal::response::{Accelerations, HeldMeans};
 
 /// Lags of the motion behind its torque, and of the feedback behind the command, that a drive has [s].
 const DRIVE_S: [f64; 2] = [-0.05, 0.45];
-/// Lag that is left when a command is moved: that of a usual drive, dead time and lag together [s].
+/// Lag that remains when a command is moved: that of a usual drive, dead time and lag together [s].
 const USUAL_LAG_S: f64 = 0.1;
-/// Range of a first search, and of one for signals that do not agree there [s].
+/// Range of a first search, and of a second one for signals that do not agree there [s].
 const NEAR_S: f64 = 3.0;
 const FAR_S: f64 = 70.0;
-/// Share of the acceleration that a torque of the same clock explains at least.
+/// Least share of the acceleration that a torque of the same clock explains.
 const AGREES: f64 = 0.4;
-/// A torque that explains less is also compared far away.
+/// A torque that explains less than this is also compared at large lags.
 const CLEAR: f64 = 0.8;
-/// Another lag must explain this share of what is left unexplained.
+/// Another lag must explain this share of the unexplained rest.
 const MUCH_BETTER: f64 = 0.35;
 /// Lags of the yaw rate that a comparison of two speeds finds by itself [s].
 const ALIGNED_S: f64 = 0.25;
@@ -26,7 +26,7 @@ const ALIGNED_S: f64 = 0.25;
 const MOST_POINTS: usize = 2000;
 const FEWEST_POINTS: usize = 100;
 
-/// By how much the torque is to be moved so that the motion follows it [s]; `None` if it is right, or if nothing shows that it is wrong.
+/// Time by which the torque must be moved so that the motion follows it [s]; `None` if it is right, or if nothing shows that it is wrong.
 pub(crate) fn torque_offset_s(torque: &Series, motion: &Accelerations) -> Option<f64> {
     let means = HeldMeans::of(torque)?;
     let usual = motion.best(&means, DRIVE_S[0], DRIVE_S[1], 0.05);
@@ -41,14 +41,14 @@ pub(crate) fn torque_offset_s(torque: &Series, motion: &Accelerations) -> Option
     (!is_usual && is_better).then_some(best.lag_s - USUAL_LAG_S)
 }
 
-/// By how much the feedback is to be moved so that it follows the command [s]; `None` as above.
+/// Time by which the feedback must be moved so that it follows the command [s]; `None` as above.
 pub(crate) fn feedback_offset_s(command: &Series, feedback: &Series) -> Option<f64> {
     let means = HeldMeans::of(command)?;
     let lag_s = lag_s(feedback, |t| Some(means.mean(t)), |_| true, DRIVE_S)?;
     Some(USUAL_LAG_S - lag_s)
 }
 
-/// By how much the yaw rate is to be moved so that it follows the wheel [s]; `None` as above. Only times for which `usable` holds count.
+/// Time by which the yaw rate must be moved so that it follows the wheel [s]; `None` as above. Only times for which `usable` holds count.
 pub(crate) fn yaw_offset_s(encoder: &Series, yaw: &Series, usable: impl Fn(f64) -> bool) -> Option<f64> {
     let smooth = Series { t_s: encoder.t_s.clone(), value: encoder.smoothed(0.1) };
     let lag_s = lag_s(yaw, |t| smooth.interpolated(t), usable, [-ALIGNED_S, ALIGNED_S])?;

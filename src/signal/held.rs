@@ -8,8 +8,8 @@ const FILL_S: f64 = 0.02;
 /// Most values that are filled in.
 const MOST_FILLED: f64 = 4e6;
 
-/// A signal that is logged on change as one that is logged every 20 ms until `end_s`: each value is repeated until the next message, and every
-/// change keeps its own time.
+/// Converts a signal that is logged on change to one that is logged every 20 ms until `end_s`: each value is repeated until the next
+/// message, and every change keeps its own time.
 pub(crate) fn held_until(series: &Series, end_s: f64) -> Series {
     let (Some(&first_s), Some(&last_s)) = (series.t_s.first(), series.t_s.last()) else { return series.clone() };
     let end_s = end_s.max(last_s);

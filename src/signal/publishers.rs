@@ -1,7 +1,7 @@
 //! Two publishers on one topic of commands: values that come and go from message to message.
 //!
-//! A command is held; a second publisher interrupts it for a message or two, again and again, always with the same value. Its messages are
-//! found, and removed where the torque feedback shows that the drive follows the rest. Otherwise it is an error.
+//! A command is held. A second publisher interrupts it for one or two messages, again and again, always with the same value. Its messages
+//! are found, and removed where the torque feedback shows that the drive follows the rest. Otherwise it is an error.
 
 use crate::signal::response::HeldMeans;
 use crate::signal::{Error, Result, Series, median};
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Longest interruption: of messages, and of time [s].
 const LONGEST: usize = 3;
 const LONGEST_S: f64 = 0.3;
-/// Fewest interruptions, and the share of all changes that they make, that are a second publisher's.
+/// Fewest interruptions, and their least share of all changes, that show a second publisher.
 const FEWEST: usize = 20;
 const MOSTLY: f64 = 0.5;
 /// Share of the interruptions with one value.
@@ -82,12 +82,12 @@ pub(crate) fn two_publishers(command: &Series) -> Option<TwoPublishers> {
 const SETTLED_S: f64 = 0.5;
 /// Fewest readings of the feedback that show which command the drive follows.
 const FEWEST_READINGS: usize = 50;
-/// The feedback decides when it is nearer to one command than this share of their difference.
+/// The feedback decides when its distance from one command is less than this share of their difference.
 const NEARER: f64 = 0.25;
 
 impl TwoPublishers {
-    /// The command that the wheel follows, with a note: the torque feedback shows whether the drive follows the first publisher or whichever
-    /// spoke last. (The motion does not: an interrupted torque is a smaller one, and a smaller torque would move another vehicle so.)
+    /// The command that the wheel follows, with a note: the torque feedback shows whether the drive follows the first publisher or always
+    /// the last message. (The motion does not: an interrupted torque acts as a smaller one, and that would move another vehicle alike.)
     ///
     /// # Errors
     /// There is no feedback, or it follows neither.

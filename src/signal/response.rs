@@ -1,8 +1,8 @@
-//! How the motion of the vehicle answers its torque: after which time, how well, and with which sign.
+//! How the motion of the vehicle responds to its torque: after which time, how well, and with which sign.
 //!
-//! The acceleration is regressed on the torque some time before, next to the direction of travel, the speed and a constant, which stand for
+//! The acceleration is regressed on the earlier torque, and on the direction of travel, the speed and a constant, which represent
 //! friction: a(t) ≈ β·u(t − lag) + β₁·sgn v + β₂·v + β₃. The share of the rest that the torque explains is largest at the true lag. A
-//! vehicle answers within some tenths of a second, so another lag is that of two clocks.
+//! vehicle responds within some tenths of a second, so another lag is that of two clocks.
 
 use crate::signal::Series;
 
@@ -18,7 +18,7 @@ const FEWEST_POINTS: usize = 100;
 /// Step of the held torque's integral [s].
 const GRID_S: f64 = 0.02;
 
-/// An answer at one lag.
+/// A response at one lag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Answer {
     /// Lag of the motion behind the torque [s].
@@ -41,11 +41,11 @@ pub(crate) struct Accelerations {
 }
 
 impl Accelerations {
-    /// Of a speed [m/s]; `None` if the wheel moves too little.
+    /// From a speed [m/s]; `None` if the wheel moves too little.
     pub(crate) fn of(speed: &Series) -> Option<Self> {
         let slopes = speed.slopes(HALF_WINDOW_S);
         let moving: Vec<usize> = (0..speed.len()).filter(|&k| speed.value[k].abs() > MOVING_MPS).collect();
-        // a few runs agree with anything
+        // a few runs agree with any lag
         let moving_s = moving.len() as f64 * speed.median_period_s().min(1.0);
         if moving.len() < FEWEST_POINTS || moving_s < LEAST_MOTION_S {
             return None;
@@ -75,7 +75,7 @@ impl Accelerations {
         (rest2 > 0.0).then(|| Self { t_s: points.iter().map(|&k| speed.t_s[k]).collect(), rest, rest2, basis })
     }
 
-    /// The answer to a torque at a lag [s].
+    /// The response to a torque at a lag [s].
     pub(crate) fn answer(&self, torque: &HeldMeans, lag_s: f64) -> Answer {
         let u: Vec<f64> = self.t_s.iter().map(|t| torque.mean(t - lag_s)).collect();
         let along: f64 = self.basis.iter().map(|q| dot(q, &u).powi(2)).sum();
@@ -85,7 +85,7 @@ impl Accelerations {
         Answer { lag_s, explained, is_positive: product >= 0.0 }
     }
 
-    /// The best answer among lags from `from_s` to `to_s` in steps.
+    /// The best response among lags from `from_s` to `to_s` in steps.
     pub(crate) fn best(&self, torque: &HeldMeans, from_s: f64, to_s: f64, step_s: f64) -> Answer {
         let count = ((to_s - from_s) / step_s).round() as usize;
         let answers = (0..=count).map(|k| self.answer(torque, from_s + k as f64 * step_s));
@@ -110,7 +110,7 @@ pub(crate) struct HeldMeans {
 }
 
 impl HeldMeans {
-    /// Of a held series; `None` if it is empty.
+    /// From a held series; `None` if it is empty.
     pub(crate) fn of(series: &Series) -> Option<Self> {
         let (start_s, end_s) = (*series.t_s.first()?, *series.t_s.last()?);
         let step_s = GRID_S.max((end_s - start_s) / 1e6);

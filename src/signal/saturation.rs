@@ -2,7 +2,7 @@
 
 /// Fewest readings at the extreme value.
 const FEWEST: usize = 20;
-/// They are so many times as many as those at the next value: readings in coarse steps repeat every value.
+/// Least ratio of their number to that at the next value: readings in coarse steps repeat every value.
 const OVER_THE_NEXT: usize = 10;
 
 /// The values at which a signal saturates, the lower and the upper one. A noisy signal reaches its extreme once; one in coarse steps has as

@@ -1,6 +1,6 @@
 //! Checks signs that must agree: of the speed, the gear, the yaw rate, and of the torque with the motion.
 //!
-//! A reversed sign is no reason to drop data: it is reported as what it is.
+//! A reversed sign is no reason to drop data: it is reported as such.
 
 use crate::signal::response::{Accelerations, HeldMeans};
 use crate::signal::{Error, Result, Series};
@@ -9,9 +9,9 @@ use crate::signal::{Error, Result, Series};
 const CLEAR_MPS: f64 = 0.1;
 /// Time that shows a sign [s].
 const LEAST_S: f64 = 3.0;
-/// Share of the time that is against a sign that is wrong.
+/// Least share of the time against a sign that shows that the sign is wrong.
 const AGAINST: f64 = 0.9;
-/// Share of the acceleration that a torque explains when its sign is clear.
+/// Least share of the acceleration that a torque explains when its sign is clear.
 const CLEAR_ANSWER: f64 = 0.5;
 /// Lags of a motion behind its torque [s].
 const LAGS_S: [f64; 2] = [-0.1, 0.5];
@@ -24,7 +24,7 @@ struct Agreement {
 }
 
 impl Agreement {
-    /// Of the speed with another value at its time; `None` where there is none.
+    /// Compares the speed with another value at its time; `None` where there is none.
     fn of(speed: &Series, mut other: impl FnMut(f64) -> Option<f64>) -> Self {
         let period_s = speed.median_period_s().min(1.0);
         let mut found = Self::default();
@@ -45,10 +45,10 @@ impl Agreement {
     }
 }
 
-/// The direction of travel as the wheel, the gear and the yaw rate have it.
+/// Compares the direction of travel by the wheel, the gear and the yaw rate.
 ///
 /// # Errors
-/// One of them runs against the others.
+/// One of them contradicts the others.
 pub(crate) fn check_direction(encoder: &Series, gear: Option<&Series>, yaw: Option<&Series>, at_angle: impl Fn(f64) -> bool) -> Result<()> {
     let with_gear = gear.map(|gear| Agreement::of(encoder, |t| gear.held(t))).unwrap_or_default();
     let with_yaw = yaw.map(|yaw| Agreement::of(encoder, |t| yaw.interpolated(t).filter(|y| at_angle(t) && y.abs() > CLEAR_MPS)));
@@ -64,7 +64,7 @@ pub(crate) fn check_direction(encoder: &Series, gear: Option<&Series>, yaw: Opti
     }
 }
 
-/// The torque against the motion.
+/// Compares the torque with the motion.
 ///
 /// # Errors
 /// A higher torque clearly accelerates in the negative direction.

@@ -1,5 +1,5 @@
-//! Detects rest of the wheel by a smoothed rule over all speed sources. Three samples below half a quantum would find only a part of the
-//! rest of a real encoder.
+//! Detects rest of the wheel by a smoothed rule over all speed sources. A rule of three samples below half a quantum would find only a
+//! part of the rest of a real encoder.
 
 use crate::signal::{Series, noise_std, quantum};
 

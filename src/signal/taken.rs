@@ -11,7 +11,7 @@ use crate::units::NS_PER_S;
 
 /// Smallest number of values of a measured signal.
 pub(crate) const FEWEST: usize = 50;
-/// Smallest number of commands that hold until the next one: a step, and what was before it.
+/// Smallest number of commands that hold until the next one: a step, and the value before it.
 const FEWEST_HELD: usize = 2;
 
 /// The series taken from a recording, with notes on them.
@@ -25,7 +25,7 @@ pub(crate) struct TakenSignals<'a> {
 }
 
 impl<'a> TakenSignals<'a> {
-    /// Of a recording.
+    /// From a recording.
     pub(crate) fn new(recording: &'a Recording) -> Self {
         let signals = &recording.signals;
         let optional = [&signals.torque_feedback, &signals.yaw_rate, &signals.gear, &signals.estop];
@@ -45,7 +45,7 @@ impl<'a> TakenSignals<'a> {
         Series { t_s, value: signal.value.clone() }
     }
 
-    /// A signal whose values hold, if it is logged so, until the next message.
+    /// A signal whose values hold until the next message, if it is logged in this way.
     pub(crate) fn held(&mut self, name: &'static str, signal: &Signal) -> Series {
         let series = self.series(signal);
         self.filled(name, series)
@@ -60,7 +60,7 @@ impl<'a> TakenSignals<'a> {
         held_until(&series, self.end_s)
     }
 
-    /// A signal that is measured anew for each value.
+    /// A signal with a new measurement for each value.
     pub(crate) fn measured(&mut self, name: &'static str, signal: &Signal) -> Series {
         let series = self.series(signal);
         if series.len() >= FEWEST && MessageKind::of(&series.t_s, &series.value) == MessageKind::OnChange {
@@ -91,7 +91,7 @@ impl<'a> TakenSignals<'a> {
     /// Whether a held signal has enough values.
     ///
     /// # Errors
-    /// It has not.
+    /// It has too few.
     pub(crate) fn enough(&self, name: &'static str, signal: &Signal) -> Result<()> {
         let series = self.series(signal);
         let is_held = MessageKind::of(&series.t_s, &series.value).is_held();

@@ -24,7 +24,7 @@ pub struct Track {
     pub yaw_speed_mps: Option<Series>,
     /// Torque command [N·m], held between its samples.
     pub command_nm: Series,
-    /// What is unsure of each time of the command, apart from an offset of all of them [s].
+    /// Uncertainty of each time of the command, apart from an offset of all of them [s].
     pub command_std_s: f64,
     /// Torque feedback [N·m].
     pub feedback_nm: Option<Series>,

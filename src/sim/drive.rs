@@ -53,8 +53,8 @@ impl Default for DriveSettings {
 }
 
 impl DriveSettings {
-    /// The same with the drive that a fit found, if it is more than a first-order lag. Of a drive whose torque the feedback gave, the nearest
-    /// first-order one is known.
+    /// The same with the drive that a fit found, if it is more than a first-order lag. If the feedback gave the torque, only the nearest
+    /// first-order drive is known.
     pub(crate) fn as_found(self, found: Option<&IdentifiedDrive>) -> Self {
         let Some(found) = found else { return self };
         let limit_nm = found.limit.filter(|l| l.kind == LimitKind::Torque).map_or(f64::INFINITY, |l| l.value);

@@ -37,7 +37,7 @@ pub(crate) struct WheelAngleTerms {
     pub sin: [f64; 3],
     /// cos δ.
     pub cos: [f64; 3],
-    /// Whether the wheel is at 90° to rounding: cos 90° is 6e-17, which moves the reference point by less than an atom in a kilometre.
+    /// Whether the wheel is at 90° to rounding: cos 90° is 6e-17, which moves the reference point by less than 1e-13 m in a kilometre.
     across: bool,
     /// Angle at the end of the step [rad].
     end_rad: f64,

@@ -1,6 +1,6 @@
 //! Open-loop replay: a plant without random parts is driven with the torque of a recorded run and compared with the recorded speed.
 //!
-//! The simulated speed is never corrected, so that an error of the map appears as a drift: the hardest test of a fit.
+//! The simulated speed is never corrected, so an error of the map appears as a drift: this is the strictest test of a fit.
 
 use crate::sim::drive::Drive;
 use crate::sim::error::{Error, Result};

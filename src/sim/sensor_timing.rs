@@ -144,12 +144,12 @@ impl<T: Copy> Channel<T> {
         self.taken.as_ref()
     }
 
-    /// Forgets [`Channel::taken`].
+    /// Clears [`Channel::taken`].
     pub(crate) fn forget_taken(&mut self) {
         self.taken = None;
     }
 
-    /// Takes no readings any more.
+    /// Stops the readings.
     pub(crate) fn silence(&mut self) {
         self.next_s = f64::INFINITY;
     }

@@ -1,11 +1,11 @@
-//! What a verdict rests on beside its runs: the wheel angle, what no data can show, and gears with too little data.
+//! What a verdict is based on beside its runs: the wheel angle, what no data can show, and gears with too little data.
 
 use crate::check::campaign_checks::too_little;
 use crate::map::{Gear, SpeedSource, Table1File};
 use crate::verify::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
-/// What a verdict rests on.
+/// What a verdict is based on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Basis {
     /// Wheel angle of the pivots [°].

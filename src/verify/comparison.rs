@@ -17,7 +17,7 @@ const LAWS: usize = 4;
 /// The scenario that the comparison drives.
 const COMPARED: &str = "left-90";
 
-/// Runs that the comparison takes.
+/// Number of runs that the comparison needs.
 pub(crate) fn comparison_runs(settings: &VerifySettings) -> usize {
     if settings.comparison_draws > 0 { LAWS * (settings.comparison_draws + 1) + tuning_runs() } else { 0 }
 }

@@ -31,14 +31,14 @@ impl MapVerdict {
         }
     }
 
-    /// The verdict with the checks of `table1` and what its campaign can carry; a verdict of an older version has neither.
+    /// The verdict with the checks of `table1` and the basis from its campaign; a verdict of an older version has neither.
     pub(crate) fn on(mut self, table1: &Table1File) -> Self {
         self.checks = all_checks(table1);
         self.basis = Some(Basis::new(table1));
         self.concluded()
     }
 
-    /// The verdict with the status, the scope and the first line that follow from its parts. A fail stays one.
+    /// The verdict with the status, the scope and the first line that follow from its parts. A fail stays a fail.
     pub(crate) fn concluded(mut self) -> Self {
         let broken = self.round_trip.is_empty()
             || self.round_trip.iter().any(|t| !t.pass)
@@ -64,7 +64,7 @@ impl MapVerdict {
         if overruled.is_empty() { String::new() } else { format!("; overruled by hand: {}", overruled.join(", ")) }
     }
 
-    /// What the verdict lacks to be one; `None` if it has content.
+    /// What is missing to judge; `None` if nothing is.
     fn lack(&self) -> Option<String> {
         if let Some(reason) = self.basis.as_ref().and_then(|b| b.unjudged(Gear::Forward)) {
             return Some(reason.to_owned());

@@ -1,4 +1,4 @@
-//! Runs the scenarios and the comparison, applies the gate, and puts the verdict together.
+//! Runs the scenarios and the comparison, applies the gate, and forms the verdict.
 
 use crate::check::campaign_checks::all_checks;
 use crate::map::{Check, FORMAT_VERSION};

@@ -48,7 +48,7 @@ const TUNED_ERROR_DEG: f64 = 1.5;
 /// Seeds of sensor noise for each finalist, so that gains that succeed once by chance are not chosen.
 const TUNING_SEEDS: u64 = 4;
 
-/// Candidates that go on to the other seeds.
+/// Number of candidates that are also run with the other seeds.
 const TUNING_FINALISTS: usize = 30;
 
 /// Number of combinations of gains.
@@ -62,8 +62,8 @@ pub(crate) fn tuning_runs() -> usize {
 }
 
 /// The conventional law with the gains of shortest settling time: every combination of `SEARCH` drives `scenario` once on the nominal plant,
-/// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds. Of those that always end within [`TUNED_ERROR_DEG`], the one with the fastest
-/// slowest turn is taken. If none does, the one with the smallest heading error is taken.
+/// the best [`TUNING_FINALISTS`] with [`TUNING_SEEDS`] seeds. Of those that always end within [`TUNED_ERROR_DEG`], the one whose
+/// slowest turn is fastest is used. If none does, the one with the smallest heading error is used.
 pub(crate) fn tuned_heading_law(
     bench: &PivotBench<'_>,
     scenario: &Scenario,

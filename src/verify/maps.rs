@@ -117,7 +117,7 @@ impl Maps {
         }
     }
 
-    /// Largest torque that the controller may ask for [N·m]: the vehicle's limit, or the largest value of the tables.
+    /// Largest torque that the controller may command [N·m]: the vehicle's limit, or the largest value of the tables.
     pub fn torque_limit_nm(&self) -> f64 {
         let tables = std::iter::once(&self.forward).chain(&self.reverse);
         self.table2.vehicle.torque_limit_or_largest_nm(tables.flat_map(TorqueTable::values).copied())

@@ -1,4 +1,4 @@
-//! Where Table 2 rests on measurements.
+//! Where Table 2 is based on measurements.
 
 use crate::map::{CellStatus, Gear, Table2File, TorqueMap};
 

@@ -1,4 +1,4 @@
-//! The perturbed plants of the Monte Carlo set. Every scenario and every law gets the same draws, so that they can be compared.
+//! The perturbed plants of the Monte Carlo set. Every scenario and every law has the same draws, so that they can be compared.
 
 use crate::sim::{Perturbation, WorldSettings};
 use crate::verify::Result;

@@ -24,7 +24,7 @@ pub(crate) struct AskedTurn {
     pub(crate) turn_rad: f64,
 }
 
-/// RunPart of a run.
+/// Part of a run.
 #[derive(Debug, Clone, Copy)]
 enum RunPart {
     /// Before the first turn, with periods left.

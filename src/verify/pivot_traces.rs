@@ -29,7 +29,7 @@ pub(crate) struct ClosedLoop {
     pub scenario: String,
     /// Description of the scenario.
     pub what: String,
-    /// Draws behind the quantiles.
+    /// Number of draws of the quantiles.
     pub draws: usize,
     /// Time since the gear was set [s].
     pub t_s: Vec<f64>,

@@ -1,7 +1,7 @@
 //! Recorded runs replayed by the plant that Table 1 identified: torque in, speed out, without any correction.
 //!
 //! In: the survey of a log, if possible of runs that the fit has not used, and `table1.json`. Out: per run, recorded and simulated speed,
-//! R² = 1 − SSE/SST and root mean square. The speed is the encoder's, corrected by its estimated delay and scale.
+//! R² = 1 − SSE/SST and the root mean square difference. The speed is the encoder's, corrected by its estimated delay and scale.
 
 use crate::campaign::{Stretch, Survey};
 use crate::map::{Gear, SpeedSource, Table1File};

@@ -11,7 +11,7 @@ pub enum Class {
     Turn,
     /// A turn under conditions that the map does not contain.
     Hard,
-    /// Something fails, and the vehicle has to stop safely.
+    /// Something fails, and the vehicle must stop safely.
     Failure,
     /// A polyline with turns on the spot.
     Polyline,

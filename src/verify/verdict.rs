@@ -53,7 +53,7 @@ pub struct MapVerdict {
     /// Names of the objections that a person has overruled.
     #[serde(default)]
     pub accepted: Vec<String>,
-    /// What the verdict rests on beside its runs; absent in files of versions before it.
+    /// What the verdict is based on beside its runs; absent in files of versions before it.
     #[serde(default)]
     pub(crate) basis: Option<Basis>,
     /// Failures and skipped scenarios, in words.

@@ -14,7 +14,7 @@ pub(crate) enum Pedal {
     Brake,
 }
 
-/// The grid of an Autoware map. The file's name says which pedal it is (`brake` or `accel` in it), otherwise by the direction of most steps.
+/// The grid of an Autoware map. The pedal follows from `brake` or `accel` in the file's name, otherwise from the direction of most steps.
 pub(crate) fn grid_of_autoware(file_name: &str, cells: &[CsvLine]) -> (Pedal, CellGrid, Vec<Misread>) {
     let (grid, misread) = CellGrid::of_cells(cells);
     let name = file_name.to_ascii_lowercase();

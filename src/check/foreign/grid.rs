@@ -9,7 +9,7 @@ pub(crate) struct Misread {
     pub kind: MisreadKind,
     /// Line of the text, counted from 1.
     pub line: u64,
-    /// CsvLine of the line, counted from 1; 0 for the whole line.
+    /// Cell of the line, counted from 1; 0 for the whole line.
     pub column: usize,
     /// The text there, and what it should be.
     pub what: String,

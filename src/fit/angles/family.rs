@@ -7,7 +7,7 @@
 //! H is the drive's response to its torque, the same at every angle, with H(V, 0) = 0 and slope 1 where it drives. The grid is the speeds
 //! and torques that the maps cover, weighted by their standard errors. H, one inertia per angle, and one friction per angle and speed are
 //! the least squares solution, each in turn from the others. The inertias are then M = m₀ + m₁·sin²δ, and the frictions at every speed f₀ +
-//! f₁·sin²δ. From four angles on, a further term f₂·|sin δ| is used if the angles left out ask for it.
+//! f₁·sin²δ. From four angles on, a further term f₂·|sin δ| is used if it clearly reduces the errors at the angles left out.
 //!
 //! The error of such a family is measured: each angle between two others is left out, predicted by the rest, and compared with its own map.
 
@@ -17,15 +17,15 @@ use crate::units::RAD_PER_DEG;
 
 /// Spacing of the speeds compared [m/s].
 const SPEED_STEP_MPS: f64 = 0.05;
-/// Torques compared, about.
+/// About the number of torques compared.
 const TORQUES: usize = 24;
 /// Least standard error when angles are compared [m/s²].
 const LEAST_STD_ERR_MPS2: f64 = 2e-3;
 /// Rounds of the least squares, and the relative change of an inertia at which they have converged.
 const ROUNDS: usize = 2000;
 const STILL: f64 = 1e-9;
-/// Fewest angles for a third term of friction, and the largest ratio of the misses of angles left out with and without it: with two or
-/// three misses, a smaller gain may be chance.
+/// Fewest angles for a third term of friction, and the least ratio of the errors at angles left out without it to those with it: with two
+/// or three such errors, a smaller gain may be chance.
 const ANGLES_FOR_THIRD: usize = 4;
 const GAIN_OF_THIRD: f64 = 1.25;
 /// If no angle lies between two others: the part of the change of friction between neighbours that its shape over the angle may hide. The

@@ -2,7 +2,7 @@
 //!
 //! Drive and encoder are the same at every angle, and so are dead times, lag and encoder calibration (`shared_delays`). With those held,
 //! every angle is fitted by itself. Angles never share samples: each has its own friction and inertia. The common part of the finished maps
-//! is then estimated, and draws them together as far as their standard errors allow (`family`, `shrink_together`).
+//! is then estimated, and moves them toward each other as far as their standard errors allow (`family`, `shrink_together`).
 
 use crate::campaign::{AngleGroup, Grouped, Survey};
 use crate::fit::angles::shared_delays::{Pooled, Shared};
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// The task of a fit.
 pub(crate) struct Task<'a> {
     pub(crate) grouped: &'a Grouped,
-    /// Whether the angles were asked for by name: one that is skipped, or whose table is not sound, makes the fit not sound. Otherwise
+    /// Whether the user requested the angles: one that is skipped, or whose table is not sound, makes the fit not sound. Otherwise
     /// angles were only found in the logs, and one without a sound table is skipped: a drive across the yard spoils no campaign.
     pub(crate) asked: bool,
     /// The angle of the plain file names [°].
@@ -98,7 +98,7 @@ impl<'a> Task<'a> {
 }
 
 impl FittedAngles<'_> {
-    /// Whether there is more than one wheel angle, or was before some were skipped.
+    /// Whether there is more than one wheel angle, skipped ones included.
     pub(crate) fn are_several(&self) -> bool {
         self.shared.is_some()
     }

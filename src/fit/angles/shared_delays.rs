@@ -46,7 +46,7 @@ impl Shared {
             }
         }
         let encoder = best.map(|(_, encoder)| encoder);
-        // the encoder alone: its delay is known by now, or stays within the dead time
+        // the encoder alone: its delay is known by now, or is a part of the dead time
         let so_far = pooled.known(encoder);
         let mut others = Pooled::default();
         for group in groups.iter().filter(|g| !has_yaw(g)) {

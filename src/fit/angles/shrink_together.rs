@@ -1,9 +1,9 @@
-//! Draws the maps of a family together, each as far as its standard errors allow.
+//! Moves the maps of a family toward each other, each as far as its standard errors allow.
 //!
 //! At a point (V, U) every map k of a family gives the drive's torque, y_k = M(δ_k)·A_k + F(V, δ_k), with standard error σ_k = M(δ_k)·s_k.
-//! The angles differ by departures of standard deviation τ from the family. For map i the others are evidence with mean ȳ = Σ w_k·y_k / Σ
-//! w_k, w_k = 1/(τ² + σ_k²), and variance P = τ² + 1/Σ w_k + h·σ_i², where h is the share of map i in its own friction. The best
-//! combination is λ·y_i + (1 − λ)·ȳ with λ = P/(P + σ_i²), of variance λ·σ_i². A map stays as it is where the others have no samples, or
+//! The angles differ by departures of standard deviation τ from the family. For map i the others give an estimate with mean ȳ = Σ w_k·y_k /
+//! Σ w_k, w_k = 1/(τ² + σ_k²), and variance P = τ² + 1/Σ w_k + h·σ_i², where h is the share of map i in its own friction. The best
+//! combination is λ·y_i + (1 − λ)·ȳ with λ = P/(P + σ_i²), of variance λ·σ_i². A map does not change where the others have no samples, or
 //! where the departures are much larger than its errors.
 //!
 //! Source: Morris 1983, *Parametric empirical Bayes inference*.
@@ -56,8 +56,8 @@ impl MapEvidence {
     }
 }
 
-/// Draws the maps of every family together: cells, standard errors, fine surfaces, breakaway torques and the CSVs' hashes. A map of two
-/// families (straight ahead) uses the one with more angles.
+/// Moves the maps of every family toward each other: cells, standard errors, fine surfaces, breakaway torques and the CSVs' hashes. A map
+/// of two families (straight ahead) uses the one with more angles.
 pub(crate) fn draw_together(maps: &mut [AccelMap], families: &[Family]) -> Result<()> {
     let before = maps.to_vec();
     for map in maps {

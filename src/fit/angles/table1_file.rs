@@ -23,7 +23,7 @@ pub struct Fit {
     pub csvs: Vec<(String, String)>,
     /// The final verdict on every encoder sample, per log in the order of `file.logs`.
     pub verdicts: Vec<Vec<SampleVerdict>>,
-    /// Whether the table may be trusted: no check of the file is an objection.
+    /// Whether no check of the file is an objection.
     pub sound: bool,
 }
 
@@ -31,7 +31,7 @@ impl FittedAngles<'_> {
     /// The files.
     ///
     /// # Errors
-    /// No fit at the test angle; tables that are none.
+    /// No fit at the test angle; invalid tables.
     pub(crate) fn table1(&self) -> Result<Fit> {
         let test = self.test()?;
         let verdicts = self.verdicts();

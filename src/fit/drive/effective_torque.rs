@@ -26,7 +26,7 @@ pub(crate) struct EffectiveTorque {
     source: TorqueOrigin,
     limit: TorqueLimit,
     drift: CampaignDrift,
-    /// Where the feedback gives the torque instead.
+    /// Intervals in which the feedback gives the torque instead.
     instead: Option<Instead>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct EffectiveTorque {
 #[derive(Debug, Clone)]
 pub(crate) struct Instead {
     pub(crate) feedback: MeasuredTorque,
-    /// By how much the feedback is later than the command [s].
+    /// Time by which the feedback is later than the command [s].
     pub(crate) late_s: f64,
     /// On the command's clock, in order [s].
     pub(crate) intervals: Vec<(f64, f64)>,
@@ -117,7 +117,7 @@ impl EffectiveTorque {
         Self { source, limit: drive.limit, drift: CampaignDrift::default(), instead: None }
     }
 
-    /// The torque feedback, which holds whatever the drive does.
+    /// The torque feedback, which is right for any drive.
     pub(crate) fn measured(feedback: MeasuredTorque) -> Self {
         Self { source: TorqueOrigin::Measured(feedback), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
     }
@@ -132,7 +132,7 @@ impl EffectiveTorque {
         self.drift
     }
 
-    /// What of the torque is not delivered.
+    /// The limit of the delivered torque.
     pub(crate) fn limit(&self) -> TorqueLimit {
         self.limit
     }

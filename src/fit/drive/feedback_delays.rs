@@ -50,8 +50,9 @@ impl std::iter::Sum for Squares {
 
 /// A first-order lag explains the drive up to this ratio of the feedback's residual after steps to that elsewhere.
 const LAG_EXPLAINS: f64 = 2.5;
-/// The lag is not doubted for a residual after steps, beyond that elsewhere, below this share of the steps: stamps with an error of some
-/// milliseconds leave 2 %. (Behind 800 N·m/s, 5 % are left, and the feedback is 4 times better than the command; behind 1200 N·m/s, 2.4 %.)
+/// A residual after steps, beyond that elsewhere, is no evidence against the lag below this share of the steps: stamps with an error of
+/// some milliseconds leave 2 %. (Behind 800 N·m/s, 5 % are left, and the feedback is 4 times better than the command; behind 1200 N·m/s,
+/// 2.4 %.)
 const LEAST_MISFIT: f64 = 0.03;
 
 /// Fewest readings near steps.
@@ -62,7 +63,7 @@ const MOST_READINGS: usize = 1500;
 const ITERATIONS: usize = 12;
 /// Standard deviation of normal errors over the median of their sizes.
 const STD_OF_MEDIAN: f64 = 1.4826;
-/// Beyond so many standard deviations Huber's weight falls.
+/// Number of standard deviations beyond which Huber's weight falls.
 const HUBER: f64 = 2.5;
 
 impl FeedbackDelays {
@@ -122,7 +123,7 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
         scale = (STD_OF_MEDIAN * crate::signal::median(&sizes)).max(1e-6);
         for (&i, r) in near.iter().zip(&residuals) {
             let at = lagged.at(feedback.t_s[i] - dead);
-            // a drive that is not of first order, or a lost message, does not drag the fit
+            // a drive that is not of first order, or a lost message, does not pull the fit away
             let weight = (HUBER * scale / r.abs().max(1e-12)).min(1.0);
             let j = [at.by_dead_time, if fixed_lag_s.is_some() { 0.0 } else { at.by_drive[0] }];
             for p in 0..2 {
@@ -147,7 +148,8 @@ pub(crate) fn delays(command: &Series, feedback: &Series, fixed_lag_s: Option<f6
     }
     let lagged = LaggedCommand::new(command, lag);
     let residual = |i: usize| feedback.value[i] - lagged.at(feedback.t_s[i] - dead).torque_nm;
-    // each reading soon after a step, with the step's size; a step whose message is late, after missing ones, says nothing of the drive
+    // each reading soon after a step, with the step's size; a step whose message is late, after missing ones, gives no information on the
+    // drive
     let timing = StepTiming::new(command);
     let after: Vec<(usize, f64)> = near
         .iter()

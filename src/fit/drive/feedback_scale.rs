@@ -1,31 +1,33 @@
-//! Scale and offset of a torque feedback against the command: feedback = scale·command + offset where the drive delivers what is asked for.
+//! Scale and offset of a torque feedback against the command: feedback = scale·command + offset where the drive delivers the commanded
+//! torque.
 //!
-//! A limited torque, a governor or a stalled drive bend a line through all readings, and may hold for most of them. So the scale is the largest
-//! ratio of single readings that many of them share: a drive that does not deliver only lowers them. The offset is the median at no command.
+//! A limited torque, a governor or a stalled drive bend a line through all readings, and may affect most of them. So the scale is the
+//! largest ratio of single readings that many of them share: a drive that does not deliver only lowers them. The offset is the median at no
+//! command.
 
 use crate::signal::{Series, median};
 
 /// A reading counts from this time after the last change of the command on [s].
 const SETTLED_S: f64 = 0.3;
-/// Commands below this share of the largest are none.
+/// Commands below this share of the largest count as zero.
 const NONE: f64 = 0.01;
 /// Commands above this share of the largest show the scale.
 const LARGE: f64 = 0.2;
 /// Fewest readings of either kind.
 const FEWEST: usize = 20;
-/// Ratios within this of one…
+/// Ratios within this distance of one…
 const NEAR_ONE: f64 = 0.03;
-/// …are the scale when they are this share of all.
+/// … give the scale if at least this share of all ratios is among them.
 const SHARE_NEAR_ONE: f64 = 0.2;
-/// Otherwise the scale is the largest ratio that this share has within this width.
+/// Otherwise the scale is the largest ratio that this share of all has within this width.
 const SHARE_OF_MODE: f64 = 0.15;
 const WIDTH_OF_MODE: f64 = 0.06;
-/// How often the centre of a group is sought again from the readings around it.
+/// Number of iterations of a group's centre from the readings around it.
 const CENTRINGS: usize = 3;
-/// More ratios than this do not sharpen it.
+/// More ratios than this do not make it more accurate.
 const ENOUGH: usize = 20_000;
 
-/// How a feedback reads.
+/// Scale and offset of a feedback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FeedbackScale {
     /// Feedback over command.
@@ -51,7 +53,7 @@ impl FeedbackScale {
                 until_s = next_change_s(command, k);
             }
             let asked_nm = command.value.get(k).copied().unwrap_or(0.0);
-            // a slow drive is still on its way in the first half of a hold
+            // a slow drive has not settled in the first half of a hold
             if *t - changed_s < SETTLED_S.max(0.5 * (until_s - changed_s)) {
                 continue;
             }
@@ -74,12 +76,12 @@ impl FeedbackScale {
         Some(Self { scale, offset_nm })
     }
 
-    /// The torque that a reading stands for [N·m].
+    /// The torque that a reading means [N·m].
     pub(crate) fn torque_nm(&self, reading_nm: f64) -> f64 {
         (reading_nm - self.offset_nm) / self.scale
     }
 
-    /// The feedback as the torque that it stands for; `None` where the scale says nothing.
+    /// The feedback as the torque that it means; `None` where the scale is of no use.
     pub(crate) fn corrected(&self, feedback: &Series) -> Option<Series> {
         (self.scale.abs() > 1e-3)
             .then(|| Series { t_s: feedback.t_s.clone(), value: feedback.value.iter().map(|f| self.torque_nm(*f)).collect() })

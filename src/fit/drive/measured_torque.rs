@@ -1,7 +1,7 @@
 //! The effective torque by the drive's own feedback.
 //!
-//! Piecewise linear between the readings, which are not smoothed: the integral along the way averages their noise, and means over
-//! neighbours round the corners off. (Means of three left 2 to 6 times the torque error at 25 Hz behind a limit of 150 or 300 N·m/s, and
+//! Piecewise linear between the readings, which are not smoothed: the integral averages their noise, and means over
+//! neighbours would round the corners. (Means of three left 2 to 6 times the torque error at 25 Hz behind a limit of 150 or 300 N·m/s, and
 //! were no better at 100 Hz.) The dead time is the delay from feedback to speed, and ∂u/∂T_d = −u̇.
 
 use crate::fit::drive::lagged_command::{LaggedCommand, Share};

@@ -61,7 +61,7 @@ impl SampledCursor<'_> {
 }
 
 impl SampledTorque {
-    /// The response of a drive to the changes of a command, which it has settled at before the first.
+    /// The response of a drive to the changes of a command. Before the first change it has settled.
     pub(crate) fn new(command: &Series, drive: &DriveModel) -> Self {
         let t_s = sample_times(command, drive);
         let torque_nm = response(command, drive, &t_s);
@@ -131,7 +131,7 @@ fn sample_times(command: &Series, drive: &DriveModel) -> Vec<f64> {
     let mut before_nm = command.value.first().copied().unwrap_or(0.0);
     let mut open_until_s = f64::NEG_INFINITY;
     for (k, (&from_s, &value)) in command.t_s.iter().zip(&command.value).enumerate() {
-        // a drive that has not settled after the last change needs longer: the largest way is to the other limit
+        // a drive that has not settled after the last change needs longer: the largest change is to the other limit
         let way_nm = (value - before_nm).abs().max(if open_until_s > from_s { 2.0 * drive.reference_nm } else { 0.0 });
         let settles_s = match (drive.slopes_nm_s(), drive.kind) {
             (Some(slopes), _) => way_nm / slopes[0].min(slopes[1]) + SETTLED * lag_s + 2.0 * spacing_s,
@@ -150,7 +150,7 @@ fn sample_times(command: &Series, drive: &DriveModel) -> Vec<f64> {
     t_s
 }
 
-/// The torque at the times `t_s`, which rise and hold every change of the command.
+/// The torque at the times `t_s`, which rise and include every change of the command.
 fn response(command: &Series, drive: &DriveModel, t_s: &[f64]) -> Vec<f64> {
     let Some(&first_nm) = command.value.first() else { return vec![0.0; t_s.len()] };
     let mut state = DriveState { ramp_nm: first_nm, torque_nm: first_nm, rate_nm_s: 0.0 };
@@ -181,7 +181,7 @@ struct DriveState {
 }
 
 impl DriveState {
-    /// Moves on by `dt_s` under a constant command.
+    /// Advances by `dt_s` under a constant command.
     fn go_on(&mut self, drive: &DriveModel, command_nm: f64, dt_s: f64) {
         if drive.kind == DriveKind::SecondOrder {
             self.second_order(drive, command_nm, dt_s);
@@ -191,7 +191,7 @@ impl DriveState {
             self.ramp_nm = command_nm;
         }
         let mut left_s = dt_s;
-        // the pieces of a ramp: its slope changes where it crosses zero, and where it arrives
+        // the pieces of a ramp: its slope changes where it crosses zero, and where it ends
         for _ in 0..3 {
             let (slope, target_nm) = slope(drive, self.ramp_nm, command_nm);
             let piece_s = if slope == 0.0 { left_s } else { left_s.min((target_nm - self.ramp_nm) / slope) };

@@ -1,12 +1,12 @@
-//! The time at which the torque really stepped. A log shows a change of the command by the first message after it. That message is late by
+//! The true time of a torque step. A log shows a change of the command by the first message after it. That message is late by
 //! the sampling phase, which is part of the dead time, and by its jitter; where messages were lost, it is late by up to as many periods
 //! more.
 //!
 //! A step of the acceleration by Δa that is δ late leaves a permanent speed error δ·Δa. That is a random step of the speed, which builds up
 //! as the drive's lag does, and not a disturbance that fades: if it is ignored, a single lost message bends the surface and the offsets of
 //! a whole run. The filter treats it as noise that enters while the torque moves, (δ·Δa)²·(1 − e^(−x/T_c))² after a time x. The messages'
-//! own intervals give the usual size of δ. (The likelihood does not: left free, it assigns to δ the part of a power limit that the surface
-//! does not hold.)
+//! own intervals give the usual size of δ. (The likelihood does not: with δ free, it assigns to δ the part of a power limit that the
+//! surface does not hold.)
 
 use crate::fit::noise::model::Reading;
 use crate::log::MessageKind;
@@ -15,7 +15,7 @@ use std::f64::consts::SQRT_2;
 
 /// A command is periodic when this share of its intervals lies within half a period of their median.
 const PERIODIC_SHARE: f64 = 0.8;
-/// A command with a longer period was thinned out for the log: the drive had it up to a period earlier [s].
+/// A command with a longer period was thinned out for the log: the drive received it up to a period earlier [s].
 const THINNED_S: f64 = 0.08;
 /// A step is over after this many time constants of the lag.
 const OVER: f64 = 6.0;
@@ -68,7 +68,7 @@ impl StepTiming {
         Self::of_changes(command, |_| (0.0, late_s * late_s))
     }
 
-    /// The same, for a command whose times are unsure by `std_s` [s].
+    /// The same, for a command whose times have the standard deviation `std_s` [s].
     pub(crate) fn unsure(mut self, std_s: f64) -> Self {
         self.changes.iter_mut().for_each(|change| change.late_s2 += std_s * std_s);
         self

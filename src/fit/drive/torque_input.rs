@@ -35,7 +35,7 @@ pub(crate) enum TorqueInput {
     Feedback {
         /// Dead time between command and feedback [s].
         late_s: f64,
-        /// Its scale and offset, which are taken out.
+        /// Its scale and offset, which are removed.
         scale: FeedbackScale,
     },
 }
@@ -70,9 +70,9 @@ pub(crate) struct TorqueChoice {
     /// Ratio of the drive's residual after steps to that elsewhere.
     ratio: f64,
     delays: BTreeMap<LogRef, FeedbackDelays>,
-    /// How each log's feedback reads, where it is the command's torque.
+    /// Scale and offset of each log's feedback, where it is the command's torque.
     scales: BTreeMap<LogRef, FeedbackScale>,
-    /// Where each log's feedback lacks the torque that was asked for.
+    /// Where each log's feedback lacks commanded torque.
     undelivered: BTreeMap<LogRef, Vec<Undelivered>>,
 }
 
@@ -86,7 +86,7 @@ impl TorqueChoice {
         let largest_nm = largest_nm(&tracks);
         let saturated = || tracks.values().find_map(|track| saturated(track, largest_nm));
         let disagreement = disagreement(all.values().copied(), largest_nm).or_else(saturated);
-        // a feedback of something else than the command's torque says nothing
+        // a feedback of another quantity than the command's torque is of no use
         let scales = if disagreement.is_some() { BTreeMap::new() } else { all };
         let corrected: BTreeMap<&LogRef, Series> =
             scales.iter().filter_map(|(log, scale)| Some((log, scale.corrected(tracks[log].feedback_nm.as_ref()?)?))).collect();
@@ -100,7 +100,7 @@ impl TorqueChoice {
         let explained = lag_explains(delays.values());
         let objection = || objection(&surveys, &delays);
         let (feedback, reason) = match (disagreement, settings.drive) {
-            // an ordinary drive: nothing to say, unless its feedback is not what it seems
+            // an ordinary drive: no reason is given, unless its feedback is not the command's torque
             (Some(how), _) => (false, Some(format!("the feedback {how}: it is not the command's torque, and sets nothing"))),
             (None, Some(DriveFamily::Feedback)) => match objection() {
                 Some(reason) => (false, Some(format!("the feedback was asked for, but {reason}"))),
@@ -127,12 +127,12 @@ impl TorqueChoice {
         }
     }
 
-    /// Where a log's drive did not deliver the torque that was asked for, by its feedback.
+    /// Where a log's drive did not deliver the commanded torque, by its feedback.
     pub(crate) fn undelivered(&self, log: &LogRef) -> &[Undelivered] {
         self.undelivered.get(log).map_or(&[], Vec::as_slice)
     }
 
-    /// What stands for the torque of a log's command where it was not delivered: the corrected feedback, in the intervals in which the torque
+    /// What replaces the torque of a log's command where it was not delivered: the corrected feedback, in the intervals in which the torque
     /// depends on it.
     pub(crate) fn instead(&self, track: &Track) -> Option<Instead> {
         let undelivered = self.undelivered(&track.source);

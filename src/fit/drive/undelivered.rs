@@ -1,4 +1,4 @@
-//! Torque that was asked for and not delivered, by the feedback: a governor, a power limit, a drive that derates, a supply that clips.
+//! Torque that was commanded and not delivered, by the feedback: a governor, a power limit, a drive that derates, a supply that clips.
 //!
 //! Sample by sample, the feedback is compared with the command through the drive. Torque that stays below it long after a step has settled
 //! is not delivered; the interval reaches back to where the feedback left the command.
@@ -18,16 +18,16 @@ const SETTLED: (f64, f64) = (6.0, 0.5);
 const SHORTEST_S: f64 = 0.15;
 const MARGIN_S: f64 = 0.06;
 
-/// After the interval the command is not the torque until the drive has forgotten where it came from, in lags.
+/// After the interval the command is not the torque until the drive no longer depends on its earlier torque, in lags.
 const FORGOTTEN: f64 = 5.0;
 
-/// An interval without the torque that was asked for.
+/// An interval without the commanded torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Undelivered {
     /// First and last moment on the command's clock [s].
     pub(crate) from_s: f64,
     pub(crate) to_s: f64,
-    /// Until when the torque depends on what was delivered in it [s].
+    /// End of the time in which the torque depends on the torque delivered in it [s].
     pub(crate) forgotten_s: f64,
     /// Median torque delivered in it [N·m].
     pub(crate) torque_nm: f64,

@@ -1,7 +1,7 @@
 //! What changes while a vehicle is driven: friction, as gears and tyres warm up, and the torque constant, as a battery empties or a motor
 //! heats.
 //!
-//! Both are linear in the time in motion, over the whole campaign and over each log, before which the vehicle may have cooled down. With w
+//! Both are linear in the time in motion, over the whole campaign and over each log: before a log the vehicle may have cooled down. With w
 //! from the beginning to the end of either, zero at the mean of a gear's runs, a(v, u, w) = A(v, (1 + Σ w·κ)·u) + Σ w·φ·A(v, 0): the surface
 //! A is that of the mean, φ the relative change of friction over half of the span, κ that of the torque constant.
 
@@ -23,7 +23,7 @@ pub(crate) struct CampaignDrift {
     pub(crate) torque_share: [f64; SPANS],
 }
 
-/// A change as it stands at one time.
+/// The change at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct DriftNow {
     /// Of friction, as a share.

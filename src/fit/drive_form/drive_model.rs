@@ -1,7 +1,7 @@
 //! The models of a drive between the command after its dead time and the effective torque.
 //!
-//! Every parameter is a time, so that estimates, steps and bounds compare: a time constant, the time in which a ramp crosses a reference
-//! torque, the reciprocal of a natural frequency. With c the delayed command and u the torque:
+//! Every parameter is a time, so that estimates, steps and bounds are comparable: a time constant, the time in which a ramp crosses a
+//! reference torque, the reciprocal of a natural frequency. With c the delayed command and u the torque:
 //!
 //! - first order: T_c·u̇ = c − u;
 //! - rate limit: r follows c at no more than a slope s = u_ref/T_r, and T_c·u̇ = r − u; with two slopes, one while |r| grows and one while it
@@ -78,7 +78,7 @@ pub(crate) struct DriveModel {
     pub(crate) times_s: [f64; 3],
     /// u_ref, the torque whose ramps take T_r [N·m].
     pub(crate) reference_nm: f64,
-    /// What the drive does not deliver.
+    /// The limit of the torque that the drive delivers.
     pub(crate) limit: TorqueLimit,
 }
 

@@ -1,7 +1,7 @@
 //! Torque that a drive does not deliver because of a limit: the largest torque, or the largest power.
 //!
 //! The limit acts on the effective torque u in the gear's frame, at the wheel's speed v: u ≤ u_max in either direction, or u·v ≤ P while
-//! driving. A limit is a corner of the effective torque and not a bend of the surface, so the surface never sees it.
+//! driving. A limit is a corner of the effective torque and not a bend of the surface, so the surface does not contain it.
 
 use crate::fit::drive_form::parameters::LIMIT;
 use crate::fit::drive_form::torque::Torque;
@@ -27,7 +27,7 @@ impl TorqueLimit {
         }
     }
 
-    /// The torque that is delivered of one that is asked for, in the gear's frame [N·m].
+    /// The delivered part of a requested torque, in the gear's frame [N·m].
     pub(crate) fn delivered_nm(self, speed_mps: f64, torque_nm: f64) -> f64 {
         let most_nm = self.most_nm(speed_mps);
         let least_nm = if matches!(self, Self::Torque(_)) { -most_nm } else { f64::NEG_INFINITY };

@@ -1,4 +1,4 @@
-//! Readings in coarse steps, replaced by the intervals that they are, segment by segment.
+//! Readings in coarse steps, treated as intervals, segment by segment.
 
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;

@@ -1,7 +1,7 @@
 //! Where a segment that comes to rest ends.
 //!
-//! A wheel at rest reads as motion without acceleration, so the readings after the stop must not count. The readings show the stop late and
-//! by chance, and a segment that ends by them keeps some of that chance. So it ends where the stop is expected from the surface and the
+//! A wheel at rest reads as motion without acceleration, so the readings after the stop must not count. The readings show the stop late, at
+//! a random time, and a segment that they end keeps some of that error. So it ends where the stop is expected from the surface and the
 //! readings so far, as the next reading is predicted: a rule that does not look ahead leaves the innovations unbiased. (With 18 mm/s of
 //! noise an end by the readings left 0.6 to 1 N·m of error at the last 0.05 m/s.)
 

@@ -25,14 +25,14 @@ const LONGEST_STANDING_S: f64 = 20e-3;
 /// One step of the integration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct IntegrationStep {
-    /// Where its middle lies between the reading before and the reading after.
+    /// Position of its middle between the reading before and the reading after.
     pub(crate) fraction: f64,
     pub(crate) length_s: f64,
     /// In the gear's frame.
     pub(crate) torque: Torque,
 }
 
-/// The way of one segment.
+/// The integration steps of one segment.
 #[derive(Debug, Clone)]
 pub(crate) struct Course<'a> {
     pub(crate) segment: &'a Segment,
@@ -40,7 +40,7 @@ pub(crate) struct Course<'a> {
     /// Number of steps up to and including each reading.
     ends: Vec<u32>,
     limit: TorqueLimit,
-    /// What has changed by this time of the campaign.
+    /// The change at this time of the campaign.
     drift: DriftNow,
 }
 
@@ -69,7 +69,7 @@ impl<'a> Course<'a> {
         Self { segment, steps, ends, limit: lagged.limit(), drift: lagged.drift().at(segment.progress) }
     }
 
-    /// By which share friction has changed by this time of the campaign.
+    /// Share by which friction has changed at this time of the campaign.
     pub(crate) fn friction_share(&self) -> f64 {
         self.drift.friction_share
     }

@@ -1,4 +1,4 @@
-//! The noise by maximum likelihood, bounded: with priors alone the time constant of the disturbance runs away on real logs.
+//! The noise by maximum likelihood, bounded: with priors alone the time constant of the disturbance diverges on real logs.
 
 use crate::fit::motion::segment::Segment;
 use crate::fit::noise::kalman::{deviance, smooth};
@@ -23,7 +23,7 @@ pub(crate) struct NoiseEstimate {
     pub(crate) at_bounds: Vec<&'static str>,
 }
 
-/// More readings than this do not sharpen six parameters; segments are then sampled evenly.
+/// More readings than this do not make six parameters more accurate; segments are then sampled evenly.
 const ENOUGH_READINGS: usize = 15_000;
 
 /// Most likely noise of the residuals (speed minus the surface's prediction), starting from `start`.
@@ -98,14 +98,14 @@ pub(crate) fn estimate(
     let names = ["disturbance", "disturbance time", "run offset", "encoder noise", "yaw-rate noise", "starts from rest"];
     let at_bounds = (0..6)
         .filter(|&k| (k != 4 || has_yaw) && (x[k] <= bounds[k].0 * 1.001 || x[k] >= bounds[k].1 * 0.999))
-        // an offset or a disturbance that vanishes is no trouble, nor are exact starts
+        // an offset or a disturbance may vanish, and starts may be exact
         .filter(|&k| ![0, 2, 5].contains(&k) || x[k] >= bounds[k].1 * 0.999)
         .map(|k| names[k])
         .collect();
     NoiseEstimate { noise: unpack(&x), at_bounds }
 }
 
-/// The `share` of the segments that the surface explains best by mean square innovation, so that pushes and slips do not pass for noise.
+/// The `share` of the segments that the surface explains best by mean square innovation, so that pushes and slips are not taken for noise.
 pub(crate) fn well_explained(
     segments: &[Segment],
     residuals: &[Vec<f64>],

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const WIDE: Noise = Noise { disturbance_mps2: 1.5, disturbance_time_s: 0.3, offset_mps2: 0.5, reading_mps: [0.01, 0.01], start_scale: 1.0 };
 /// Neighbouring segments added up together, one after another; these sums are merged in their order.
 const TOGETHER: usize = 32;
-/// Such sums handled at once.
+/// Number of such sums computed at once.
 const AT_ONCE: usize = 8;
 
 /// Speeds along the segments from their readings alone.

@@ -1,4 +1,4 @@
-//! The regressors of one segment: integrals of the surface's columns along the way, never derivatives.
+//! The regressors of one segment: integrals of the surface's columns along it, never derivatives.
 //!
 //! Φ_k(t) = ∫ B_k(V̂(s), u(s)) ds from the segment's start ([`Course`]). Further columns give the effect of the delays and of the encoder's
 //! calibration: ∫ A_U·∂u/∂T_d ds, ∫ A_U·∂u/∂T_c ds, V̂ and −dV̂/dt at the encoder's readings.

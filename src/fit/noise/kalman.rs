@@ -111,7 +111,7 @@ impl<'a> Recursion<'a> {
         measure(&mut self.covariance, reading.variance(self.precisions))
     }
 
-    /// Variance of the speed as it stands [m²/s²].
+    /// Present variance of the speed [m²/s²].
     pub(crate) fn speed_variance(&self) -> f64 {
         self.covariance[0][0]
     }

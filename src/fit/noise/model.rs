@@ -35,7 +35,7 @@ pub(crate) const UNKNOWN_SPEED_MPS: f64 = 3.0;
 pub(crate) struct Reading {
     /// Time on the reference clock [s].
     pub(crate) t_s: f64,
-    /// Speed in the gear's frame, scale and bias taken out [m/s].
+    /// Speed in the gear's frame, scale and bias removed [m/s].
     pub(crate) speed_mps: f64,
     /// 0 encoder, 1 yaw rate; of several readings, that of the first.
     pub(crate) source: u8,
@@ -45,7 +45,7 @@ pub(crate) struct Reading {
     pub(crate) of: [u8; 2],
     /// Variance that the uncertain time of steps adds to the speed since the reading before [m²/s²].
     pub(crate) shaken_mps_2: f64,
-    /// Its own variance [m²/s²], where it stands for a reading in coarse steps (`noise::quantisation`); 0 for that of its source.
+    /// Its own variance [m²/s²], where it replaces a reading in coarse steps (`noise::quantisation`); 0 for that of its source.
     pub(crate) own_variance_mps_2: f64,
 }
 

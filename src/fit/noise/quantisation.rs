@@ -1,11 +1,11 @@
-//! Readings in coarse steps. A reading r in steps of q says that the speed lies within r ± q/2. That is not white noise: neighbouring
-//! readings on one step err together, and only the moments at which the reading changes say much.
+//! Readings in coarse steps. A reading r in steps of q means that the speed lies within r ± q/2. That is not white noise: neighbouring
+//! readings on one step have the same error, and only the moments at which the reading changes hold much information.
 //!
 //! The likelihood of an interval under the filter's prediction N(m, s²) is Z = Φ(β) − Φ(α) with α, β = (r ∓ q/2 − m)/s. With g = ∂ln Z/∂m
-//! and h = −∂²ln Z/∂m² the filter goes on as after a reading y = m + g/h of variance 1/h − P, which has the same mean and variance
+//! and h = −∂²ln Z/∂m² the filter continues as after a reading y = m + g/h of variance 1/h − P, which has the same mean and variance
 //! (assumed-density filtering; Minka 2001, *A family of algorithms for approximate Bayesian inference*). Least squares over such readings is
 //! a Newton step on the interval likelihood (Gustafsson & Karlsson 2009, *Statistical results for system identification based on quantized
-//! observations*), so rounds that alternate between readings and surface climb it.
+//! observations*), so rounds that alternate between readings and surface increase it.
 
 use crate::fit::noise::kalman::Recursion;
 use crate::fit::noise::model::{Noise, Reading};
@@ -13,7 +13,7 @@ use crate::fit::noise::model::{Noise, Reading};
 /// Noise of the speed before it is rounded, as a share of the step: that of the sensor, and stamps with an error of a millisecond or two.
 /// (With 0.03 the edges of the intervals are too sharp: a sixth more error.)
 const UNROUNDED: f64 = 0.1;
-/// Least information of a reading, as a share of that of a plain one: a prediction well inside the interval learns nothing.
+/// Least information of a reading, as a share of that of a plain one: an interval that holds the whole prediction gives no information.
 const LEAST_INFORMATION: f64 = 1e-4;
 
 /// Replaces the readings of sources with coarse steps by their equivalents. `predicted_mps` is the surface's prediction of each reading,
@@ -43,7 +43,7 @@ pub(crate) fn replace_coarse(
     }
 }
 
-/// The plain reading that stands for one in steps, and its variance, where the speed is expected at N(`expected_mps`, `variance`).
+/// The plain reading that replaces one in steps, and its variance, where the speed is expected at N(`expected_mps`, `variance`).
 fn equivalent(reading_mps: f64, step_mps: f64, expected_mps: f64, variance: f64) -> (f64, f64) {
     let sensor = (UNROUNDED * step_mps).powi(2);
     let spread = (variance + sensor).sqrt();
@@ -59,7 +59,7 @@ fn equivalent(reading_mps: f64, step_mps: f64, expected_mps: f64, variance: f64)
 
 /// g and h of ln(Φ(β) − Φ(α)) by a shift of the mean, for a standard deviation of one.
 fn derivatives(below: f64, above: f64) -> (f64, f64) {
-    // mirrored, so that the interval lies above the mean: differences of small tails then keep their digits
+    // mirrored, so that the interval lies above the mean: differences of small tails then keep their precision
     if below + above < 0.0 {
         let (slope, curvature) = derivatives(-above, -below);
         return (-slope, curvature);

@@ -19,7 +19,7 @@ const DRIVE_STEP: f64 = 0.2;
 const LIMIT_STEP: f64 = 0.05;
 /// Prior standard deviation of the changes during a campaign, shares.
 const MOST_DRIFT: f64 = 0.2;
-/// Such a change counts from this many standard errors on.
+/// Least number of standard errors at which such a change counts.
 const CLEAR_DRIFT: f64 = 4.0;
 /// Prior standard deviation of known values.
 const FIXED_STD: f64 = 1e-9;
@@ -63,7 +63,7 @@ impl State<'_> {
         prior
     }
 
-    /// Goes on estimating the changes during the campaign that are clear, and takes the others for none. Returns what is free from now on.
+    /// Continues to estimate the clear changes during the campaign, and sets the others to zero. Returns what is free from now on.
     pub(crate) fn keep_clear_drifts(&mut self) -> Free {
         let (found, std_err) = (&mut self.calibration.drift, &self.calibration_errors.drift);
         let changes = found.friction_share.iter_mut().chain(&mut found.torque_share);
@@ -82,7 +82,7 @@ impl State<'_> {
         self.settings.lag_s.is_some() || self.settings.known.as_ref().is_some_and(|k| k.drive.is_some())
     }
 
-    /// Makes the step of delays and encoder calibration that `solution` asks for, and stores their standard errors. Returns the largest
+    /// Makes the step of delays and encoder calibration that `solution` gives, and stores their standard errors. Returns the largest
     /// step of a delay over its standard error.
     pub(crate) fn calibrate(&mut self, solution: &Solution, free: Free) -> f64 {
         let q = self.design.coefficients();

@@ -17,10 +17,11 @@ pub(crate) struct DelayStep {
 }
 
 impl DelayStep {
-    /// The step that is made when the equations ask for `asked_s`, given the last one.
+    /// The step that is made when the equations give `asked_s`, after the last step.
     ///
-    /// The equations hold the look-up speeds fixed, but these follow the delays, and the more so the smaller the disturbance. In the limit
-    /// each step overshoots by as much as was asked for. The secant of the last two steps then gives the length, never more than asked.
+    /// The equations hold the look-up speeds fixed, but these follow the delays, and more so for a smaller disturbance. In the limit
+    /// each step overshoots by as much as the equations gave. The secant of the last two steps then gives the length, never more than
+    /// asked.
     pub(crate) fn damped(asked_s: f64, last: Option<&Self>) -> Self {
         let secant = last.map(|last| last.made_s / (last.asked_s - asked_s));
         let share = secant.filter(|share| share.is_finite() && *share > 0.0).map_or(1.0, |share| share.clamp(LEAST_DAMPED, 1.0));
@@ -50,7 +51,7 @@ pub(crate) struct Convergence {
 }
 
 impl Convergence {
-    /// Whether they have, after a round with this movement.
+    /// Whether they have converged after a round with this movement.
     pub(crate) fn reached(&mut self, moved: Moved) -> bool {
         let small = |now: f64, before: Option<f64>, still: f64| now < still || before.is_some_and(|before| to_come(before, now) < still);
         let surface = small(moved.surface_mps2, self.last.map(|l| l.surface_mps2), STILL_MPS2);
@@ -64,7 +65,7 @@ impl Convergence {
 mod tests {
     use super::*;
 
-    /// Distance from the answer after some rounds that each ask for (1 + `overshoot`) times the way.
+    /// Distance from the solution after some rounds that each request (1 + `overshoot`) times the distance.
     fn left(overshoot: f64, rounds: usize) -> f64 {
         let (mut x, mut last) = (1.0, None);
         for _ in 0..rounds {
@@ -77,7 +78,7 @@ mod tests {
 
     #[test]
     fn steps_that_overshoot_find_the_answer_and_others_are_made_as_asked() {
-        // undamped, the second would go on for ever and the third away
+        // undamped, the second would never end and the third would diverge
         for overshoot in [0.3, 1.0, 1.6] {
             assert!(left(overshoot, 4).abs() < 1e-9, "{overshoot}: {}", left(overshoot, 4));
         }

@@ -9,7 +9,7 @@
 //!
 //! If the physics form were right, ΣeΔ would be zero but for its standard error √(φΣΔ²), since neither Δ nor the form was fitted to the
 //! runs left out; φ is the errors' variance, 1 when the noise model is right. With z = ΣeΔ in its standard errors, ŵ is known to ŵ/z and is
-//! shrunk accordingly: w = ŵ·(1 − 1/z²), and 0 below z = 1. So the surface is used as far as the data ask for it. With an all-or-nothing
+//! shrunk accordingly: w = ŵ·(1 − 1/z²), and 0 below z = 1. So the surface is used as far as the data support it. With an all-or-nothing
 //! threshold, maps of two drives of one vehicle would differ by the side of the threshold on which they fell.
 
 use crate::fit::motion::integration::{Course, surface_of};
@@ -58,8 +58,8 @@ pub(crate) struct Validation {
     pub(crate) comparison: ModelComparison,
 }
 
-/// The fold of each segment and the number of folds: runs are shuffled, the same way each time, and dealt in turn, so that a campaign's own
-/// rhythm does not put all runs of a level into one fold. One fold when there is one run.
+/// The fold of each segment and the number of folds: runs are shuffled, in the same way each time, and dealt in turn, so that a campaign's
+/// own rhythm does not put all runs of a level into one fold. One fold when there is one run.
 pub(crate) fn deal(courses: &[Course]) -> (Vec<usize>, usize) {
     let run_of: Vec<(usize, usize)> = courses.iter().map(|c| (c.segment.log, c.segment.run)).collect();
     deal_runs(&run_of)

@@ -36,10 +36,10 @@ const DEAD_TIME_STEPS_S: [f64; 2] = [0.02, 0.005];
 /// Range of dead times tried [s]: from the command, and from a feedback, which another clock may stamp too late.
 const DEAD_TIMES_S: [f64; 2] = [0.0, 0.4];
 const AFTER_FEEDBACK_S: [f64; 2] = [-0.1, 0.3];
-/// More readings per log than this do not sharpen a first estimate.
+/// More readings per log than this do not make a first estimate more accurate.
 const ENOUGH_READINGS: usize = 4000;
-/// Beside a drive that is known, so many are enough; dead times are tried in these steps [s], and a drive is dropped beyond this ratio of
-/// deviances.
+/// Beside a drive that is known, this number is enough; dead times are tried in these steps [s], and a drive is dropped beyond this ratio
+/// of deviances.
 const FEW_READINGS: usize = 1500;
 const BESIDE_STEP_S: f64 = 0.015;
 const CLEARLY_WORSE: f64 = 1.1;

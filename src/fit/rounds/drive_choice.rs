@@ -2,8 +2,8 @@
 //!
 //! First the coarse search (`delay_grid`) with a small physical model: kinds that explain the data no better than a first-order lag, and
 //! limits of torque and power that explain no more, are dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each fold with the surface fitted without them. The
-//! score of a run is its −2·ln L under the noise of that fit, with single innovations bounded, so that a push or a slip counts alike for all
-//! drives. A first-order lag stays unless another kind is better by several standard errors of the paired differences between runs.
+//! score of a run is its −2·ln L under the noise of that fit, with single innovations bounded, so that a push or a slip counts equally for
+//! all drives. A first-order lag stays unless another kind is better by several standard errors of the paired differences between runs.
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;
@@ -43,7 +43,7 @@ struct ScoredDrive {
     scores: BTreeMap<(usize, usize), f64>,
 }
 
-/// The choice, with what was weighed.
+/// The choice, and the alternatives.
 #[derive(Debug, Clone)]
 pub(crate) struct DriveChoice {
     /// As found on a sample of the data.
@@ -186,6 +186,6 @@ fn run_score(segment: &Segment, torques: &[EffectiveTorque], state: &State, surf
     let precisions = state.noise.precisions();
     let variance = |(reading, expected): (&crate::fit::noise::model::Reading, &f64)| expected * expected + reading.variance(precisions);
     let variances = segment.readings.iter().zip(&along.expected_std_mps).map(variance);
-    // the first reading only tells the unknown speed
+    // the first reading only gives the unknown speed
     variances.zip(&along.white).skip(1).map(|(variance, white)| (white * white).min(MOST_SQUARED) + variance.ln()).sum()
 }

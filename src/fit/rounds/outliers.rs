@@ -1,4 +1,4 @@
-//! Readings and stretches that do not belong: spikes, slip without a second speed source to show it, pushes by hand.
+//! Readings and stretches that do not fit the model: spikes, slip without a second speed source to show it, pushes by hand.
 
 use crate::campaign::SampleVerdict;
 use crate::fit::calibration::Calibration;
@@ -48,7 +48,7 @@ impl Judge<'_> {
             log.cuts = Cuts::default();
         }
         let calm = calm(self.noise, &self.surfaces.forward);
-        // only runs that were cut are looked at again
+        // only runs that were cut are examined again
         let mut again: Option<BTreeSet<(usize, usize)>> = None;
         let so_far = SoFar { surfaces: self.surfaces, noise: self.noise };
         for pass in 0..PASSES {
@@ -84,7 +84,7 @@ pub(crate) fn calm(noise: &Noise, surface: &LatticeSurface) -> Noise {
 /// are judged in the next pass, from an unknown speed. With `whole`, every window beyond the threshold is cut.
 fn find(segment: &Segment, white: &[f64], threshold: f64, whole: bool, cuts: &mut Cuts) -> bool {
     let n = white.len();
-    // clip single spikes so that they do not condemn a window
+    // clip single spikes so that they do not cut a window
     let mut sums = vec![0.0; n + 1];
     for k in 0..n {
         sums[k + 1] = sums[k] + white[k].clamp(-4.0, 4.0);

@@ -56,7 +56,7 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
         if round == 1 {
             state.update_noise(&data.merged, &found.pass, WELL_EXPLAINED);
             free = state.keep_clear_drifts();
-            // the better surface judges the cuts again, which moves the starts from rest a little as well; then they stay
+            // the better surface judges the cuts again, which also moves the starts from rest a little; afterwards the cuts do not change
             if !sampled || state.logs.iter().any(|l| l.cuts != Cuts::default()) {
                 drop(courses);
                 state.cut(CUT_BEYOND[1]);
@@ -80,7 +80,7 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
     Err(Error::Singular)
 }
 
-/// Cross-validates, and uses as much of the surface as the runs left out ask for.
+/// Cross-validates, and uses as much of the surface as the runs left out support.
 fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], free: Free, found: RoundResult) -> Result<FinalRound> {
     let RoundResult { solution, system, folds, fold, mut pass, .. } = found;
     let prior = state.nuisance_prior(free);

@@ -22,7 +22,7 @@ const ROUNDS: usize = 12;
 pub(crate) enum MonotoneOutcome {
     /// The surface rises everywhere by itself.
     AlreadyMonotone,
-    /// Moved; so many differences bind.
+    /// It was moved; this number of differences bind.
     Moved(usize),
     /// The programme did not finish; running maxima made the lattice monotone instead.
     Forced,

@@ -22,7 +22,7 @@ pub(crate) struct Gram {
 pub(crate) struct LocalGram {
     /// Global columns; `u32::MAX` is the speed.
     pub(crate) columns: Vec<u32>,
-    /// The lower triangle of a symmetric matrix; above it nothing counts.
+    /// The lower triangle of a symmetric matrix; the part above is not used.
     pub(crate) values: Mat<f64>,
 }
 

@@ -37,7 +37,7 @@ pub(crate) struct Solution {
     pub(crate) settled: bool,
 }
 
-/// Most rounds in which penalties settle for good.
+/// Most rounds in which penalties settle.
 pub(crate) const SETTLING_ROUNDS: usize = 50;
 /// First penalty, relative to the mean diagonal of its block: smooth, yet far from vanishing.
 const FIRST_PENALTY: f64 = 1.0;
@@ -90,8 +90,8 @@ impl System {
     /// Solves with the given start for the penalties (0 or absent: from the data's scale; infinite: the block is left out), and updates
     /// them at most `updates` times.
     ///
-    /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations are singular beyond
-    /// repair (data without any information).
+    /// `nuisance_prior_std` holds the prior standard deviation of each nuisance column. `None` when the equations stay singular
+    /// (data without any information).
     pub(crate) fn solve(
         &self,
         blocks: &[CoefficientBlock],
@@ -104,11 +104,11 @@ impl System {
             blocks.iter().map(|b| (b.range.clone().map(|k| self.matrix[(k, k)]).sum::<f64>() / b.range.len() as f64).max(1e-12)).collect();
         let start = |(j, scale): (usize, &f64)| penalties.get(j).copied().filter(|p| *p > 0.0).unwrap_or(FIRST_PENALTY * scale);
         let mut penalties: Vec<f64> = scale.iter().enumerate().map(start).collect();
-        // Fellner-Schall climbs slowly if a block wants to vanish: steps that keep their direction grow
+        // Fellner-Schall converges slowly if a block vanishes: steps that keep their direction grow
         let mut pace = vec![(1.0f64, 0.0f64); blocks.len()];
         let mut solution = None;
         for round in 0..=updates {
-            // a block that the data do not want has an infinite penalty: its coefficients are zero and leave the equations
+            // a block that the data do not support has an infinite penalty: its coefficients are zero and leave the equations
             let active: Vec<usize> = blocks
                 .iter()
                 .zip(&penalties)
@@ -119,7 +119,7 @@ impl System {
             let mut ridge = vec![0.0; size];
             for (block, (penalty, scale)) in blocks.iter().zip(penalties.iter().zip(&scale)) {
                 for k in block.range.clone() {
-                    // a ridge relative to the data keeps columns without data from blowing up
+                    // a ridge relative to the data keeps columns without data bounded
                     ridge[k] = if block.penalised { *penalty } else { 1e-9 * (self.matrix[(k, k)] + scale) };
                 }
             }

@@ -79,7 +79,7 @@ mod tests {
     use super::*;
     use faer::{Col, Mat};
 
-    /// One free coefficient and two penalised ones that the data ask for.
+    /// One free coefficient and two penalised ones that the data support.
     fn system() -> (System, Vec<CoefficientBlock>) {
         let matrix = Mat::from_fn(3, 3, |a, b| if a == b { 400.0 } else { 40.0 });
         let right = Col::from_fn(3, |k| [800.0, 300.0, -200.0][k]);

@@ -3,7 +3,7 @@
 //! Its profile likelihood: for each speed, the form's linear parameters and the delays are solved for in the whitened sums. The speed with
 //! the least sum of squares is used, with a weak log-normal prior around the default speed. Without it, a vehicle with hardly any extra
 //! friction would by chance get a narrow spike at standstill or a hump over half the speeds. The form's own column for an inexact speed
-//! then has little left to do; the posterior includes the remaining uncertainty.
+//! is then almost zero; the posterior includes the remaining uncertainty.
 
 use crate::fit::solve::normal_equations::Gram;
 use crate::fit::surface::design::{STRIBECK_MPS, friction};

@@ -8,13 +8,13 @@
 //! to the most, where D gives the second differences of the splines' coefficients over Greville's abscissae (Eilers & Marx, P-splines). The
 //! bending of a mode is ρ = ‖D·z‖² as a share of an axis of length one, and the penalty is λ·ρ^1.5 times the square of its coefficient. As
 //! ρ grows with the fourth power of a mode's number, the penalty grows with the sixth, as a penalty on third derivatives does: a smooth
-//! function may bend, waves are held down, and only straight lines are free. Second derivatives (ρ¹) leave more of the noise in: a
+//! function may bend, waves are damped, and only straight lines are free. Second derivatives (ρ¹) leave more of the noise in: a
 //! twentieth to a tenth in vehicles that no physics form describes.
 //!
 //! Driving and braking may meet in a kink at U = 0: U⁺ is part of the physics form. A kink that changes with speed is a block of its own,
 //! so that a function smooth across U = 0 is not a sum of bends and kinks that cancel. The interaction f(V)·g(U) is penalised by its
 //! bending along either axis, λ·(ρ_V + ρ_U)^1.5 (Wood 2006, *Low-rank scale-invariant tensor product smooths*), in the modes z ⊗ y of both:
-//! a penalty on mixed differences would let it run away in corners.
+//! with a penalty on mixed differences it would diverge in corners.
 
 use crate::fit::surface::lattice::{Lattice, LatticeSurface};
 use crate::map::{Gear, PerGear};
@@ -27,7 +27,7 @@ pub(crate) const STRIBECK_MPS: f64 = 0.1;
 /// Power of a mode's bending in its penalty.
 const SMOOTHNESS: f64 = 1.5;
 
-/// The name of the physics form, which that of its gear-antisymmetric copy ends with.
+/// The name of the physics form. The name of its gear-antisymmetric copy ends with it.
 const PHYSICS: &str = "physics form";
 /// The name of Stribeck friction of other shapes, which belongs to the form.
 const NEAR_STANDSTILL: &str = "near standstill";
@@ -226,7 +226,7 @@ impl Mode {
 fn modes(nodes: &[f64]) -> Vec<Mode> {
     let Some(d) = second_differences(nodes) else { return Vec::new() };
     let Ok(eigen) = (d.transpose() * &d).self_adjoint_eigen(faer::Side::Lower) else { return Vec::new() };
-    // Σ(Δ²f)²/h³ stands for ∫f″²; the two functions that do not bend come first
+    // Σ(Δ²f)²/h³ approximates ∫f″²; the two functions that do not bend come first
     let per_length = ((nodes.len() - 1) as f64).powi(3);
     let shapes = eigen.U().col_iter().map(|shape| shape.iter().copied().collect::<Vec<f64>>());
     let bending = eigen.S().column_vector().iter().map(|value| per_length * value);

@@ -44,7 +44,7 @@ impl Lattice {
         let above = (high / step - 1e-9).ceil().max(0.0) as usize;
         let torque = Spline::new(-step * below as f64, step, below + above, Some(below));
         let speed_mps = speed.greville().iter().map(|w| WARP_MPS * (w / warp_scale).exp_m1()).collect();
-        // exactly zero where the kink is
+        // exactly zero at the kink
         let torque_nm = torque.greville().iter().map(|u| if u.abs() < 1e-9 * step { 0.0 } else { *u }).collect();
         Self { fastest_mps, warp_scale, speed, torque, speed_mps, torque_nm }
     }

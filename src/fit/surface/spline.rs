@@ -1,8 +1,8 @@
 //! Cubic B-splines over one axis, with an optional kink.
 //!
 //! Knots are uniform; the ends are clamped (four-fold), and a knot at a kink is three-fold, so that the spline is continuous there and its
-//! slope may jump (de Boor, *A Practical Guide to Splines*, chapters IX and XI). Against hats on the same knots the error of a smooth
-//! function falls with the fourth power of the spacing instead of the second.
+//! slope may jump (de Boor, *A Practical Guide to Splines*, chapters IX and XI). The error of a smooth function falls
+//! with the fourth power of the spacing, instead of the second as with hat functions on the same knots.
 
 /// Splines whose basis adds up to one everywhere between the ends.
 #[derive(Debug, Clone, PartialEq)]

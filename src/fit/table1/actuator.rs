@@ -174,7 +174,7 @@ fn undelivered_samples(surveys: &[&Survey], choice: &TorqueChoice) -> Vec<Undeli
     surveys.iter().flat_map(of_log).collect()
 }
 
-/// The limit that explains the intervals best: of speed, torque or power, that which varies least among them.
+/// The limit that explains the intervals best: of speed, torque or power, the one that varies least among them.
 fn limit_of(undelivered: &[UndeliveredTorque]) -> Option<DriveLimit> {
     let spread = |of: &dyn Fn(&UndeliveredTorque) -> f64| {
         let values: Vec<f64> = undelivered.iter().map(of).collect();

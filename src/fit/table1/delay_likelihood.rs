@@ -1,6 +1,6 @@
 //! Likelihood of other delays: the profile likelihood of dead time and lag around the finished fit.
 //!
-//! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may give way in its six
+//! For each pair the residual y − ∫A(v, u(t − T_d; T_c))dt of the fitted surface A is whitened, and the surface may change in its six
 //! main directions (1, U, U⁺, V, V², e^(−(V/0.08)²)): −2·ln L = ‖y − Xc‖² at the best c. The likelihood is profiled over these directions,
 //! not over the whole surface. So it is a little narrower than the standard errors, which leave the whole surface free. If the torque
 //! feedback is the input, it already contains the lag: only dead times from feedback to speed are tried.
@@ -27,10 +27,10 @@ const PAIRS: i32 = 7;
 /// Dead times over the whole range [s].
 const LONGEST_S: f64 = 0.4;
 const STEP_S: f64 = 0.01;
-/// More readings than this do not change the picture, all logs together; and the fewest of one log.
+/// More readings than this, all logs together, do not change the picture; and the fewest of one log.
 const ENOUGH_READINGS: usize = 12_000;
 const FEWEST_READINGS: usize = 1500;
-/// Directions in which the surface gives way.
+/// Directions in which the surface may change.
 const DIRECTIONS: usize = 6;
 const WIDTH: usize = DIRECTIONS + 1;
 

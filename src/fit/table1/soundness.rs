@@ -1,4 +1,4 @@
-//! Whether a computed table may also be trusted: enough of it measured, torque varied, and logs that agree.
+//! Whether a computed table is sound: enough of it measured, torque varied, and logs that agree.
 
 use crate::check::campaign_checks::{coverage_check, torques_name};
 use crate::fit::FitSettings;
@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 const FEWEST_TORQUES: f64 = 2.5;
 /// Torques nearer than this share of the largest count as one.
 const SAME_TORQUE: f64 = 0.04;
-/// Largest difference of two logs' accelerations under the same torque by a day, a battery or a warm gear; more is another vehicle or load.
+/// Largest difference of two logs' accelerations under the same torque on another day, with another battery or a warm gear; more is another
+/// vehicle or load.
 const SAME_VEHICLE: f64 = 0.10;
 /// Largest constant difference of acceleration between two logs by a floor or a slope, relative to the acceleration by the largest torque.
 const SAME_FLOOR: f64 = 0.05;
@@ -132,7 +133,7 @@ fn agreement(estimate: &Estimate) -> Option<Check> {
 }
 
 /// Regression of a log's whitened residuals on the surface's prediction and on a constant acceleration. The noise is bounded as for the
-/// cuts: it already contains the difference between the logs, which would pass for chance.
+/// cuts: it already contains the difference between the logs, which would be taken for chance.
 fn departure(estimate: &Estimate, log: usize) -> Option<Departure> {
     let lagged = estimate.data.logs[log].torque(&estimate.calibration.drive, estimate.calibration.drift);
     let noise = calm(&estimate.noise, estimate.model.surface(estimate.data.gears[0]));

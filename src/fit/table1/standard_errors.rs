@@ -4,9 +4,9 @@
 //! scores s_r of whole runs, right when runs differ more than in the model. X also holds the columns of the delays, so both include the
 //! uncertainty of the delays. Added to it: the square of the smoothing bias cᵀ·H⁻¹Λβ, and the uncertainty of that bias by penalties that
 //! are not exactly known (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth
-//! models*). If only a share w of the surface's deviations is used, 1 − w of their square stands for the doubt between form and surface.
-//! So does what no model holds (`MODEL_ERROR`).
-//! All of it is then held against a jackknife over runs, and multiplied where that spreads wider.
+//! models*). If only a share w of the surface's deviations is used, 1 − w of their square is added for the choice between form and surface.
+//! The error of every model (`MODEL_ERROR`) is also added.
+//! The sum is then compared with a jackknife over runs, and multiplied where that spreads wider.
 
 use crate::fit::motion::integration::{Course, courses};
 use crate::fit::motion::regressors::add_score;
@@ -17,9 +17,9 @@ use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What no model of a drive and its friction holds, as a share of the largest torque.
+/// The error of every model of a drive and its friction, as a share of the largest torque.
 const MODEL_ERROR: f64 = 4.5e-4;
-/// Fewest folds whose spread says something.
+/// Fewest folds whose spread is used.
 const FEWEST_FOLDS: usize = 4;
 /// Largest factor on the standard errors: beyond it the model is wrong, which other checks report.
 const MOST_INFLATION: f64 = 3.0;
@@ -28,7 +28,7 @@ const MOST_INFLATION: f64 = 3.0;
 const COARSE_DOUBT: f64 = 2.5;
 /// Median of a χ² distribution with four degrees of freedom, over its mean.
 const MEDIAN_OF_CHI_SQUARE: f64 = 0.839;
-/// Every seventh reading gives a place, and so many of them are enough.
+/// Every seventh reading gives a place, and this number of places is enough.
 const EVERY: usize = 7;
 const MOST_POINTS: usize = 400;
 

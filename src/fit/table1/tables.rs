@@ -160,7 +160,7 @@ pub(crate) fn accel_map(
         measured_torque_nm,
         breakaway: breakaway(estimate, uncertainty, gear),
         surface: FineSurface {
-            // before the limit: a corner between lines of a grid would be none
+            // before the limit: a grid would cut off a corner between its lines
             accel_mps2: grid(&fine_torque, &fine, TorqueLimit::None),
             torque_nm: fine_torque,
             speed_mps: fine,

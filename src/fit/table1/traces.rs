@@ -10,7 +10,7 @@ use crate::fit::table1::runs::{Compared, round};
 use crate::map::{AccelMap, Axis, Gear, ResidualCells, ResidualTimes, RunRow, RunTrace};
 use crate::units::RAD_PER_DEG;
 
-/// Most traces: nobody reads a page of more.
+/// Most traces: a page with more is not readable.
 const MOST_RUNS: usize = 500;
 /// Points of all traces together, and the fewest and most of one.
 const POINTS: usize = 10_000;
@@ -34,7 +34,7 @@ impl AngleTraces {
     /// Of a finished fit.
     ///
     /// # Errors
-    /// Axes that are none.
+    /// Invalid axes.
     pub(crate) fn new(fit: &AngleFit) -> Result<Self> {
         let windows = windows(&fit.estimate);
         Ok(Self {

@@ -291,7 +291,7 @@ mod tests {
     use crate::guidance::parking::success::{Success, success};
     use proptest::prelude::*;
 
-    /// Starts on a grid beside the row, askew by up to `askew_deg`.
+    /// Starts on a grid beside the row, with a heading up to `askew_deg` off the row.
     fn grid(askew_deg: f64) -> Vec<ParkingStart> {
         let mut starts = Vec::new();
         for x in 0..5 {

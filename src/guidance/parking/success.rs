@@ -1,4 +1,4 @@
-//! How many of a grid of starts end parked.
+//! The number of starts of a grid that end parked.
 
 use crate::guidance::parking::plan::ParkingStage;
 use crate::guidance::parking::start::ParkingStart;

@@ -94,7 +94,7 @@ impl QuadraticProgram {
     }
 }
 
-/// The law with its memory: the last plan.
+/// The law with its state: the last plan.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mpc {
     settings: MpcSettings,

@@ -1,6 +1,6 @@
 //! A place on one leg of a path, and the path in the travel frame.
 //!
-//! A leg is a run of poses with one direction of travel. In reverse everything is rotated by π: the *travel frame*. There a vehicle
+//! A leg is a sequence of poses with one direction of travel. In reverse everything is rotated by π: the *travel frame*. There a vehicle
 //! that drives backward becomes one that drives forward with its steering mirrored (δ' = −δ), so that a law for forward travel serves both.
 
 use crate::control::Pose;

@@ -8,7 +8,7 @@ use crate::guidance::route::polyline::PolylinePlan;
 use crate::guidance::route::turn_law::{SpotTurn, TurnSettings};
 use crate::guidance::torque_source::TorqueSource;
 
-/// The driver with its memory; it borrows the plan.
+/// The driver with its state; it borrows the plan.
 #[derive(Debug)]
 pub(crate) struct PolylineDriver<'a> {
     plan: &'a PolylinePlan,

@@ -2,8 +2,8 @@
 //! the speed of the switch-over to the next segment.
 //!
 //! Acceleration is constant on each part, so the square of the speed is linear in the distance. A segment shorter than both distances together
-//! is split half/half: one half accelerates as planned, the other decelerates as planned, and the smaller of both speeds is used. It peaks
-//! in the middle if both distances are equal. The acceleration is never larger than on a long segment.
+//! is split into halves: one half accelerates as planned, the other decelerates as planned, and the smaller of both speeds is used. It
+//! peaks in the middle if both distances are equal. The acceleration is never larger than on a long segment.
 
 use crate::control::Error;
 use crate::control::numeric::sqrt;

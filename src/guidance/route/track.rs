@@ -72,7 +72,7 @@ pub(crate) trait Law: std::fmt::Debug {
     /// Desired front-wheel angle [rad] in the travel frame, not limited; not finite if the numbers give none.
     fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64;
 
-    /// Resets the law's memory. Most laws have none.
+    /// Resets the law's state. Most laws have none.
     fn forget(&mut self) {}
 }
 

@@ -119,7 +119,7 @@ impl TrackingLaw {
 
     /// Commanded front-wheel angle [rad], in the vehicle's frame, within the limit; 0 if the numbers give none.
     pub(crate) fn wheel_angle_rad(&mut self, track: &TrackState<'_>) -> f64 {
-        // a law with a memory must not remember a place that is not a number
+        // a law with a state must not keep a place that is not a number
         let known = track.offset.lateral_m.is_finite() && track.offset.heading_rad.is_finite();
         let wanted_rad = if known { self.0.wheel_angle_rad(track) } else { f64::NAN };
         if wanted_rad.is_finite() { track.leg.gear().sign() * wanted_rad.max(-track.max_wheel_rad).min(track.max_wheel_rad) } else { 0.0 }

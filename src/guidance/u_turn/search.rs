@@ -115,7 +115,7 @@ pub fn search(car: &Car, scene: &UTurnScene, ranges: &Ranges, settings: &UTurnSe
     })
 }
 
-/// A track that ends off every line beats one that does not; then the larger margin.
+/// A track that ends off every line is preferred to one that does not; then the larger margin.
 fn better(one: &Margins, other: &Margins) -> bool {
     let key = |m: &Margins| (m.line_m > 0.0, m.smallest_m());
     let ((free, margin), (other_free, other_margin)) = (key(one), key(other));
@@ -179,7 +179,7 @@ mod tests {
         let margin_m = found.margins.smallest_m();
         // 0.8 m of aisle on either side, 0.36 m of it the vehicle's half: no turn can have more than 0.44 m
         assert!((0.3..=0.44 + 1e-9).contains(&margin_m), "{:?} {:?}", found.turn, found.margins);
-        // and an even grid of the whole space holds nothing better
+        // and an even grid of the whole space has no better turn
         for speed in 0..5 {
             for rate in 0..6 {
                 let (speed_mps, steering_rate_rad_s) = (0.3 + 0.125 * f64::from(speed), 0.2 + 0.1 * f64::from(rate));

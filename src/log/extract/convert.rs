@@ -10,7 +10,7 @@ pub(crate) enum Convert {
     Linear { factor: f64, scale: f64, offset: f64 },
     /// Numbers and names that mean a gear; all others mean neutral.
     Gear { numbers: Vec<(f64, f64)>, texts: Vec<(String, f64)> },
-    /// Zero or not.
+    /// 0 for zero, 1 for any other value.
     Flag,
 }
 

@@ -26,7 +26,7 @@ const MAX_SAMPLE: usize = 1 << 20;
 /// Number of blocks without a message index that are opened to find the channels of the log.
 const BLIND_BLOCKS: usize = 4;
 
-/// More places where the time of the log goes back are not kept: they are no clock's.
+/// Places where the time of the log goes back that are kept: more are not caused by a clock.
 const MOST_STEPS: usize = 100;
 
 /// The wanted values of the messages of one channel.
@@ -88,7 +88,7 @@ pub(crate) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(block) = container.blocks.get(number) else { return };
             let part = one(container, block, &known, columns, &mut scratch);
-            // a panic leaves no data under this lock half written
+            // a panic leaves no half-written data under this lock
             joined.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
             progress(block.length);
         }

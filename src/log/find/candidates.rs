@@ -158,7 +158,7 @@ fn descend(value: &serde_json::Value, path: String, found: &mut Vec<Leaf>) {
         Value::Bool(_) => LeafKind::Bool,
         Value::Number(number) if number.is_f64() => LeafKind::Float,
         Value::Number(_) => LeafKind::Integer,
-        // NaN and infinity stand for a number
+        // NaN and infinity take the place of a number
         Value::String(text) if text.parse().is_ok_and(|number: f64| !number.is_finite()) => LeafKind::Float,
         Value::String(_) => LeafKind::Text,
     };

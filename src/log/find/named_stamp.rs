@@ -1,4 +1,4 @@
-//! Checks the stamps that a signal map names: a field that is not there is an error with the nearest field.
+//! Checks the stamps that a signal map names: a missing field is an error that names the nearest field.
 
 use crate::log::extract::stamp;
 use crate::log::find::candidates::json_leaves;

@@ -98,7 +98,7 @@ mod tests {
         let (shifts_s, notes) = shifts(&[(Speed, 1998), (YawRate, 2000), (Torque, 0)]);
         assert!((shifts_s[0] + 2.0).abs() < 1e-6 && (shifts_s[1] + 2.0).abs() < 1e-6 && shifts_s[2] == 0.0);
         assert!(notes.len() == 1 && notes[0].contains("2.000 s ahead"), "{notes:?}");
-        // one clock for all of them needs no other
+        // if all of them share one clock, nothing is moved
         assert_eq!(shifts(&[(Speed, -60_000), (YawRate, -60_001), (Torque, -60_002), (Angle, -60_000)]).0, [0.0; 4]);
         let (shifts_s, notes) = shifts(&[(Speed, -2), (YawRate, 3_600_000), (Torque, 0)]);
         assert!(shifts_s[0] == 0.0 && (shifts_s[1] + 3600.0).abs() < 1e-6 && notes.len() == 1);

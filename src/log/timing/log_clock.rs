@@ -1,17 +1,17 @@
 //! The recorder's own clock, which may be set back while it records.
 //!
-//! Messages that follow the step would be sorted among earlier ones. They are moved on by what the clock was set back, so that the log goes
-//! on without a gap. A log whose parts are not in order of time looks alike, but its parts do not overlap.
+//! Messages that follow the step would be sorted among earlier ones. They are moved forward by the time that the clock was set back, so
+//! that the log continues without a gap. A log whose parts are not in order of time looks similar, but its parts do not overlap.
 
 use crate::log::timing::message_times::{SignalTimes, to_s};
 
-/// A smaller step back is disorder of a recorder with several threads [ns].
+/// A smaller step back is the disorder of a recorder with several threads [ns].
 pub(crate) const LEAST_STEP_NS: i64 = 300_000_000;
-/// Messages on both sides of a step, in the time that passed twice, that show a clock that was set.
+/// Fewest messages on both sides of a step, in the time that passed twice, that show that the clock was set.
 const FEWEST_TWICE: usize = 3;
-/// Messages this many intervals after a late part go on from it.
+/// Messages within this many intervals after a late part continue it.
 const BESIDE: i64 = 5;
-/// More steps than this are no clock's.
+/// More steps than this are not caused by a clock.
 const MOST_STEPS: usize = 50;
 /// A time without any message that is worth a note [s].
 const LONG_PAUSE_S: f64 = 5.0;
@@ -74,8 +74,8 @@ fn rate_hz(time_s: &[f64]) -> f64 {
     if whole_s > 0.0 { time_s.len() as f64 / whole_s } else { 0.0 }
 }
 
-/// Whether the clock was set at a step. A part of the log that was written late looks alike; but it fills a hole, and beside the hole the
-/// messages go on.
+/// Whether the clock was set at a step. A part of the log that was written late looks similar; but it fills a hole, and the messages
+/// continue after the hole.
 fn is_clock(signals: &[SignalTimes<'_>], step: &ClockStep) -> bool {
     signals.iter().zip(&step.values).any(|(signal, values)| {
         let (before, after) = signal.times.split_at((*values).min(signal.times.len()));
@@ -91,7 +91,7 @@ fn is_clock(signals: &[SignalTimes<'_>], step: &ClockStep) -> bool {
     })
 }
 
-/// A note on the longest time in which nothing at all was recorded.
+/// A note on the longest time in which nothing was recorded.
 fn pause_note(time_s: &[Vec<f64>], notes: &mut Vec<String>) {
     let mut all: Vec<f64> = Vec::new();
     for times in time_s {

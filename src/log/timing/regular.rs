@@ -1,8 +1,8 @@
 //! A regular clock fitted to times that scatter or are known only to lie within bounds.
 //!
 //! In: bounds [lo, hi] of the true time of each message, equal where a time is only noisy. Out: t = t₀ + n·T, with the number n of each
-//! period. Consecutive messages differ by one period, or by more where messages were lost. Which it is, is found by dynamic programming
-//! over the sequence (Viterbi): each survivor has its own phase, which follows the bounds slowly; a lost message costs as much as an error of
+//! period. Consecutive messages differ by one period, or by more where messages were lost. Dynamic programming over the sequence
+//! (Viterbi) finds which: each survivor has its own phase, which follows the bounds slowly; a lost message costs as much as an error of
 //! some standard deviations. The line through the bounds is then fitted in overlapping windows, so that a slow drift is followed.
 
 use crate::log::timing::rhythm::{Rhythm, middle};
@@ -70,7 +70,7 @@ pub(crate) struct RegularClock {
     pub period_s: f64,
     /// Number of messages that are missing.
     pub lost: i64,
-    /// What stays unsure of each time, apart from a common offset [s].
+    /// Remaining uncertainty of each time, apart from a common offset [s].
     pub std_s: f64,
 }
 
@@ -92,7 +92,7 @@ const FOLLOW_CENTRE: f64 = 0.003;
 const FARTHEST: f64 = 4.0;
 /// Length of the windows of the line [s].
 const WINDOW_S: f64 = 20.0;
-/// A period that differs by less than this share from a timer's is one.
+/// A period that differs from a timer's by less than this share is the timer's.
 const NOMINAL: f64 = 0.006;
 /// Largest misfit of the times, in periods.
 const MOST_MISFIT: f64 = 1.5;

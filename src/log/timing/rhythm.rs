@@ -4,9 +4,9 @@
 const FEWEST: usize = 60;
 /// Number of intervals over which the period is measured.
 const OVER: usize = 20;
-/// Largest spread of the period so measured.
+/// Largest spread of this measured period.
 const STEADY: f64 = 0.2;
-/// Messages that follow within this share of a period came together.
+/// Messages closer together than this share of a period arrived together.
 pub(crate) const TOGETHER: f64 = 0.3;
 /// Share of such messages in a signal that comes in bursts.
 const BURSTS: f64 = 0.4;
@@ -21,7 +21,7 @@ pub(crate) struct Rhythm {
 }
 
 impl Rhythm {
-    /// Of times in the order of the log; `None` if they have no period.
+    /// The rhythm of times in the order of the log; `None` if they have no period.
     pub(crate) fn of(time_s: &[f64]) -> Option<Self> {
         if time_s.len() < FEWEST {
             return None;
@@ -39,7 +39,7 @@ impl Rhythm {
     }
 }
 
-/// Median, of an even number the upper; `None` for none.
+/// Median, the upper one of an even number; `None` for no values.
 pub(crate) fn middle(mut values: Vec<f64>) -> Option<f64> {
     let at = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f64::total_cmp).1)

@@ -1,8 +1,8 @@
 //! When a periodic signal was sampled, where its times scatter or come in bursts.
 //!
-//! A sensor samples with the regularity of its own clock. A driver, a network or a recorder may pass several readings on at once, or stamp
+//! A sensor samples with the regularity of its own clock. A driver, a network or a recorder may pass on several readings at once, or stamp
 //! them late. Times that scatter by more than some milliseconds are replaced: by the log's times if these are regular, otherwise by those of a
-//! regular clock that fits them. Irregular times that the arrivals confirm are those of an irregular sensor, and stay.
+//! regular clock that fits them. Irregular times that the arrivals confirm are those of an irregular sensor, and are kept.
 
 use crate::log::signal_map::SignalName;
 use crate::log::timing::message_times::TimeSource;
@@ -10,18 +10,18 @@ use crate::log::timing::regular::{Bounds, RegularClock};
 use crate::log::timing::rhythm::{Rhythm, TOGETHER, middle};
 use crate::log::timing::stamp_clock::StampClock;
 
-/// Scatter of the times of a regular signal [s].
+/// Largest scatter of the times of a regular signal [s].
 const REGULAR_S: f64 = 0.004;
-/// Times this much more regular are better.
+/// The log's times are used if they scatter by less than this share of the scatter of the signal's own.
 const MORE_REGULAR: f64 = 0.4;
 /// Longest period of a signal whose times are corrected [s].
 const LONGEST_PERIOD_S: f64 = 0.25;
 /// The times at which a signal was sampled.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Sampled {
-    /// New times [s]; absent where they stay.
+    /// New times [s]; absent where they are not changed.
     pub time_s: Option<Vec<f64>>,
-    /// What stays unsure of each, apart from a common offset [s].
+    /// Remaining uncertainty of each, apart from a common offset [s].
     pub std_s: f64,
     pub note: Option<String>,
 }

@@ -8,7 +8,7 @@ use crate::log::signal_map::SignalName;
 use crate::log::timing::message_times::{FEWEST, SignalTimes, TimeSource, to_s, usual};
 use crate::log::timing::rhythm::{Rhythm, middle};
 
-/// A stamp that stands still for longer than this is no stamp [s].
+/// A stamp that stands still for longer than this is not used [s].
 const FROZEN_S: f64 = 0.3;
 /// A jump of a stamp that may be the scatter of stamps and arrivals [s].
 const LEAST_JUMP_S: f64 = 0.05;
@@ -21,12 +21,12 @@ const BORDER: usize = 100;
 /// Windows for the drift, and fewest messages in each.
 const WINDOWS: usize = 24;
 const FEWEST_OF_WINDOW: usize = 30;
-/// A drift counts from this many standard errors, and from this change over the log [s].
+/// A drift counts if it is at least this many standard errors, and at least this change over the log [s].
 const SIGNIFICANT: f64 = 6.0;
 const LEAST_DRIFT_S: f64 = 0.005;
-/// Stamps that scatter by more show no drift [s].
+/// A scatter of the stamps above this hides a drift [s].
 const MOST_SCATTER_S: f64 = 0.006;
-/// A larger drift is no clock's.
+/// A larger drift is not that of a clock.
 const MOST_DRIFT: f64 = 0.02;
 
 /// The stamps of one signal after their clock's own faults are removed.
@@ -177,7 +177,7 @@ fn sound(time_s: &[f64], log_s: &[f64]) -> Vec<bool> {
     is_sound
 }
 
-/// The parts between jumps, without stamps that are not sound.
+/// The parts between jumps, without unusable stamps.
 fn parts(time_s: &[f64], log_s: &[f64], is_sound: &[bool]) -> Vec<std::ops::Range<usize>> {
     let rhythm = Rhythm::of(time_s).filter(|r| r.period_s < LEAST_RARE_JUMP_S);
     let (period_s, width_s) = rhythm.map_or((0.0, LEAST_RARE_JUMP_S), |r| (r.period_s, LEAST_JUMP_S.max(8.0 * r.scatter_s)));
@@ -210,7 +210,7 @@ fn median_ahead(time_s: &[f64], log_s: &[f64], parts: &[std::ops::Range<usize>])
     middle(parts.iter().flat_map(Clone::clone).map(|k| time_s[k] - log_s[k]).collect()).unwrap_or(0.0)
 }
 
-/// The highest of some values, without the highest 2 % of many.
+/// The highest of the values; of many values, without the highest 2 %.
 fn highest(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     if values.is_empty() {

@@ -165,7 +165,7 @@ pub enum SampleVerdict {
     Outlier,
     /// The wheel slips: encoder and yaw rate disagree.
     Slip,
-    /// Something pushes or holds the vehicle: it does not move as its torque says.
+    /// Something pushes or holds the vehicle: it does not move as its torque requires.
     Push,
     /// The drive did not deliver the torque that was asked for: a governor, a power limit, a drive that derates.
     TorqueLimited,

@@ -1,8 +1,8 @@
-//! Literals that JSON does not have, and that its writers still write: NaN, Infinity.
+//! Literals that JSON does not have but that many writers use: NaN, Infinity.
 //!
-//! Python writes them for numbers that are not finite. One of them in a field that nobody asked for must not cost the message.
+//! Python writes them for numbers that are not finite. One of them in a field that is not wanted must not lose the message.
 
-/// The literals, as Python, JavaScript and C print them; the longest first where one begins like another.
+/// The literals, as Python, JavaScript and C print them; the longest first where one begins with another.
 const LITERALS: [&[u8]; 7] = [b"-Infinity", b"Infinity", b"NaN", b"-inf", b"nan", b"inf", b"-nan"];
 
 /// The payload with every such literal in quotes; `None` if it has none. A text such as `"NaN"` is read as a number where a number is wanted.
