@@ -5,6 +5,7 @@
 //! CSV; any other CSV is an Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
 pub(crate) mod campaign_checks;
+pub(crate) mod change_checks;
 mod finding;
 pub(crate) mod foreign;
 mod foreign_rules;

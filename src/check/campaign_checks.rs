@@ -3,6 +3,7 @@
 //! The fit stores the checks in the file. A verdict and the page make them again, so that a file of an older version, or one from which they
 //! were removed, is judged as well.
 
+use crate::check::change_checks::change_checks;
 use crate::map::{
     AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, LogActuator, RunRow, SampleVerdict, SpeedSource, Table1File,
 };
@@ -72,6 +73,7 @@ pub(crate) fn content_checks(file: &Table1File) -> Vec<Check> {
     all.extend(condemned(file));
     all.extend(file.maps.iter().filter(|m| m.angle().is_same(file.vehicle.test_angle())).map(|map| friction(file, map)));
     all.push(undelivered(file));
+    all.extend(change_checks(file));
     all
 }
 
@@ -80,7 +82,7 @@ fn encoder_scale(file: &Table1File) -> Option<Check> {
     let encoder = file.witnesses.iter().find(|w| w.name == SpeedSource::Encoder && w.scale_std_err.is_some())?;
     let scale = encoder.scale;
     let departure = (scale - 1.0).abs();
-    let (outcome, limit) = graded(departure, ENCODER_SCALE);
+    let (outcome, limit) = CheckOutcome::graded(departure, ENCODER_SCALE);
     let meaning = format!(
         "the encoder's speed is {scale:.3} of the yaw rate's with this wheelbase, {:.1} % off, {:.0} % is allowed",
         100.0 * departure,
@@ -150,7 +152,7 @@ fn condemned(file: &Table1File) -> Option<Check> {
         return None;
     }
     let share = bad as f64 / moving as f64;
-    let (outcome, limit) = graded(share, CONDEMNED);
+    let (outcome, limit) = CheckOutcome::graded(share, CONDEMNED);
     let meaning = format!("{:.0} % of the moving samples are left out as push or slip, {:.0} % is allowed", 100.0 * share, 100.0 * limit);
     let check = Check::passed("push-and-slip", (100.0 * share, 100.0 * limit, "%"), meaning);
     let advice = "look at signs, units and clocks of the signals, and at the floor; drive again without help from outside";
@@ -186,18 +188,6 @@ fn undelivered(file: &Table1File) -> Check {
         return Check::passed("torque-delivered", figure, meaning).broken(CheckOutcome::Warning, advice);
     }
     Check::passed("torque-delivered", figure, "no torque is known to be undelivered".to_owned())
-}
-
-/// The outcome of a figure with one limit for a warning and one for an objection, and the limit that counts.
-fn graded(figure: f64, [warning, objection]: [f64; 2]) -> (CheckOutcome, f64) {
-    if figure <= warning {
-        (CheckOutcome::Passed, warning)
-    } else if figure <= objection {
-        (CheckOutcome::Warning, warning)
-    } else {
-        // NaN ends here
-        (CheckOutcome::Objection, objection)
-    }
 }
 
 /// Why the campaign is too short to judge a gear's map at the test angle; `None` if it is not.

@@ -5,11 +5,18 @@ use crate::invert::inverse::Inverse;
 /// Spacing of the default acceleration breaks [m/s²].
 const ACCEL_STEP_MPS2: f64 = 0.1;
 
+/// Largest acceleration of a wheel that grips the floor is 10 m/s²; a table beyond ten times that is none of a vehicle [m/s²].
+pub(crate) const MOST_ACCEL_MPS2: f64 = 100.0;
+
+/// Least and largest acceleration by torques within `range_nm` at any of `speeds`, with 0 between them [m/s²].
+pub(crate) fn accel_range_mps2(inverse: &Inverse, speeds: &[f64], range_nm: [f64; 2]) -> [f64; 2] {
+    let reach = |u: f64| speeds.iter().map(move |v| inverse.accel_mps2(*v, u));
+    [reach(range_nm[0]).fold(f64::INFINITY, f64::min).min(0.0), reach(range_nm[1]).fold(f64::NEG_INFINITY, f64::max).max(0.0)]
+}
+
 /// Every 0.1 m/s² over the accelerations by torques within `range_nm` at any of `speeds`, rounded outward.
 pub(crate) fn accel_breaks(inverse: &Inverse, speeds: &[f64], range_nm: [f64; 2]) -> Vec<f64> {
-    let reach = |u: f64| speeds.iter().map(move |v| inverse.accel_mps2(*v, u));
-    let low = reach(range_nm[0]).fold(f64::INFINITY, f64::min).min(0.0);
-    let high = reach(range_nm[1]).fold(f64::NEG_INFINITY, f64::max).max(0.0);
+    let [low, high] = accel_range_mps2(inverse, speeds, range_nm);
     let first = (low / ACCEL_STEP_MPS2 + 1e-9).floor() as i64;
     let last = ((high / ACCEL_STEP_MPS2 - 1e-9).ceil() as i64).max(first + 1);
     (first..=last).map(|k| (k as f64 * ACCEL_STEP_MPS2 * 1e9).round() / 1e9).collect()

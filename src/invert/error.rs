@@ -20,6 +20,10 @@ pub enum Error {
     NotSolved { gear: Gear },
     #[error("--place {found}: at least 3 breaks and at most 200 can be placed")]
     BadPlace { found: usize },
+    #[error(
+        "Table 1 ({gear}) goes from {low_mps2:.0} to {high_mps2:.0} m/s², which no vehicle does; at most {most_mps2:.0} m/s² are allowed. Look at the units of torque and speed, and fit it again"
+    )]
+    NotPhysical { gear: Gear, low_mps2: f64, high_mps2: f64, most_mps2: f64 },
     #[error(transparent)]
     Map(#[from] crate::map::Error),
 }

@@ -65,6 +65,10 @@ fn invert_map(
 ) -> Result<(TorqueMap, String)> {
     let inverse = Inverse::new(map.surface.table()?, map.gear)?;
     let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| limit.clamp(0.0, u));
+    let [low_mps2, high_mps2] = breaks::accel_range_mps2(&inverse, &map.speed_mps, tested);
+    if high_mps2.max(-low_mps2) > breaks::MOST_ACCEL_MPS2 {
+        return Err(Error::NotPhysical { gear: map.gear, low_mps2, high_mps2, most_mps2: breaks::MOST_ACCEL_MPS2 });
+    }
     let (speeds, accels) = axes(&inverse, map, tested, settings);
     let speed_axis = Axis::new("speed_mps", speeds.clone())?;
     let accel_axis = Axis::new("accel_mps2", accels.clone())?;

@@ -14,6 +14,10 @@ pub(crate) struct Alignment {
 /// Range of the delay search [s].
 const DELAY_RANGE_S: f64 = 0.3;
 
+/// Scales of one speed in two units, such as degrees for radians or revolutions per minute for radians per second, and of a wrong radius
+/// with it. A scale outside of it is no scale.
+const SCALES: std::ops::Range<f64> = 0.005..200.0;
+
 impl Alignment {
     /// No difference.
     pub(crate) const SAME: Self = Self { scale: 1.0, delay_s: 0.0 };
@@ -61,7 +65,7 @@ impl Alignment {
         for k in -9..=9 {
             try_delay(centre + f64::from(k) * 1e-3);
         }
-        (best.0.is_finite() && best.1.scale > 0.2 && best.1.scale < 5.0).then_some(best.1)
+        (best.0.is_finite() && SCALES.contains(&best.1.scale)).then_some(best.1)
     }
 }
 

@@ -17,6 +17,7 @@ use crate::fit::solve::shrinkage::Stacked;
 use crate::fit::surface::design::Design;
 use crate::fit::surface::lattice::LatticeSurface;
 use crate::map::{Gear, PerGear};
+use faer::Mat;
 
 /// Standard errors of the calibration.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +55,8 @@ pub(crate) struct SurfaceModel {
     /// The physics form with a share of the surface.
     pub(crate) stacked: Stacked,
     pub(crate) system: System,
+    /// The covariance with penalties that the data do not rule out.
+    pub(crate) plausible: Mat<f64>,
 }
 
 impl SurfaceModel {

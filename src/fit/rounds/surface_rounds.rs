@@ -15,8 +15,10 @@ use crate::fit::rounds::outliers::CUT_BEYOND;
 use crate::fit::rounds::round::RoundResult;
 use crate::fit::rounds::state::{RoundData, State};
 use crate::fit::solve::penalised_least_squares::System;
+use crate::fit::solve::plausible_penalties::plausible_covariance;
 use crate::fit::solve::shrinkage::Stacked;
 use crate::fit::{Error, Result};
+use faer::Mat;
 
 /// From this round on, speeds move by half of the step asked for: most campaigns converge before.
 const HALF_WAY_FROM: usize = 3;
@@ -26,6 +28,7 @@ const WELL_EXPLAINED: f64 = 0.98;
 /// Results of the last round.
 struct FinalRound {
     stacked: Stacked,
+    plausible: Mat<f64>,
     system: System,
     lookups: Vec<Speeds>,
     validation: Option<Validation>,
@@ -95,13 +98,14 @@ fn final_round(state: &mut State, courses: &[Course], speeds: &[Speeds], free: F
         let courses = courses_again(courses, &torques, &state.calibration);
         pass = state.pass(&courses).along(Some(speeds));
     }
-    Ok(FinalRound { stacked, system, lookups: pass.speeds, validation })
+    let plausible = plausible_covariance(&system, &state.design.blocks, &stacked.solution.penalties, &prior).ok_or(Error::Singular)?;
+    Ok(FinalRound { stacked, system, plausible, lookups: pass.speeds, validation })
 }
 
 /// The estimate, with every single reading compared with it.
 fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converged: bool) -> Estimate {
     let RoundData { transients, segments, merged } = data;
-    let FinalRound { stacked, system, lookups, validation } = last;
+    let FinalRound { stacked, system, plausible, lookups, validation } = last;
     let speeds: Vec<Speeds> =
         segments.iter().zip(merged.iter().zip(&lookups)).map(|(s, (m, v))| spread(&v.after, &m.readings, &s.readings).into()).collect();
     let torques = state.torques();
@@ -115,7 +119,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converg
             lookups,
         },
         data: EstimateData { logs: state.logs, end: state.end, gears: state.gears, has_yaw: state.has_yaw, segments, transients },
-        model: SurfaceModel { design: state.design, surfaces: state.surfaces, stacked, system },
+        model: SurfaceModel { design: state.design, surfaces: state.surfaces, stacked, system, plausible },
         calibration: state.calibration,
         free,
         other_drives: Vec::new(),

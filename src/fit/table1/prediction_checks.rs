@@ -99,16 +99,8 @@ fn error_mps2(segment: &Segment, own: &[Compared]) -> f64 {
     along / squares.max(1e-12)
 }
 
-fn percent(check: Check, outcome: CheckOutcome, advice: &str) -> Check {
+fn judged(check: Check, outcome: CheckOutcome, advice: &str) -> Check {
     if outcome == CheckOutcome::Passed { check } else { check.broken(outcome, advice) }
-}
-
-fn graded(figure: f64, [warning, objection]: [f64; 2]) -> (CheckOutcome, f64) {
-    match figure {
-        f if f <= warning => (CheckOutcome::Passed, warning),
-        f if f <= objection => (CheckOutcome::Warning, warning),
-        _ => (CheckOutcome::Objection, objection),
-    }
 }
 
 /// Size of the errors over all runs.
@@ -117,14 +109,14 @@ fn size(runs: &[UnseenRun]) -> Option<Check> {
         return None;
     }
     let rms = (runs.iter().map(|r| r.error * r.error).sum::<f64>() / runs.len() as f64).sqrt();
-    let (outcome, limit) = graded(rms, UNSEEN);
+    let (outcome, limit) = CheckOutcome::graded(rms, UNSEEN);
     let meaning = format!(
         "runs left out of the fit accelerate by {:.1} % of the largest acceleration more or less than it predicts, {:.0} % is allowed",
         100.0 * rms,
         100.0 * limit
     );
     let check = Check::passed("unseen-runs", (100.0 * rms, 100.0 * limit, "%"), meaning);
-    Some(percent(check, outcome, "look for a floor that is not level, pushes, changes of load, and signals of another unit or clock"))
+    Some(judged(check, outcome, "look for a floor that is not level, pushes, changes of load, and signals of another unit or clock"))
 }
 
 /// A trend of the errors over time, which the model's own drift leaves.
@@ -142,14 +134,14 @@ fn over_time(runs: &[UnseenRun]) -> Option<Check> {
     let last_s = runs.iter().map(|r| r.start_s).fold(f64::NEG_INFINITY, f64::max);
     let first_s = runs.iter().map(|r| r.start_s).fold(f64::INFINITY, f64::min);
     let change = (slope * (last_s - first_s)).abs();
-    let (outcome, limit) = graded(if slope.abs() > SIGNIFICANT * std_err { change } else { 0.0 }, OVER_TIME);
+    let (outcome, limit) = CheckOutcome::graded(if slope.abs() > SIGNIFICANT * std_err { change } else { 0.0 }, OVER_TIME);
     let meaning = format!(
         "over the campaign, runs left out of the fit drift away from it by {:.1} % of the largest acceleration, {:.0} % is allowed",
         100.0 * change,
         100.0 * limit
     );
     let check = Check::passed("over-time", (100.0 * change, 100.0 * limit, "%"), meaning);
-    Some(percent(check, outcome, "look for heat, an emptying battery, a drifting sensor or clock; drive up and down the torques in turn"))
+    Some(judged(check, outcome, "look for heat, an emptying battery, a drifting sensor or clock; drive up and down the torques in turn"))
 }
 
 /// The torque whose runs differ most from the fit.
@@ -173,7 +165,7 @@ fn of_levels(runs: &[UnseenRun]) -> Option<Check> {
     };
     let (_, worst) = levels.iter().max_by(|a, b| significant(a.1).total_cmp(&significant(b.1)))?;
     let (error, count) = (mean(worst), worst.len());
-    let (outcome, limit) = graded(significant(worst), OF_LEVEL);
+    let (outcome, limit) = CheckOutcome::graded(significant(worst), OF_LEVEL);
     let meaning = format!(
         "the {count} runs at {:.0} N·m in {} gear accelerate by {:+.1} % of the largest acceleration more than a fit without them predicts, {:.0} % is allowed",
         worst[0].torque_nm,
@@ -182,7 +174,7 @@ fn of_levels(runs: &[UnseenRun]) -> Option<Check> {
         100.0 * limit
     );
     let check = Check::passed("torque-levels", (100.0 * error.abs(), 100.0 * limit, "%"), meaning);
-    Some(percent(check, outcome, "look for a dead band, a limit or a saturation of the drive at this torque"))
+    Some(judged(check, outcome, "look for a dead band, a limit or a saturation of the drive at this torque"))
 }
 
 /// Innovations in the time after steps of the torque, against the others.
@@ -205,12 +197,12 @@ fn after_steps(estimate: &Estimate) -> Option<Check> {
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let ratio = mean(&after) / mean(&others).max(1e-9);
-    let (outcome, limit) = graded(ratio, AFTER_STEPS);
+    let (outcome, limit) = CheckOutcome::graded(ratio, AFTER_STEPS);
     let meaning = format!(
         "in the {AFTER_STEP_S} s after steps of the torque, the speed departs {ratio:.1} times as much from the fit as elsewhere (squared), {limit} times is allowed"
     );
     let check = Check::passed("after-steps", (ratio, limit, "times"), meaning);
-    Some(percent(
+    Some(judged(
         check,
         outcome,
         "the drive is not as it was modelled: look at the torque's clock and at the drive's limits, or log the torque feedback",

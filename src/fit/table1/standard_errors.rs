@@ -17,8 +17,6 @@ use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The error of every model of a drive and its friction, as a share of the largest torque.
-const MODEL_ERROR: f64 = 4.5e-4;
 /// Fewest folds whose spread is used.
 const FEWEST_FOLDS: usize = 4;
 /// Largest factor on the standard errors: beyond it the model is wrong, which other checks report.
@@ -80,25 +78,21 @@ impl Uncertainty {
     /// Standard errors of A(V, U) at points (V, U) of a gear [m/s²].
     pub(crate) fn std_errs_mps2(&self, estimate: &Estimate, gear: Gear, points: &[(f64, f64)]) -> Vec<f64> {
         let q = estimate.model.design.coefficients();
-        let surface = estimate.model.surface(gear);
-        let largest_nm = surface.lattice.torque_nm.iter().fold(0.0f64, |m, u| m.max(u.abs()));
         let rows: Vec<Vec<f64>> = points.iter().map(|(v, u)| contrast(estimate, gear, *v, *u)).collect();
         let contrasts = Mat::from_fn(q, points.len(), |a, k| rows[k][a]);
-        let products = [&self.posterior, &self.sandwich].map(|m| m.submatrix(0, 0, q, q) * &contrasts);
+        let products = [&self.posterior, &self.sandwich, &estimate.model.plausible].map(|m| m.submatrix(0, 0, q, q) * &contrasts);
         (0..points.len())
             .map(|k| {
-                let [posterior, sandwich] =
+                let [posterior, sandwich, plausible] =
                     products.each_ref().map(|product| (0..q).map(|a| rows[k][a] * product[(a, k)]).sum::<f64>().max(0.0));
                 let doubt: f64 = rows[k].iter().zip(&estimate.model.stacked.doubt).map(|(c, d)| c * d).sum();
-                let (v, u) = points[k];
-                let form = MODEL_ERROR * largest_nm * surface.value_and_slope(v, u).1;
-                let (mut bias, mut extra) = (0.0, doubt * doubt + form * form);
+                let (mut bias, mut extra) = (0.0, doubt * doubt);
                 for pull in &estimate.model.stacked.pulls {
                     let pulled: f64 = rows[k].iter().zip(&pull.of).map(|(c, p)| c * p).sum();
                     bias += pulled;
                     extra += pull.relative_variance * pulled * pulled;
                 }
-                self.inflation[gear] * (posterior.max(sandwich) + bias * bias + extra).sqrt()
+                self.inflation[gear] * (posterior.max(sandwich).max(plausible) + bias * bias + extra).sqrt()
             })
             .collect()
     }

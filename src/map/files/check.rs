@@ -14,6 +14,20 @@ pub enum CheckOutcome {
     Objection,
 }
 
+impl CheckOutcome {
+    /// The outcome of a figure with one limit for a warning and one for an objection, and the limit that counts. A figure that is no number
+    /// is an objection.
+    pub(crate) fn graded(figure: f64, [warning, objection]: [f64; 2]) -> (Self, f64) {
+        if figure <= warning {
+            (Self::Passed, warning)
+        } else if figure <= objection {
+            (Self::Warning, warning)
+        } else {
+            (Self::Objection, objection)
+        }
+    }
+}
+
 /// One figure against its limit. `table1.json` and `verify.json` hold them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
