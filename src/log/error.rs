@@ -39,7 +39,9 @@ pub enum Error {
     UnknownKey { found: String, place: String, nearest: &'static str, known: String },
     #[error(transparent)]
     Unit(#[from] UnknownUnit),
-    #[error("{signal} cannot be in {unit}, which is a unit of {dimension}")]
+    #[error(
+        "{signal} cannot be in {unit}, which is a unit of {dimension}. Give a unit of {signal}, and `scale`, which multiplies each value before: a torque in % of 40 N.m has unit = \"N.m\" and scale = 0.4"
+    )]
     WrongDimension { signal: &'static str, unit: &'static str, dimension: Dimension },
     #[error("{signal}: {field} is {value}; it must be a finite number")]
     NotFinite { signal: &'static str, field: &'static str, value: f64 },
