@@ -1,6 +1,6 @@
 //! Which wrong campaigns, logs, signal maps and command lines a verdict passes.
 //!
-//! `cargo run --release --example verdicts -- [--kinds "wheelbase,a slope"] [--vehicles scrubber,sweeper,drag] [--seed 1]`
+//! `cargo run --release --example verdicts -- [--kinds "wheelbase;a slope"] [--vehicles scrubber,sweeper,drag] [--skip "resonance;rate limit"] [--seed 1] [--checks]`
 //!
 //! Every mistake is made to a good campaign of each vehicle, the map is made and judged as `calibrate` does, and compared with the exact map.
 //! A map is wrong if, over the cells that it calls measured, the root mean square torque error is above 0.5 N·m (for 44 N·m of torque), or
@@ -33,14 +33,19 @@ fn main() -> Fallible<()> {
     if good > 0 {
         return good_campaigns(&vehicles, good);
     }
-    let kinds = after("--kinds", "");
-    let chosen = |kind: &str| kinds.is_empty() || kinds.split(',').any(|k| k == kind);
+    let with_checks = std::env::args().any(|a| a == "--checks");
+    let (kinds, skipped) = (after("--kinds", ""), after("--skip", ""));
+    let is_in = |list: &str, kind: &str| list.split(';').any(|k| k == kind);
+    let chosen = |kind: &str| (kinds.is_empty() || is_in(&kinds, kind)) && !is_in(&skipped, kind);
     let cases: Vec<_> = all().into_iter().filter(|m| chosen(m.kind)).flat_map(|m| vehicles.iter().map(move |v| (m, *v))).collect();
     let rows: Vec<Row> = cases
         .into_par_iter()
         .map(|(mistake, vehicle)| {
             let outcome = mistake.made(vehicle, seed).and_then(judged)?;
             eprintln!("{}, {}, {vehicle}: {}", mistake.kind, mistake.strength, figures(&outcome));
+            if with_checks {
+                eprintln!("  {}", outcome.checks.join("\n  "));
+            }
             Ok(Row { mistake, vehicle, outcome })
         })
         .collect::<Fallible<_>>()?;

@@ -52,6 +52,8 @@ pub(crate) struct Outcome {
     pub(crate) reason: String,
     /// Names of the checks that warn.
     pub(crate) warnings: Vec<String>,
+    /// Every check with its figure and limit, in words.
+    pub(crate) checks: Vec<String>,
 }
 
 impl Outcome {
@@ -80,10 +82,7 @@ pub(crate) fn judged(mut case: Case) -> Fallible<Outcome> {
     let delivered = std::mem::replace(&mut case.delivered, Box::new(|_, torque_nm, _| torque_nm));
     let limit_nm = RMS_LIMIT_NM * case.size;
     Ok(match calibrated(case) {
-        Err(error) => {
-            let reason = error.to_string().lines().next().unwrap_or_default().to_owned();
-            Outcome { wrongness: None, status: None, reason, warnings: Vec::new() }
-        }
+        Err(error) => Outcome { wrongness: None, status: None, reason: with_causes(&*error), warnings: Vec::new(), checks: Vec::new() },
         Ok(made) => {
             let checks = made.verdict.checks.iter().filter(|c| c.outcome == CheckOutcome::Warning);
             Outcome {
@@ -91,9 +90,19 @@ pub(crate) fn judged(mut case: Case) -> Fallible<Outcome> {
                 status: Some(made.verdict.status),
                 reason: made.verdict.reason.clone(),
                 warnings: checks.map(|c| c.name.clone()).collect(),
+                checks: made.verdict.checks.iter().map(|c| format!("{}: {}", c.name, c.text())).collect(),
             }
         }
     })
+}
+
+/// An error with its causes, in one line.
+fn with_causes(error: &(dyn std::error::Error + 'static)) -> String {
+    let causes = std::iter::successors(Some(error), |e| e.source());
+    let mut lines: Vec<String> = causes.map(|e| e.to_string().lines().next().unwrap_or_default().to_owned()).collect();
+    // some errors are worded with their cause
+    lines.dedup_by(|cause, error| error.ends_with(cause.as_str()));
+    lines.join(": ")
 }
 
 /// The cells that Table 1 calls measured, Table 2's torque for the exact acceleration against the cell's torque.
