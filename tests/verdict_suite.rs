@@ -19,7 +19,7 @@ const CAUGHT: [(&str, &str); 12] = [
     ("two publishers of the command", "10 Hz"),
     ("speed stops", "at 20 %"),
     ("speed logged late from half-way", "1 s"),
-    ("one of two logs: load", "+ 80 %"),
+    ("one of two logs: torque scale", "× 0.5"),
     ("two levels", "of driving"),
     ("no draws", "0"),
 ];

@@ -92,7 +92,7 @@ impl Case {
     /// A vehicle or a campaign that the simulator refuses.
     pub(crate) fn drive_as(&mut self, text: &str) -> Fallible<()> {
         self.truth = vehicle(text)?;
-        self.text = text.to_owned();
+        text.clone_into(&mut self.text);
         self.drive(&usual(self.size))
     }
 

@@ -82,7 +82,7 @@ pub(crate) fn judged(mut case: Case) -> Fallible<Outcome> {
     let delivered = std::mem::replace(&mut case.delivered, Box::new(|_, torque_nm, _| torque_nm));
     let limit_nm = RMS_LIMIT_NM * case.size;
     Ok(match calibrated(case) {
-        Err(error) => Outcome { wrongness: None, status: None, reason: with_causes(&*error), warnings: Vec::new(), checks: Vec::new() },
+        Err(error) => Outcome { wrongness: None, status: None, reason: error.to_string(), warnings: Vec::new(), checks: Vec::new() },
         Ok(made) => {
             let checks = made.verdict.checks.iter().filter(|c| c.outcome == CheckOutcome::Warning);
             Outcome {
@@ -94,15 +94,6 @@ pub(crate) fn judged(mut case: Case) -> Fallible<Outcome> {
             }
         }
     })
-}
-
-/// An error with its causes, in one line.
-fn with_causes(error: &(dyn std::error::Error + 'static)) -> String {
-    let causes = std::iter::successors(Some(error), |e| e.source());
-    let mut lines: Vec<String> = causes.map(|e| e.to_string().lines().next().unwrap_or_default().to_owned()).collect();
-    // some errors are worded with their cause
-    lines.dedup_by(|cause, error| error.ends_with(cause.as_str()));
-    lines.join(": ")
 }
 
 /// The cells that Table 1 calls measured, Table 2's torque for the exact acceleration against the cell's torque.

@@ -38,7 +38,7 @@ pub(super) fn all() -> Vec<Mistake> {
             case.logs[0].keep(YAW_RATE, |_| false);
             Ok(())
         }),
-        kind("gear ratio of the encoder", [("2", 2.0), ("20", 20.0)], |case, ratio| {
+        kind("gear ratio of the encoder", [("2", 2.0), ("5", 5.0)], |case, ratio| {
             times(case, SPEED, ratio);
             Ok(())
         }),

@@ -44,9 +44,7 @@ pub(super) fn all() -> Vec<Mistake> {
         kind("at the end of a campaign", [("stationary", 0.0), ("gain falls by 20 %", 0.2)], |case, share| {
             case.fit.at = CampaignTime::End;
             let end_s = case.logs[0].length_s();
-            for topic in [COMMAND] {
-                case.logs[0].values(topic, |t_s, value| value / (1.0 - share * t_s / end_s));
-            }
+            case.logs[0].values(COMMAND, |t_s, value| value / (1.0 - share * t_s / end_s));
             case.delivered = Box::new(move |_, torque_nm, _| torque_nm * (1.0 - share));
             Ok(())
         }),
