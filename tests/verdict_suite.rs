@@ -8,8 +8,8 @@ use verdicts::judge::judged;
 use verdicts::mistakes::all;
 use verdicts::table::figures;
 
-/// Kinds and strengths that no verdict passes, one of each way in which a campaign can be wrong.
-const CAUGHT: [(&str, &str); 12] = [
+/// Kinds and strengths of which no wrong map passes: it is refused, rejected, or right in spite of the mistake.
+const CLEAN: [(&str, &str); 12] = [
     ("wheelbase", "× 1.08"),
     ("wheelbase and radius apart", "15 %"),
     ("sign of the torque", "command"),
@@ -25,13 +25,13 @@ const CAUGHT: [(&str, &str); 12] = [
 ];
 
 #[test]
-fn no_mistake_of_the_fixed_set_passes() {
+fn no_wrong_map_of_the_fixed_set_passes() {
     let mistakes = all();
     let mut passed = Vec::new();
-    for (kind, strength) in CAUGHT {
+    for (kind, strength) in CLEAN {
         let mistake = mistakes.iter().find(|m| m.kind == kind && m.strength == strength).unwrap();
         let outcome = judged(mistake.made("scrubber", 1).unwrap()).unwrap();
-        if outcome.passes() {
+        if outcome.is_false_pass() {
             passed.push(format!("{kind}, {strength}: {}", figures(&outcome)));
         }
     }
