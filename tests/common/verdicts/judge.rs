@@ -104,6 +104,8 @@ fn compared(
 ) -> Fallible<Wrongness> {
     let truth: Truth = vehicle.truth()?;
     let angle_rad = vehicle.settings().vehicle.test_angle_deg * RAD_PER_DEG;
+    // a table gives no more than the torque that the vehicle allows
+    let most_nm = table1.vehicle.torque_limit_nm.unwrap_or(f64::INFINITY);
     let (mut squares, mut beyond, mut cells) = (0.0, 0usize, 0usize);
     for map in &table1.maps {
         let Some(inverted) = table2.maps.iter().find(|m| m.gear == map.gear) else { continue };
@@ -113,7 +115,7 @@ fn compared(
                 let accel = |u: f64| truth.gear_accel_mps2(map.gear, *speed_mps, delivered(*speed_mps, u, map.gear.sign()), angle_rad);
                 // where a limit makes more torque no acceleration, every torque is right
                 let slope = (accel(*torque_nm + 0.05) - accel(*torque_nm - 0.05)) / 0.1;
-                if map.status[i][j] != CellStatus::Measured || *speed_mps < SLOWEST_MPS || slope < 1e-3 {
+                if map.status[i][j] != CellStatus::Measured || *speed_mps < SLOWEST_MPS || torque_nm.abs() > most_nm || slope < 1e-3 {
                     continue;
                 }
                 // beyond the table's accelerations, the nearest
