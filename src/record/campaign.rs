@@ -23,6 +23,9 @@ pub struct Campaign {
     /// Timing of the messages that are not sensors.
     #[serde(default, skip_serializing_if = "is_default_topics")]
     pub topics: TopicSettings,
+    /// Slope of the floor [°], uphill along the heading of the start; positive or negative, less than 45 in size. Default 0.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub slope_deg: f64,
     /// The groups of runs, driven in this order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<RunGroup>,
@@ -31,7 +34,7 @@ pub struct Campaign {
 impl Default for Campaign {
     fn default() -> Self {
         let (start_time, seed) = (default_start_time(), default_seed());
-        Self { name: String::new(), start_time, seed, topics: TopicSettings::default(), runs: Vec::new() }
+        Self { name: String::new(), start_time, seed, topics: TopicSettings::default(), slope_deg: 0.0, runs: Vec::new() }
     }
 }
 

@@ -24,6 +24,8 @@ pub enum Error {
     NoAngles { group: usize },
     #[error("runs entry {group}: wheel_angle_deg is {wheel_angle_deg}; the vehicle steers up to {limit_deg}° in both directions")]
     BeyondSteering { group: usize, wheel_angle_deg: f64, limit_deg: f64 },
+    #[error("slope_deg is {slope_deg}; allowed: above -45 and below 45")]
+    Slope { slope_deg: f64 },
     #[error("the campaign is longer than {limit_s} s; split it into several campaigns")]
     TooLong { limit_s: f64 },
     #[error("topic {topic} was opened as {opened} and is written as {written}")]

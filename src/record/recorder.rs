@@ -5,11 +5,14 @@ use crate::record::campaign::Campaign;
 use crate::record::error::{Error, Result};
 use crate::record::runner::{RunOutcome, Runner};
 use crate::record::topics::Topics;
-use crate::sim::{VehicleFile, World};
+use crate::sim::{Fault, VehicleFile, World};
+use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 
 /// Longest campaign [s].
 const LIMIT_S: f64 = 4.0 * 3600.0;
+/// A floor is less steep than this [°].
+const STEEPEST_DEG: f64 = 45.0;
 
 /// A log and its report.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +51,12 @@ pub fn record(vehicle: &VehicleFile, campaign: &Campaign, seed: Option<u64>) -> 
         return Err(Error::BeyondSteering { group, wheel_angle_deg, limit_deg });
     }
     let mut world = World::new(&vehicle.settings(), seed)?;
+    if !campaign.slope_deg.is_finite() || campaign.slope_deg.abs() >= STEEPEST_DEG {
+        return Err(Error::Slope { slope_deg: campaign.slope_deg });
+    }
+    if campaign.slope_deg != 0.0 {
+        world.inject(Fault::Slope { grade_rad: campaign.slope_deg * RAD_PER_DEG, uphill_heading_rad: 0.0 });
+    }
     let mut runner = Runner::new(plan, &vehicle.vehicle, seed);
     let mut topics = Topics::new(&campaign.topics, &vehicle.vehicle, campaign.start_ns()?, seed)?;
     let steps_per_cycle = (CYCLE_S / vehicle.step_s).round().max(1.0) as u64;
@@ -134,6 +143,16 @@ mod tests {
         let campaign = Campaign::from_toml("[[runs]]\ntorque_nm = 8\n[[runs]]\ntorque_nm = 8\nwheel_angle_deg = [30, -120]\n").unwrap();
         let error = record(&VehicleFile::from_toml(VEHICLE).unwrap(), &campaign, None).unwrap_err().to_string();
         assert_eq!(error, "runs entry 2: wheel_angle_deg is -120; the vehicle steers up to 100° in both directions");
+    }
+
+    #[test]
+    fn a_slope_is_driven_on_and_one_that_is_no_floor_is_refused() {
+        let levelled = recorded("[[runs]]\ntorque_nm = 20\nhold_s = 1.0\n").report.runs[0].end_speed_mps;
+        let uphill = recorded("slope_deg = 15\n[[runs]]\ntorque_nm = 20\nhold_s = 1.0\n").report.runs[0].end_speed_mps;
+        assert!((levelled - uphill).abs() > 0.05, "{levelled} on the level, {uphill} on the slope");
+        let vehicle = VehicleFile::from_toml(VEHICLE).unwrap();
+        let steep = Campaign::from_toml("slope_deg = 60\n[[runs]]\ntorque_nm = 20\n").unwrap();
+        assert_eq!(record(&vehicle, &steep, None).unwrap_err().to_string(), "slope_deg is 60; allowed: above -45 and below 45");
     }
 
     #[test]
