@@ -16,6 +16,8 @@ const ENCODER_SCALE: [f64; 2] = [0.02, 0.05];
 const CONDEMNED: [f64; 2] = [0.20, 0.40];
 /// Breakaway torque over the largest torque beyond which little is left to accelerate with.
 const FRICTION: f64 = 0.60;
+/// The share below which there is no friction at all, which no drive has: torques of one gear have another sign or offset.
+const NO_FRICTION: f64 = 0.005;
 /// Largest clock offset that sampling phases explain [s].
 const CLOCK_OFFSET_S: f64 = 0.02;
 /// Largest standard error of a well-determined dead time [s].
@@ -171,6 +173,12 @@ fn friction(file: &Table1File, map: &AccelMap) -> Check {
         100.0 * FRICTION
     );
     let check = Check::passed(format!("friction-{}", map.gear), (100.0 * share, 100.0 * FRICTION, "%"), meaning);
+    if share < NO_FRICTION {
+        let meaning =
+            format!("{} gear: no torque is needed to start from rest, as of no drive; {:.1} % is the least", map.gear, 100.0 * NO_FRICTION);
+        let check = Check { meaning, limit: 100.0 * NO_FRICTION, ..check };
+        return check.broken(CheckOutcome::Objection, "look at sign and offset of the torque in this gear, and at the floor");
+    }
     if share > FRICTION {
         check.broken(CheckOutcome::Warning, "look for a dragging brake, a soft floor, or a torque in another unit")
     } else {
@@ -282,6 +290,8 @@ mod tests {
         let names: Vec<String> = all_checks(&file).into_iter().filter(|c| c.outcome == CheckOutcome::Warning).map(|c| c.name).collect();
         assert_eq!(names, ["clock-offset", "dead-time", "friction-forward"]);
         assert!(check(&file, "clock-offset").meaning.contains("demo.mcap: the speed's clock is -50.0 ms"));
+        file.maps[1].breakaway.torque_nm = 0.0;
+        assert!(check(&file, "friction-reverse").objects(), "no drive is without friction");
         for (pushed, outcome) in [(0.19, CheckOutcome::Passed), (0.21, CheckOutcome::Warning), (0.41, CheckOutcome::Objection)] {
             let mut file = demo();
             let used = file.report.ledger[0].samples as f64;

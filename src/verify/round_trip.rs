@@ -3,9 +3,10 @@
 //! Δa = A(v, T₂(v, a)) − a must stay within 0.15 m/s² + 3 standard errors of Table 1, and its mean over a row of Table 2 above 0 m/s within
 //! 0.05 m/s² + 3: interpolation moves single cells, but not a whole row in the same way. It is checked at each measured cell of Table 1,
 //! (v, τ) with a = A(v, τ), and at each node of Table 2, (v, a), whose true torque lies among measured cells. Beyond its torques the
-//! surface continues linearly, so that a torque which the drive cannot give is detected too. The speed axis must start at 0.
+//! surface continues linearly, so that a torque which the drive cannot give is detected too. Places beyond a limit of the drive that the fit
+//! found are unreachable, and are not checked. The speed axis must start at 0.
 
-use crate::map::{AccelMap, AccelTable, CellStatus, Gear, TorqueTable, WheelAngle, ZeroRow, lookup};
+use crate::map::{AccelMap, AccelTable, CellStatus, Gear, Table1File, TorqueTable, WheelAngle, ZeroRow, lookup};
 use crate::verify::Maps;
 use crate::verify::exact_map::torque_for;
 use serde::{Deserialize, Serialize};
@@ -85,12 +86,12 @@ pub(crate) fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::
     for gear in Gear::ALL {
         let (Some(table2), Some(map1)) = (maps.table(gear), maps.table1.map_at_test_angle(gear)) else { continue };
         let holds = maps.table2.map_at_test_angle(gear).is_some_and(|m| m.zero_row != ZeroRow::Moving);
-        all.push(of_gear(gear, table2, map1, &map1.surface.table()?, holds, limit));
+        all.push(of_gear(gear, table2, (&maps.table1, map1), &map1.surface.table()?, holds, limit));
     }
     for map in maps.angles.iter().filter(|m| !test_angle.is_same_deg(m.wheel_angle_deg)) {
         let Some(map1) = maps.table1.map(map.gear, WheelAngle::from_deg(map.wheel_angle_deg)) else { continue };
         let holds = maps.table2.map(map.gear, map1.angle()).is_some_and(|m| m.zero_row != ZeroRow::Moving);
-        let trip = of_gear(map.gear, &map.table, map1, &map1.surface.table()?, holds, limit);
+        let trip = of_gear(map.gear, &map.table, (&maps.table1, map1), &map1.surface.table()?, holds, limit);
         all.push(RoundTripVerdict { wheel_angle_deg: Some(map.wheel_angle_deg), ..trip });
     }
     Ok(all)
@@ -99,7 +100,7 @@ pub(crate) fn round_trip(maps: &Maps, limit: &RoundTripLimit) -> crate::verify::
 fn of_gear(
     gear: Gear,
     table2: &TorqueTable,
-    map1: &AccelMap,
+    (table1, map1): (&Table1File, &AccelMap),
     surface: &AccelTable,
     holds: bool,
     limit: &RoundTripLimit,
@@ -121,6 +122,10 @@ fn of_gear(
     let mut check = |out: &mut RoundTripVerdict, speed_mps: f64, accel_mps2: f64, right_torque_nm: f64, std_err_mps2: f64| {
         // a row of a resting wheel gives no information on a wheel that just moves
         if holds && speed_mps == 0.0 && accel_mps2 <= 0.0 {
+            return None;
+        }
+        // what the drive does not deliver is unreachable in Table 2
+        if right_torque_nm > table1.delivered_nm(speed_mps) {
             return None;
         }
         let Some(torque_nm) = table2.torque_from_accel(speed_mps, accel_mps2) else {

@@ -18,7 +18,7 @@ const SAME_TORQUE: f64 = 0.04;
 /// vehicle or load.
 const SAME_VEHICLE: f64 = 0.10;
 /// Largest constant difference of acceleration between two logs by a floor or a slope, relative to the acceleration by the largest torque.
-const SAME_FLOOR: f64 = 0.05;
+const SAME_FLOOR: f64 = 0.03;
 /// A difference must also exceed this many standard errors.
 const SIGNIFICANT: f64 = 3.5;
 

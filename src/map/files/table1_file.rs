@@ -324,8 +324,13 @@ impl Table1File {
 
     /// The largest driving torque that the drive delivers at a speed [N·m]: the vehicle's limit, or that of the drive where it is lower.
     pub fn most_torque_nm(&self, speed_mps: f64) -> f64 {
+        self.delivered_nm(speed_mps).min(self.torque_limit_nm())
+    }
+
+    /// The largest driving torque by the limit of the drive that the fit found [N·m]; without end where it found none.
+    pub fn delivered_nm(&self, speed_mps: f64) -> f64 {
         let limit = self.actuator.drive.as_ref().and_then(|d| d.limit);
-        limit.map_or(f64::INFINITY, |l| l.most_nm(speed_mps)).min(self.torque_limit_nm())
+        limit.map_or(f64::INFINITY, |l| l.most_nm(speed_mps))
     }
 
     /// The vehicle's torque limit [N·m], or without one the largest torque of the tables.
