@@ -57,6 +57,10 @@ fn varied_torques(gear: Gear, samples: &[UsedSample]) -> Check {
     if effective >= FEWEST_TORQUES {
         return check(format!("{gear} gear: {figures}"));
     }
+    if own.is_empty() {
+        let meaning = format!("{gear} gear: no sample is used, so that every torque is a guess ({figures})");
+        return check(meaning).broken(CheckOutcome::Objection, "look at the verdicts on the samples: most of them say why");
+    }
     let mut usual: Vec<(usize, i64)> = counts.iter().map(|(level, n)| (*n, *level)).collect();
     usual.sort_unstable_by(|a, b| b.cmp(a));
     let at: Vec<String> = usual.iter().take(2).map(|(_, level)| format!("{:.0}", *level as f64 * SAME_TORQUE * largest)).collect();
