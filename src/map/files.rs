@@ -3,6 +3,7 @@
 //! In: JSON and CSV text, or a folder. Out: [`Table1File`], [`Table2File`] and the files beside them, checked field by field, and
 //! [`MapFolder`], which checks whether each file is the one that the others describe.
 
+mod actuator;
 mod check;
 mod csv_name;
 mod fit_traces;
@@ -19,6 +20,7 @@ mod status;
 mod table1_file;
 mod table2_file;
 
+pub use actuator::{Actuator, DelayEstimate, LogActuator};
 pub use check::{Check, CheckOutcome};
 pub(crate) use csv_name::{csv_name, is_csv_name};
 pub use fit_traces::FitTraces;
@@ -36,7 +38,6 @@ pub use save::sha256_hex;
 pub(crate) use save::write_whole;
 pub use status::{ActuatorInput, DelayStatus, InputSource, SampleVerdict, SpeedSource, ZeroRow};
 pub use table1_file::{
-    AccelMap, Actuator, BreakawayTorque, CsvRef, DelayEstimate, FineSurface, LedgerRow, LogActuator, LogRef, PlantNoise, RunRow,
-    SpeedReading, Stage1Report, Table1File, Units,
+    AccelMap, BreakawayTorque, CsvRef, FineSurface, LedgerRow, LogRef, PlantNoise, RunRow, SpeedReading, Stage1Report, Table1File, Units,
 };
 pub use table2_file::{DeadBand, GridPoint, RoundTripErrors, Table2File, TorqueMap};
