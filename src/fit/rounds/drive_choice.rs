@@ -33,6 +33,10 @@ const WORTH_A_FIT: (f64, f64) = (30.0, 0.01);
 const CLEARLY: f64 = 3.0;
 /// …and by this much a run on average.
 const PER_RUN: f64 = 1.0;
+/// …or when so many runs gain this much each (−2·ln L), and all gains together are so many times the losses.
+const FEWEST_GAINS: usize = 2;
+const CLEAR_GAIN: f64 = 9.0;
+const GAIN_OVER_LOSS: f64 = 10.0;
 /// Bound of a squared innovation in its variance.
 const MOST_SQUARED: f64 = 16.0;
 
@@ -114,10 +118,14 @@ pub(crate) fn with_better_input(surveys: &[Survey], choice: TorqueChoice, settin
     }
 }
 
-/// Whether a drive is clearly better than one that was tried before.
+/// Whether a drive is clearly better than one that was tried before: by its mean over the runs, or because several runs gain much and the
+/// others lose hardly anything. A limit acts in a few runs only, so that the spread between the runs hides it.
 fn is_better(drive: &ScoredDrive, before: &ScoredDrive) -> bool {
     let (lower, std_err) = difference(before, drive);
-    lower > CLEARLY * std_err && lower > PER_RUN * before.scores.len() as f64
+    let each = || before.scores.iter().filter_map(|(run, score)| Some(score - drive.scores.get(run)?));
+    let (gains, losses) = (each().filter(|d| *d > 0.0).sum::<f64>(), -each().filter(|d| *d < 0.0).sum::<f64>());
+    let in_some = each().filter(|d| *d > CLEAR_GAIN).count() >= FEWEST_GAINS && gains > GAIN_OVER_LOSS * losses;
+    (lower > CLEARLY * std_err || in_some) && lower > PER_RUN * before.scores.len() as f64
 }
 
 /// By how much the second predicts better than the first, over the runs that both predict, with its standard error.
