@@ -213,8 +213,10 @@ fn a_gap_of_the_feedback_is_left_out_and_a_lost_reading_is_bridged() {
     let stretch = usable.stretches.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s))).unwrap();
     let middle_s = 0.5 * (stretch.from_s + stretch.to_s);
     let seconds = |fit: &Fit| fit.file.report.ledger.iter().find(|row| row.verdict == SampleVerdict::Gap).map_or(0.0, |row| row.seconds);
-    let whole = fitted(&recording, |_| ());
-    let with_gap = fitted(&recording, |track| {
+    let settings = fit::FitSettings { drive: Some(DriveFamily::Feedback), ..fit::FitSettings::default() };
+    let by_feedback = |change: &dyn Fn(&mut Track)| fit(vec![surveyed(&recording, change)], &settings).unwrap();
+    let whole = by_feedback(&|_| ());
+    let with_gap = by_feedback(&|track| {
         let own = feedback(track);
         let kept = own.t_s.iter().zip(&own.value).filter(|(t, _)| (**t - middle_s).abs() > 0.3);
         let (t_s, value) = kept.map(|(t, v)| (*t, *v)).unzip();
