@@ -19,6 +19,11 @@ use pivot_cal::map::{CellStatus, CsvRef, Table1File};
 use pivot_cal::signal::Track;
 use std::collections::BTreeMap;
 
+#[path = "../tests/common/vehicle_text.rs"]
+mod vehicle_text;
+
+use vehicle_text::changed;
+
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 const CAMPAIGN: &str = "
@@ -52,27 +57,15 @@ const KINDS: [(&str, &[(&str, &str)]); 8] = [
     ("coarse encoder", &[("[sensors.encoder]", "counts_per_rev = 300")]),
 ];
 
+/// The bundled vehicle.
+const SCRUBBER: &str = include_str!("../data/vehicles/scrubber.toml");
+
 /// Vehicles: the bundled scrubber, a heavier one, one with more friction.
 const VEHICLES: [&[(&str, &str)]; 3] = [
     &[],
     &[("[motion]", "mass_kg = 240.0"), ("[motion]", "yaw_inertia_kgm2 = 108.0")],
     &[("[motion]", "coulomb_nm = 5.0"), ("[motion]", "viscous_nm_s_m = 8.0"), ("[motion]", "drive_efficiency = 0.88")],
 ];
-
-/// The bundled vehicle file with lines replaced, or added below a heading.
-fn changed(changes: &[(&str, &str)]) -> String {
-    let mut text = include_str!("../data/vehicles/scrubber.toml").to_owned();
-    for (heading, lines) in changes {
-        for line in lines.lines() {
-            let key = line.split(" = ").next().unwrap_or(line);
-            let at = text.find(heading).map_or(0, |k| k + heading.len() + 1);
-            let end = text[at..].find("\n[").map_or(text.len(), |k| at + k);
-            let kept: Vec<&str> = text[at..end].lines().filter(|l| !l.starts_with(&format!("{key} "))).collect();
-            text = format!("{}{line}\n{}{}", &text[..at], kept.join("\n"), &text[end..]);
-        }
-    }
-    text
-}
 
 /// Sums over the judged cells.
 #[derive(Default)]
@@ -132,7 +125,7 @@ fn main() -> Fallible<()> {
     for (name, changes) in KINDS.iter().filter(|(name, _)| kinds.is_empty() || kinds.split(',').any(|k| k == *name)) {
         let (mut outcome, mut refused) = (Outcome::default(), 0);
         for vehicle in VEHICLES {
-            let vehicle = VehicleFile::from_toml(&changed(&[vehicle, changes].concat()))?;
+            let vehicle = VehicleFile::from_toml(&changed(SCRUBBER, &[vehicle, changes].concat()))?;
             for seed in 1..=seeds {
                 let log = record(&vehicle, &campaign, Some(seed))?.bytes;
                 let overrides = VehicleOverrides { wheelbase_m: Some(0.9), wheel_radius_m: Some(0.12), ..VehicleOverrides::default() };

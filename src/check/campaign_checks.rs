@@ -91,7 +91,7 @@ fn encoder_scale(file: &Table1File) -> Option<Check> {
         100.0 * limit
     );
     let check = Check::passed("encoder-scale", (100.0 * departure, 100.0 * limit, "%"), meaning);
-    Some(if outcome == CheckOutcome::Passed { check } else { check.broken(outcome, scale_advice(file, scale)) })
+    Some(check.judged(outcome, scale_advice(file, scale)))
 }
 
 /// Advice on a wrong scale: the most likely cause first.
@@ -158,7 +158,7 @@ fn condemned(file: &Table1File) -> Option<Check> {
     let meaning = format!("{:.0} % of the moving samples are left out as push or slip, {:.0} % is allowed", 100.0 * share, 100.0 * limit);
     let check = Check::passed("push-and-slip", (100.0 * share, 100.0 * limit, "%"), meaning);
     let advice = "look at signs, units and clocks of the signals, and at the floor; drive again without help from outside";
-    Some(if outcome == CheckOutcome::Passed { check } else { check.broken(outcome, advice) })
+    Some(check.judged(outcome, advice))
 }
 
 /// Breakaway torque against what the drive can give.

@@ -197,3 +197,24 @@ fn run_score(segment: &Segment, torques: &[EffectiveTorque], state: &State, surf
     // the first reading only gives the unknown speed
     variances.zip(&along.white).skip(1).map(|(variance, white)| (white * white).min(MOST_SQUARED) + variance.ln()).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scored(of_run: impl Fn(usize) -> f64) -> ScoredDrive {
+        ScoredDrive { drive: DriveModel::first_order(0.05), scores: (0..30).map(|k| ((0, k), of_run(k))).collect() }
+    }
+
+    #[test]
+    fn a_drive_is_better_by_all_runs_or_by_a_few_that_need_it() {
+        let before = scored(|_| 100.0);
+        let is = |gain: &dyn Fn(usize) -> f64| is_better(&scored(|k| 100.0 - gain(k)), &before);
+        let noise = |k: usize| 0.5 * ((k * 7919 % 13) as f64 / 6.0 - 1.0);
+        assert!(!is(&|_| 0.0) && !is(&noise));
+        assert!(is(&|k| 3.0 + noise(k)), "every run gains a little");
+        assert!(is(&|k| if k < 2 { 40.0 } else { 0.0 }), "two runs reach a limit");
+        assert!(!is(&|k| if k < 1 { 80.0 } else { 0.0 }), "one run may be a push");
+        assert!(!is(&|k| if k < 2 { 40.0 } else { -0.5 }), "the others pay for it");
+    }
+}

@@ -100,10 +100,6 @@ fn error_mps2(segment: &Segment, own: &[Compared]) -> f64 {
     along / squares.max(1e-12)
 }
 
-fn judged(check: Check, outcome: CheckOutcome, advice: &str) -> Check {
-    if outcome == CheckOutcome::Passed { check } else { check.broken(outcome, advice) }
-}
-
 /// Size of the errors over all runs.
 fn size(runs: &[UnseenRun]) -> Option<Check> {
     if runs.len() < FEWEST_RUNS {
@@ -117,7 +113,7 @@ fn size(runs: &[UnseenRun]) -> Option<Check> {
         100.0 * limit
     );
     let check = Check::passed("unseen-runs", (100.0 * rms, 100.0 * limit, "%"), meaning);
-    Some(judged(check, outcome, "look for a floor that is not level, pushes, changes of load, and signals of another unit or clock"))
+    Some(check.judged(outcome, "look for a floor that is not level, pushes, changes of load, and signals of another unit or clock"))
 }
 
 /// A trend of the errors over time, which the model's own drift leaves.
@@ -142,7 +138,7 @@ fn over_time(runs: &[UnseenRun]) -> Option<Check> {
         100.0 * limit
     );
     let check = Check::passed("over-time", (100.0 * change, 100.0 * limit, "%"), meaning);
-    Some(judged(check, outcome, "look for heat, an emptying battery, a drifting sensor or clock; drive up and down the torques in turn"))
+    Some(check.judged(outcome, "look for heat, an emptying battery, a drifting sensor or clock; drive up and down the torques in turn"))
 }
 
 /// The torque whose runs differ most from the fit.
@@ -175,7 +171,7 @@ fn of_levels(runs: &[UnseenRun]) -> Option<Check> {
         100.0 * limit
     );
     let check = Check::passed("torque-levels", (100.0 * error.abs(), 100.0 * limit, "%"), meaning);
-    Some(judged(check, outcome, "look for a dead band, a limit or a saturation of the drive at this torque"))
+    Some(check.judged(outcome, "look for a dead band, a limit or a saturation of the drive at this torque"))
 }
 
 /// Innovations in the time after steps of the torque, against the others.
@@ -203,9 +199,51 @@ fn after_steps(estimate: &Estimate) -> Option<Check> {
         "in the {AFTER_STEP_S} s after steps of the torque, the speed departs {ratio:.1} times as much from the fit as elsewhere (squared), {limit} times is allowed"
     );
     let check = Check::passed("after-steps", (ratio, limit, "times"), meaning);
-    Some(judged(
-        check,
+    Some(check.judged(
         outcome,
         "the drive is not as it was modelled: look at the torque's clock and at the drive's limits, or log the torque feedback",
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Four torques in turn, every 5 s, with errors of 0.3 % that repeat and what is added to them.
+    fn runs(added: impl Fn(usize) -> f64) -> Vec<UnseenRun> {
+        let run = |k: usize| UnseenRun {
+            gear: Gear::Forward,
+            start_s: 5.0 * k as f64,
+            torque_nm: [10.0, 20.0, 30.0, 40.0][k % 4],
+            error: 0.003 * ((k * 7919 % 13) as f64 / 6.0 - 1.0) + added(k),
+        };
+        (0..40).map(run).collect()
+    }
+
+    fn outcomes(runs: &[UnseenRun]) -> [CheckOutcome; 3] {
+        [size(runs), over_time(runs), of_levels(runs)].map(|check| check.unwrap().outcome)
+    }
+
+    #[test]
+    fn errors_are_judged_by_size_trend_and_torque() {
+        use CheckOutcome::{Objection, Passed, Warning};
+        assert_eq!(outcomes(&runs(|_| 0.0)), [Passed; 3]);
+        // a floor that is not level: of either sign, at every torque and time
+        assert_eq!(outcomes(&runs(|k| if k / 4 % 2 == 0 { 0.022 } else { -0.022 }))[0], Warning);
+        assert_eq!(outcomes(&runs(|k| if k / 4 % 2 == 0 { 0.03 } else { -0.03 })), [Objection, Passed, Passed]);
+        // 3 % and 6 % over the campaign, about its middle
+        assert_eq!(outcomes(&runs(|k| 0.03 * (k as f64 / 39.0 - 0.5))), [Passed, Warning, Passed]);
+        assert_eq!(outcomes(&runs(|k| 0.06 * (k as f64 / 39.0 - 0.5)))[1], Objection);
+        // the largest torque is not delivered
+        assert_eq!(outcomes(&runs(|k| if k % 4 == 3 { -0.03 } else { 0.0 })), [Passed, Passed, Warning]);
+        let check = of_levels(&runs(|k| if k % 4 == 3 { -0.05 } else { 0.0 })).unwrap();
+        assert!(check.objects() && check.meaning.contains("10 runs at 40 N·m in forward gear accelerate by -"), "{check:?}");
+    }
+
+    #[test]
+    fn few_runs_show_nothing() {
+        let few = &runs(|_| 0.1)[..5];
+        assert!(size(few).is_none() && over_time(few).is_none() && of_levels(few).is_none());
+    }
 }

@@ -60,6 +60,11 @@ impl Check {
         Self { outcome, advice: advice.into(), ..self }
     }
 
+    /// The same check with this outcome; the advice is for one that is not passed.
+    pub(crate) fn judged(self, outcome: CheckOutcome, advice: impl Into<String>) -> Self {
+        if outcome == CheckOutcome::Passed { self } else { self.broken(outcome, advice) }
+    }
+
     /// Whether it is an objection.
     pub fn objects(&self) -> bool {
         self.outcome == CheckOutcome::Objection

@@ -11,9 +11,6 @@ use std::path::{Path, PathBuf};
 /// The pivots that are driven: a turn in each direction.
 const PIVOTS: [&str; 2] = ["left-90", "right-90"];
 
-/// Accelerations beyond which a table with a break every 0.1 m/s² may fill the memory [m/s²]: the case counts as one without a map.
-const MOST_MPS2: f64 = 100.0;
-
 /// A map and its verdict.
 pub(crate) struct Made {
     pub(crate) table1: Table1File,
@@ -41,10 +38,6 @@ fn made_in(folder: &Path, case: Case) -> Fallible<Made> {
     let signals = case.signals.as_deref().map(SignalMap::from_toml).transpose()?.map_or(Source::Detect, Source::Map);
     let source = LogSource { signals, vehicle: case.given };
     let fitted = fit_logs(&paths, &maps, &FitStage { source, settings: case.fit, ..FitStage::default() }, &|_| {})?;
-    let most_mps2 = fitted.fit.file.maps.iter().flat_map(|m| m.accel_mps2.iter().flatten()).fold(0.0, |most: f64, a| most.max(a.abs()));
-    if most_mps2 > MOST_MPS2 {
-        return Err(format!("not inverted by the suite: Table 1 holds {most_mps2:.0} m/s², whose table would fill the memory").into());
-    }
     let inversion = invert_folder(&maps, &InvertStage::default(), &|_| {})?;
     let mut table1 = fitted.fit.file;
     if let Some(name) = case.forced_table1_of {

@@ -13,6 +13,8 @@ pub(crate) mod judge;
 pub(crate) mod log;
 pub(crate) mod mistakes;
 pub(crate) mod table;
+#[path = "../vehicle_text.rs"]
+pub(crate) mod vehicle_text;
 pub(crate) mod vehicles;
 
 /// What may fail in making a case.

@@ -3,6 +3,7 @@
 use pivot_cal::internals::VehicleFile;
 
 use crate::verdicts::Fallible;
+use crate::verdicts::vehicle_text::changed;
 
 /// Names of the vehicles.
 pub(crate) const NAMES: [&str; 3] = ["scrubber", "sweeper", "drag"];
@@ -32,21 +33,6 @@ pub(crate) fn text(name: &str) -> String {
 /// A text that is no vehicle file.
 pub(crate) fn vehicle(text: &str) -> Fallible<VehicleFile> {
     Ok(VehicleFile::from_toml(text)?)
-}
-
-/// A vehicle file with lines replaced, or added below a heading.
-pub(crate) fn changed(text: &str, changes: &[(&str, &str)]) -> String {
-    let mut text = text.to_owned();
-    for (heading, lines) in changes {
-        for line in lines.lines() {
-            let key = line.split(" = ").next().unwrap_or(line);
-            let at = text.find(heading).map_or(0, |k| k + heading.len() + 1);
-            let end = text[at..].find("\n[").map_or(text.len(), |k| at + k);
-            let kept: Vec<&str> = text[at..end].lines().filter(|l| !l.starts_with(&format!("{key} "))).collect();
-            text = format!("{}{line}\n{}\n{}", &text[..at], kept.join("\n"), &text[end..]);
-        }
-    }
-    text
 }
 
 /// The file with one of its numbers multiplied; a key that it does not have stays away.

@@ -6,7 +6,7 @@ use super::{Mistake, kind};
 use crate::verdicts::Fallible;
 use crate::verdicts::case::Case;
 use crate::verdicts::log::{COMMAND, FEEDBACK, SPEED};
-use crate::verdicts::vehicles::changed;
+use crate::verdicts::vehicle_text::changed;
 
 fn with_drive(case: &mut Case, lines: &str) -> Fallible<()> {
     let text = changed(&case.text, &[("[drive]", lines)]);
