@@ -38,7 +38,7 @@ pub use motion::MotionSettings;
 pub use plant::PhysicalSettings;
 pub(crate) use pose::WheelAngleTerms;
 pub(crate) use random::{Random, Stream};
-pub(crate) use replay::{RecordedRun, replay};
+pub(crate) use replay::{RecordedRun, Replay, replay};
 pub(crate) use sensor_timing::{Channel, SensorReading, Timing};
 pub(crate) use settings::Perturbation;
 pub use settings::WorldSettings;

@@ -24,6 +24,7 @@ mod pivot_driver;
 mod pivot_log;
 mod pivot_traces;
 pub(crate) mod reference_maps;
+mod replay_check;
 mod replayed;
 mod round_trip;
 mod run;

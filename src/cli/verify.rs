@@ -122,8 +122,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         Ok(judge_manoeuvres(&maps, &driven, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
     })?;
     logs.extend(judged.logs);
-    let mut verdict = verdict.with_scenarios(judged.verdicts, judged.note);
-    verdict.replayed = replay_logs(arguments, &maps, ui)?;
+    let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?);
     let path = arguments.maps.join("verify.json");
     save_verdict(&verdict, traces.as_ref(), &arguments.maps)?;
     // those of an earlier verdict stay: they name their Table 2

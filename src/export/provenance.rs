@@ -1,7 +1,7 @@
 //! Origin of an exported map, as lines for a comment.
 
 use crate::export::MapSource;
-use crate::map::FixedText;
+use crate::map::{FixedText, IdentifiedDrive};
 
 /// The lines. Without time and machine, so that the same map gives the same bytes; without characters that could end a comment.
 pub(crate) fn lines(source: &MapSource) -> Vec<String> {
@@ -18,6 +18,10 @@ pub(crate) fn lines(source: &MapSource) -> Vec<String> {
         ),
         format!("Drive: dead time {} s, lag {} s.", file.dead_time_s, file.lag_s),
     ];
+    let drive = file.drive.iter().flat_map(IdentifiedDrive::lines);
+    lines.extend(drive.map(|(label, text)| {
+        clean(&format!("{label} {text}").replace('·', ".").replace('±', "+-").replace('/', " per ")).trim().to_owned()
+    }));
     for map in &file.maps {
         let band = &map.dead_band;
         lines.push(format!(

@@ -15,6 +15,7 @@ mod delay_grid;
 mod delay_rounds;
 pub(crate) mod drive_choice;
 pub(crate) mod estimate;
+mod flat_top;
 pub(crate) mod initial_guess;
 pub(crate) mod outliers;
 mod round;
@@ -24,6 +25,7 @@ mod surface_rounds;
 
 use crate::campaign::Survey;
 use crate::fit::drive::torque_input::TorqueChoice;
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::rounds::drive_choice::DriveChoice;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::rounds::initial_guess::Examined;
@@ -36,12 +38,21 @@ use crate::fit::{FitSettings, KnownCalibration, Result};
 /// A slow speed signal without a yaw rate, too little motion, one torque only, equations without information.
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
     let examined = Examined::new(surveys, choice, settings)?;
-    let chosen = match &settings.known {
+    let mut chosen = match &settings.known {
         Some(KnownCalibration { drive: Some(drive), .. }) => DriveChoice { drive: *drive, others: Vec::new() },
         _ => drive_choice::choose(&examined, surveys, choice, settings),
     };
     let mut state = State::from_guess(examined.guess(choice, settings, &[chosen.drive], None), settings);
-    let sampled = delay_rounds::run(&mut state)?;
+    let mut sampled = delay_rounds::run(&mut state)?;
+    let free = settings.known.as_ref().is_none_or(|k| k.drive.is_none()) && !choice.is_feedback();
+    if free
+        && chosen.drive.limit == TorqueLimit::None
+        && let Some(limit_nm) = flat_top::limit_nm(&state)
+    {
+        chosen = drive_choice::with_torque_limit(limit_nm, chosen, &examined, choice, settings);
+        state = State::from_guess(examined.guess(choice, settings, &[chosen.drive], None), settings);
+        sampled = delay_rounds::run(&mut state)?;
+    }
     let estimate = surface_rounds::run(state, sampled)?;
     Ok(Estimate { other_drives: chosen.others, ..estimate })
 }

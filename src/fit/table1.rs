@@ -9,4 +9,5 @@ pub(crate) mod runs;
 pub(crate) mod soundness;
 pub(crate) mod standard_errors;
 pub(crate) mod tables;
+pub(crate) mod torque_gain;
 pub(crate) mod traces;

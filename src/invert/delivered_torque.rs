@@ -7,6 +7,9 @@ pub(crate) struct DeliveredTorque<'a> {
     pub(crate) least_nm: f64,
     /// Largest torque [N·m] at a speed [m/s].
     pub(crate) most_nm: &'a dyn Fn(f64) -> f64,
+    /// Largest torque of a node in either direction [N·m]. Nodes beyond the reach may have more than is delivered, so that the table is right
+    /// between them and the reach.
+    pub(crate) node_limit_nm: f64,
 }
 
 impl DeliveredTorque<'_> {

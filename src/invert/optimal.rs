@@ -1,7 +1,8 @@
 //! Nodes of a bilinear table with the smallest squared torque error, at and between them (Garcia & Gupta 2009, lattice regression).
 //!
 //! Minimises Σ (T(v, a) − τ(v, a))² over a dense cloud of reachable (v, a), plus 1e-3 × the same toward the exact nodes, subject to
-//! T rising in a and |T| ≤ τ_max.
+//! T rising in a and |T| ≤ τ_max. τ_max is the limit of the nodes: one beyond the reach may have more torque than is delivered, so that the table
+//! is right up to the edge.
 
 use crate::invert::delivered_torque::DeliveredTorque;
 use crate::invert::inverse::Inverse;
@@ -72,7 +73,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     }
     let p = CscMatrix::new(n, n, pointers, indices, values);
     let rise = LEAST_RISE * (exact[columns - 1] - exact[0]).abs() / (columns - 1) as f64;
-    let (a, b) = constraints(speeds, columns, rise, limit);
+    let (a, b) = constraints(speeds.len(), columns, rise, limit.node_limit_nm);
     let settings = DefaultSettingsBuilder::default().verbose(false).max_iter(200).build().ok()?;
     let cones = [SupportedConeT::NonnegativeConeT(b.len())];
     let mut solver = DefaultSolver::new(&p, &linear, &a, &b, &cones, settings).ok()?;
@@ -80,7 +81,7 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
     if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
         return None;
     }
-    let mut nodes: Vec<f64> = solver.solution.x.iter().enumerate().map(|(k, t)| limit.clamp(speeds[k / columns], *t)).collect();
+    let mut nodes: Vec<f64> = solver.solution.x.iter().map(|t| t.clamp(-limit.node_limit_nm, limit.node_limit_nm)).collect();
     // the solver keeps its constraints only to a tolerance: falling values are made level
     for row in nodes.chunks_exact_mut(columns) {
         for j in 1..columns {
@@ -92,11 +93,10 @@ pub(crate) fn nodes(inverse: &Inverse, speeds: &[f64], accels: &[f64], range_nm:
 
 /// T_j − T_{j+1} + s = −rise within each speed, then ±T + s = limit; s ≥ 0. Where the limits bind, neighbours may be equal. So the rise is
 /// required by rows, and is softened to zero by the number of breaks that fit below the limit.
-fn constraints(speeds: &[f64], columns: usize, rise: f64, limit: &DeliveredTorque) -> (CscMatrix<f64>, Vec<f64>) {
-    let rows = speeds.len();
+fn constraints(rows: usize, columns: usize, rise: f64, limit_nm: f64) -> (CscMatrix<f64>, Vec<f64>) {
     let n = rows * columns;
     let differences = rows * (columns - 1);
-    let rise = rise.min(-limit.least_nm / columns as f64 * 1e-3);
+    let rise = rise.min(limit_nm / columns as f64 * 1e-3);
     let (mut pointers, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
     for k in 0..n {
         let (i, j) = (k / columns, k % columns);
@@ -115,7 +115,6 @@ fn constraints(speeds: &[f64], columns: usize, rise: f64, limit: &DeliveredTorqu
         pointers.push(indices.len());
     }
     let mut b = vec![-rise; differences];
-    b.extend((0..n).map(|k| (limit.most_nm)(speeds[k / columns])));
-    b.extend(std::iter::repeat_n(-limit.least_nm, n));
+    b.extend(std::iter::repeat_n(limit_nm, 2 * n));
     (CscMatrix::new(differences + 2 * n, n, pointers, indices, values), b)
 }

@@ -5,9 +5,12 @@ use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
 use crate::invert::{Error, InvertSettings, Result, breaks, optimal};
 use crate::map::{
-    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, TABLE2_FORMAT, Table1File, Table2File, TorqueMap, TorqueTable, Units,
-    ZeroRow, csv_name, sha256_hex,
+    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, IdentifiedDrive, TABLE2_FORMAT, Table1File, Table2File, TorqueMap,
+    TorqueTable, Units, ZeroRow, csv_name, sha256_hex,
 };
+
+/// Share of the largest torque driven by which a node may lie beyond it.
+const BEYOND_LARGEST: f64 = 0.05;
 
 /// Table 2 with its files.
 #[derive(Debug, Clone)]
@@ -34,7 +37,10 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
     let mut csvs = Vec::new();
     for map in &file.maps {
         let other = file.maps.iter().find(|m| m.gear != map.gear && m.angle().is_same(map.angle()));
-        let limit = DeliveredTorque { least_nm: -limit_nm, most_nm: &|v| file.most_torque_nm(v) };
+        // where no limit of the vehicle is given, the nodes next to the reach may lie beyond the largest torque driven, so that the table is right
+        // up to it; a drive with a limit of its own delivers no more there
+        let node_limit_nm = if file.torque_limit_driven { limit_nm * (1.0 + BEYOND_LARGEST) } else { limit_nm };
+        let limit = DeliveredTorque { least_nm: -limit_nm, most_nm: &|v| file.most_torque_nm(v), node_limit_nm };
         let (inverted, csv) = invert_map(map, other, &limit, file.vehicle.test_angle_deg, settings)?;
         csvs.push((inverted.csv.file.clone(), csv));
         maps.push(inverted);
@@ -50,6 +56,7 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         settings: serde_json::to_value(settings).map_err(crate::map::Error::from)?,
         dead_time_s: file.actuator.dead_time.value_s,
         lag_s: file.actuator.lag.value_s,
+        drive: file.actuator.drive.clone().map(|drive| IdentifiedDrive { compared: Vec::new(), ..drive }),
         maps,
         families: file.families.clone(),
     };
@@ -125,10 +132,12 @@ fn invert_map(
                 .enumerate()
                 .map(|(j, a)| {
                     let torque = inverse.torque_nm(*v, *a);
+                    // a node differs from the inverse at its place to be best between the nodes
+                    let moved = table.at(i, j) - torque;
                     (status[i][j] != CellStatus::Unreachable)
                         .then(|| errors.accel_from_torque_clamped(*v, torque))
                         .flatten()
-                        .map(|e| round6(e / inverse.slope(*v, torque)))
+                        .map(|e| round6((e / inverse.slope(*v, torque)).hypot(moved)))
                 })
                 .collect()
         })

@@ -186,6 +186,7 @@ mod tests {
             tool_version: String::new(),
             units: crate::map::Units::default(),
             vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            torque_limit_driven: true,
             logs: Vec::new(),
             settings: serde_json::Value::Null,
             actuator: Actuator {

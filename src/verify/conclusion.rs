@@ -5,6 +5,7 @@ use crate::map::{Check, Gear, Table1File};
 use crate::verify::basis::Basis;
 use crate::verify::gate::LimitCheck;
 use crate::verify::notes::notes;
+use crate::verify::replay_check::replay_check;
 use crate::verify::round_trip::RoundTripVerdict;
 use crate::verify::scenario::Scenario;
 use crate::verify::verdict::{MapVerdict, ScenarioVerdict, Status};
@@ -34,6 +35,7 @@ impl MapVerdict {
     /// The verdict with the checks of `table1` and the basis from its campaign; a verdict of an older version has neither.
     pub(crate) fn on(mut self, table1: &Table1File) -> Self {
         self.checks = all_checks(table1);
+        self.checks.extend(replay_check(&self.replayed));
         self.basis = Some(Basis::new(table1));
         self.concluded()
     }

@@ -13,6 +13,7 @@ use crate::verify::notes::notes;
 use crate::verify::perturbations::draws;
 use crate::verify::pivot_log::PivotLog;
 use crate::verify::pivot_traces::ClosedLoop;
+use crate::verify::replay_check::REPLAY;
 use crate::verify::round_trip::round_trip;
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
@@ -111,11 +112,13 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
 /// # Errors
 /// A name that no check has.
 fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
-    if let Some(found) = names.iter().find(|name| checks.iter().all(|c| c.name != **name)) {
-        let known: Vec<&str> = checks.iter().map(|c| c.name.as_str()).collect();
+    // the replay follows
+    let known: Vec<&str> = checks.iter().map(|c| c.name.as_str()).chain([REPLAY]).collect();
+    if let Some(found) = names.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(Error::NoCheck { found: found.clone(), known: known.join(", ") });
     }
-    Ok(checks.iter().filter(|c| c.objects() && names.contains(&c.name)).map(|c| c.name.clone()).collect())
+    let objections = checks.iter().filter(|c| c.objects()).map(|c| c.name.as_str()).chain([REPLAY]);
+    Ok(objections.filter(|name| names.iter().any(|n| n == name)).map(str::to_owned).collect())
 }
 
 /// Runs one scenario on the nominal plant, as [`verify`] does, and shows every control period to `record`.

@@ -27,6 +27,7 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
         units: Units::default(),
         vehicle: world.vehicle,
+        torque_limit_driven: false,
         logs: Vec::new(),
         settings: serde_json::Value::Null,
         actuator: Actuator {
@@ -62,6 +63,7 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
         settings: serde_json::Value::Null,
         dead_time_s: world.drive.dead_time_s,
         lag_s: world.drive.lag_s,
+        drive: None,
         maps: Vec::new(),
         families: Vec::new(),
     };

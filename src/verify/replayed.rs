@@ -6,7 +6,7 @@
 use crate::campaign::{Stretch, Survey};
 use crate::map::{Gear, SpeedSource, Table1File};
 use crate::sim;
-use crate::sim::RecordedRun;
+use crate::sim::{RecordedRun, Replay};
 use crate::verify::Result;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +31,9 @@ pub struct ReplayedRun {
     pub rmse_mps: f64,
     /// Largest difference [m/s].
     pub max_mps: f64,
+    /// Constant acceleration that the simulation lacks, as a share of the acceleration by the largest torque.
+    #[serde(default)]
+    pub missing_share: f64,
 }
 
 /// Shortest run that is replayed [s]: a shorter one is mostly dead time.
@@ -60,6 +63,7 @@ pub(crate) fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<Repla
         }
         let Some(recorded) = Recorded::cut(survey, *stretch, late_s, scale) else { continue };
         let found = sim::replay(&settings, &recorded.run(stretch.gear))?;
+        let missing_share = recorded.missing_mps2(&found) / reach_mps2(table1, stretch.gear)?;
         runs.push(ReplayedRun {
             file: source.file.clone(),
             fitted,
@@ -70,9 +74,19 @@ pub(crate) fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<Repla
             r_squared: found.r_squared,
             rmse_mps: found.rmse_mps,
             max_mps: found.max_mps,
+            missing_share,
         });
     }
     Ok(runs)
+}
+
+/// Acceleration by the largest torque of a gear's surface over that by none, just above standstill [m/s²].
+fn reach_mps2(table1: &Table1File, gear: Gear) -> Result<f64> {
+    let Some(map) = table1.map_at_test_angle(gear) else { return Ok(f64::INFINITY) };
+    let surface = map.surface.table()?;
+    let largest_nm = map.torque_nm.last().copied().unwrap_or(0.0);
+    let accel_mps2 = |torque_nm: f64| surface.accel_from_torque_clamped(0.0, torque_nm).unwrap_or(0.0);
+    Ok((accel_mps2(largest_nm) - accel_mps2(0.0)).max(1e-6))
 }
 
 /// One run's samples, gear frame: at every speed reading, and at every change of the command.
@@ -104,6 +118,17 @@ impl Recorded {
         // the speed before the run is not compared and may be missing
         let speed_mps: Option<Vec<f64>> = t_s.iter().map(|&t| if t < score_from_s { Some(0.0) } else { speed_at(t) }).collect();
         Some(Self { torque_nm, speed_mps: speed_mps?, t_s, score_from_s })
+    }
+
+    /// Slope of recorded less simulated speed through the start of the comparison [m/s²].
+    fn missing_mps2(&self, found: &Replay) -> f64 {
+        let (mut along, mut squares) = (0.0, 0.0);
+        for ((t_s, recorded), simulated) in self.t_s.iter().zip(&self.speed_mps).skip(found.first).zip(&found.speed_mps) {
+            let t = t_s - self.score_from_s;
+            along += t * (recorded - simulated);
+            squares += t * t;
+        }
+        along / f64::max(squares, 1e-12)
     }
 
     fn run(&self, gear: Gear) -> RecordedRun<'_> {
@@ -144,6 +169,7 @@ mod tests {
             assert!(!run.fitted && run.file == "three.mcap" && run.samples > 20 && run.seconds > 0.5, "{run:?}");
             // the disturbance of a run adds to the encoder's noise
             assert!(run.r_squared.unwrap() > 0.97 && run.rmse_mps < 0.05 && run.max_mps >= run.rmse_mps, "{run:?}");
+            assert!(run.missing_share.abs() < 0.02, "{run:?}");
         }
         assert!(runs.windows(2).all(|pair| pair[0].from_s < pair[1].from_s));
     }

@@ -56,6 +56,7 @@ impl FittedAngles<'_> {
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
             units: Units::default(),
             vehicle: self.vehicle(),
+            torque_limit_driven: self.logs()[0].1.track.vehicle.torque_limit_nm.is_none(),
             logs: logs.into_iter().cloned().collect(),
             settings: serde_json::to_value(self.task.settings).map_err(crate::map::Error::from)?,
             actuator: actuator(&self.delays()?, &test.estimate, &surveys, &self.task.choice, self.task.settings),
@@ -78,7 +79,7 @@ impl FittedAngles<'_> {
         for fit in &self.angles {
             let angle_deg = fit.wheel_angle_deg;
             let mut own = checks(&fit.estimate, &fit.maps, &fit.samples, self.task.settings);
-            own.extend(prediction_checks(&fit.estimate, &fit.compared));
+            own.extend(prediction_checks(&fit.estimate, &fit.compared, self.task.settings));
             if self.task.is_test(angle_deg) {
                 all.extend(own);
             } else {

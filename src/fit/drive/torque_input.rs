@@ -26,6 +26,11 @@ const LONGEST_PERIOD_S: f64 = 0.05;
 /// Largest share of the usable time that gaps of the feedback may take.
 const MOST_MISSING: f64 = 0.05;
 
+/// Least standard error of a lag by a feedback [s]: stamps are not better.
+const LEAST_LAG_STD_ERR_S: f64 = 2e-4;
+/// Share of the usable time without the commanded torque from which on the feedback replaces the command.
+const MOST_UNDELIVERED: f64 = 0.03;
+
 /// Source of a log's effective torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TorqueInput {
@@ -67,6 +72,8 @@ pub(crate) struct TorqueChoice {
     feedback: bool,
     /// The reason, unless the command is the obvious choice.
     reason: Option<String>,
+    /// Whether the feedback is the input because the drive did not deliver what was asked for.
+    for_undelivered: bool,
     /// Ratio of the drive's residual after steps to that elsewhere.
     ratio: f64,
     delays: BTreeMap<LogRef, FeedbackDelays>,
@@ -92,13 +99,15 @@ impl TorqueChoice {
             scales.iter().filter_map(|(log, scale)| Some((log, scale.corrected(tracks[log].feedback_nm.as_ref()?)?))).collect();
         let found = |log: &LogRef| delays(&tracks[log].command_nm, &corrected[log], settings.lag_s);
         let delays: BTreeMap<LogRef, FeedbackDelays> = scales.keys().filter_map(|log| Some((log.clone(), found(log)?))).collect();
-        let undelivered = delays
+        let undelivered: BTreeMap<LogRef, Vec<Undelivered>> = delays
             .iter()
             .map(|(log, d)| (log.clone(), undelivered(&tracks[log].command_nm, &corrected[log], (d.dead_time_s, d.lag_s))))
             .collect();
         let ratio = after_step_ratio(delays.values());
         let explained = lag_explains(delays.values());
         let objection = || objection(&surveys, &delays);
+        let lacking = lacking(&surveys, &undelivered);
+        let for_undelivered = settings.drive.is_none() && lacking.is_some();
         let (feedback, reason) = match (disagreement, settings.drive) {
             // an ordinary drive: no reason is given, unless its feedback is not the command's torque
             (Some(how), _) => (false, Some(format!("the feedback {how}: it is not the command's torque, and sets nothing"))),
@@ -107,7 +116,9 @@ impl TorqueChoice {
                 None => (true, Some("as asked for".to_owned())),
             },
             (None, Some(_)) => (false, None),
-            (None, None) if delays.is_empty() || explained => (false, None),
+            (None, None) if delays.is_empty() => (false, None),
+            (None, None) if lacking.is_some() && objection().is_none() => (true, lacking),
+            (None, None) if explained => (false, None),
             (None, None) if settings.lag_s.is_some() || settings.dead_time_s.is_some() => {
                 (false, Some("dead time or lag are given, and the feedback does not follow them".to_owned()))
             }
@@ -116,7 +127,7 @@ impl TorqueChoice {
                 None => (true, Some("it does not follow the command through a first-order lag".to_owned())),
             },
         };
-        Self { feedback, reason, ratio, delays, scales, undelivered }
+        Self { feedback, reason, for_undelivered: feedback && for_undelivered, ratio, delays, scales, undelivered }
     }
 
     /// Source of a log's effective torque.
@@ -147,7 +158,12 @@ impl TorqueChoice {
 
     /// The same choice with the command as the input.
     pub(crate) fn with_command(&self) -> Self {
-        Self { feedback: false, ..self.clone() }
+        Self { feedback: false, for_undelivered: false, ..self.clone() }
+    }
+
+    /// Whether the feedback is the input because no drive behind the command explains what was delivered.
+    pub(crate) fn is_for_undelivered(&self) -> bool {
+        self.for_undelivered
     }
 
     /// Whether the feedback is the input.
@@ -171,6 +187,22 @@ impl TorqueChoice {
         let corrected = self.scales.get(&track.source)?.corrected(track.feedback_nm.as_ref()?)?;
         let torque = EffectiveTorque::through(&track.command_nm, drive);
         Some(dead_time_through(&torque, &track.command_nm, &corrected, first).unwrap_or(plain))
+    }
+
+    /// Lag of the drive by the feedbacks of all logs, with its standard error [s]: where a first-order lag explains them, and they are not the
+    /// input themselves.
+    pub(crate) fn feedback_lag(&self) -> Option<(f64, f64)> {
+        if self.feedback || self.delays.is_empty() || !lag_explains(self.delays.values()) {
+            return None;
+        }
+        let weight = |f: &FeedbackDelays| (f.misfit() * f.lag_std_err_s).max(LEAST_LAG_STD_ERR_S).powi(-2);
+        let weights: f64 = self.delays.values().map(weight).sum();
+        let mean = self.delays.values().map(|f| weight(f) * f.lag_s).sum::<f64>() / weights;
+        // logs that disagree more than their errors widen it
+        let count = self.delays.len() as f64;
+        let chi_square: f64 = self.delays.values().map(|f| weight(f) * (f.lag_s - mean).powi(2)).sum();
+        let spread = (chi_square / (count - 1.0).max(1.0)).max(1.0);
+        Some((mean, (spread / weights).sqrt().max(LEAST_LAG_STD_ERR_S)))
     }
 
     /// Delays of the drive by the feedback of all logs.
@@ -218,6 +250,19 @@ fn objection(surveys: &[&Survey], delays: &BTreeMap<LogRef, FeedbackDelays>) -> 
         }
     }
     (missing_s > MOST_MISSING * usable_s).then(|| format!("is missing in {:.0} % of the usable time", 100.0 * missing_s / usable_s))
+}
+
+/// Reason for the feedback of a drive that follows a first-order lag: it shows torque that was not delivered in much of the usable time.
+fn lacking(surveys: &[&Survey], undelivered: &BTreeMap<LogRef, Vec<Undelivered>>) -> Option<String> {
+    let (mut usable_s, mut lacking_s) = (0.0, 0.0);
+    for survey in surveys {
+        let of_log = undelivered.get(&survey.track.source).map_or(&[][..], Vec::as_slice);
+        for stretch in &survey.stretches {
+            usable_s += stretch.to_s - stretch.from_s;
+            lacking_s += of_log.iter().map(|u| (u.to_s.min(stretch.to_s) - u.from_s.max(stretch.from_s)).max(0.0)).sum::<f64>();
+        }
+    }
+    (lacking_s > MOST_UNDELIVERED * usable_s).then(|| format!("it shows that the torque was not delivered for {lacking_s:.1} s"))
 }
 
 /// The largest torque commanded [N·m].

@@ -187,10 +187,9 @@ impl DriveModel {
 }
 
 impl DriveModel {
-    /// The drive for the file; `limit_std_err` is the standard error of the limit's logarithm.
+    /// The drive for the file; `limit_std_err` is the standard error of the logarithm of a power limit.
     pub(crate) fn identified(&self, limit_std_err: f64) -> IdentifiedDrive {
         let rounded = |x: f64| (x * 1e6).round() / 1e6;
-        let limit = |kind, value: f64| DriveLimit { kind, value: rounded(value), std_err: Some(rounded(value * limit_std_err)) };
         let resonance = self.frequency_hz_and_damping();
         IdentifiedDrive {
             family: self.kind.family(),
@@ -201,8 +200,10 @@ impl DriveModel {
             damping: resonance.map(|r| rounded(r.1)),
             limit: match self.limit {
                 TorqueLimit::None => None,
-                TorqueLimit::Torque(value) => Some(limit(LimitKind::Torque, value)),
-                TorqueLimit::Power(value) => Some(limit(LimitKind::Power, value)),
+                TorqueLimit::Torque(value) => Some(DriveLimit { kind: LimitKind::Torque, value: rounded(value), std_err: None }),
+                TorqueLimit::Power(value) => {
+                    Some(DriveLimit { kind: LimitKind::Power, value: rounded(value), std_err: Some(rounded(value * limit_std_err)) })
+                }
             },
             undelivered_s: None,
             compared: Vec::new(),

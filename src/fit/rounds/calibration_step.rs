@@ -2,14 +2,15 @@
 
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::drive_form::campaign_drift::{CampaignDrift, SPANS};
-use crate::fit::drive_form::drive_model::DriveModel;
+use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive_form::parameters::{LIMIT, PARAMETERS};
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::motion::regressors::Free;
 use crate::fit::nuisance;
 use crate::fit::rounds::convergence::DelayStep;
 use crate::fit::rounds::initial_guess::hold_known;
 use crate::fit::rounds::state::State;
-use crate::fit::solve::penalised_least_squares::{Solution, nuisance_prior_std};
+use crate::fit::solve::penalised_least_squares::{Solution, System, nuisance_prior_std};
 
 /// Largest step of a delay in one round [s].
 const DELAY_STEP_S: f64 = 0.02;
@@ -21,6 +22,8 @@ const LIMIT_STEP: f64 = 0.05;
 const MOST_DRIFT: f64 = 0.2;
 /// Least number of standard errors at which such a change counts.
 const CLEAR_DRIFT: f64 = 4.0;
+/// Number of standard errors by which the lags by feedback and by speed may differ.
+const AGREEING_STD_ERRS: f64 = 2.0;
 /// Prior standard deviation of known values.
 const FIXED_STD: f64 = 1e-9;
 
@@ -43,8 +46,10 @@ impl State<'_> {
         for (p, has) in drive.has().into_iter().enumerate() {
             let std = &mut prior[nuisance::DRIVE + p];
             *std = std.max(most_drive_step(drive, p));
+            // a surface that is flat below a torque limit explains as much: the limit stays where the growth below puts it
+            let stays = p == LIMIT && matches!(drive.limit, TorqueLimit::Torque(_));
             // a limit is not a part of what is given
-            if !has || measured || (p != LIMIT && self.drive_is_given()) {
+            if !has || stays || measured || (p != LIMIT && self.drive_is_given()) {
                 hold(std);
             }
         }
@@ -61,6 +66,23 @@ impl State<'_> {
             }
         }
         prior
+    }
+
+    /// Adds the lag of a first-order drive by the torque feedback to the equations, as one more observation. A feedback has its own filter,
+    /// or is that of the motor behind a gear: where the speeds alone give another lag, its standard error grows with the square of the
+    /// difference in standard errors, so that it soon counts for nothing.
+    pub(crate) fn observe_lag(&self, system: &mut System, prior: &[f64]) {
+        let drive = &self.calibration.drive;
+        let measured = self.logs.iter().any(|l| l.input != TorqueInput::Command);
+        let Some((lag_s, std_err_s)) = self.feedback_lag else { return };
+        if drive.kind != DriveKind::FirstOrder || measured || self.drive_is_given() {
+            return;
+        }
+        let Some(alone) = system.solve(&self.design.blocks, &self.penalties, 0, prior) else { return };
+        let k = system.design + nuisance::DRIVE;
+        let step_s = lag_s - drive.times_s[0];
+        let difference = (step_s - alone.beta[k]).abs() / std_err_s.hypot(alone.covariance[(k, k)].max(0.0).sqrt());
+        system.observe(nuisance::DRIVE, step_s, std_err_s * (difference / AGREEING_STD_ERRS).powi(2).max(1.0));
     }
 
     /// Continues to estimate the clear changes during the campaign, and sets the others to zero. Returns what is free from now on.

@@ -27,7 +27,7 @@ const FIRST_LAG_S: f64 = 0.02;
 /// Second-order drives tried.
 const FREQUENCIES_HZ: [f64; 7] = [1.5, 2.3, 3.4, 5.0, 7.0, 10.0, 15.0];
 const DAMPINGS: [f64; 3] = [0.12, 0.3, 0.7];
-/// Limits tried, as a share of the largest torque or power.
+/// Limits tried, as a share of the largest power.
 const LIMITS: [f64; 8] = [0.97, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3];
 /// Factors by which parameters are refined, one after another.
 const REFINING: [f64; 5] = [1.3, 1.2, 1.12, 1.07, 1.04];
@@ -78,7 +78,7 @@ pub(crate) fn drives(kind: DriveKind, reference_nm: f64) -> Vec<DriveModel> {
     }
 }
 
-/// A drive with limits below the largest torque or power [N·m or N·m·m/s] of the campaign.
+/// A drive with limits below the largest power of the campaign [N·m·m/s].
 pub(crate) fn limited(drive: DriveModel, largest: TorqueLimit) -> Vec<DriveModel> {
     LIMITS.iter().map(|share| DriveModel { limit: largest.scaled(*share), ..drive }).collect()
 }

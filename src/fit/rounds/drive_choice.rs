@@ -1,7 +1,7 @@
 //! Which kind of drive lies between command and torque: the data choose, by the prediction of runs that were left out.
 //!
 //! First the coarse search (`delay_grid`) with a small physical model: kinds that explain the data no better than a first-order lag, and
-//! limits of torque and power that explain no more, are dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each fold with the surface fitted without them. The
+//! a limit of power that explains no more, are dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each fold with the surface fitted without them. The
 //! score of a run is its −2·ln L under the noise of that fit, with single innovations bounded, so that a push or a slip counts equally for
 //! all drives. A first-order lag stays unless another kind is better by several standard errors of the paired differences between runs.
 
@@ -21,7 +21,7 @@ use crate::fit::motion::so_far::SoFar;
 use crate::fit::rounds::cross_validation::{self, HeldOut};
 use crate::fit::rounds::delay_grid::{self, KnownDrive};
 use crate::fit::rounds::delay_rounds;
-use crate::fit::rounds::initial_guess::{Examined, largest_nm, largest_power};
+use crate::fit::rounds::initial_guess::{Examined, InitialGuess, largest_nm, largest_power};
 use crate::fit::rounds::state::State;
 use crate::fit::{FitSettings, Result};
 use rayon::prelude::*;
@@ -37,6 +37,9 @@ const PER_RUN: f64 = 1.0;
 const FEWEST_GAINS: usize = 2;
 const CLEAR_GAIN: f64 = 9.0;
 const GAIN_OVER_LOSS: f64 = 10.0;
+/// A torque limit that a surface shows is chosen where the runs left out do not contradict it by this many standard errors: a smooth surface
+/// follows the flat part beyond the limit as well, but not the corner between the torques that were driven.
+const NOT_WORSE: f64 = 2.0;
 /// Bound of a squared innovation in its variance.
 const MOST_SQUARED: f64 = 16.0;
 
@@ -84,13 +87,11 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
     }
     let unlimited =
         tried.iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map_or(tried[0].calibration.drive, |g| g.calibration.drive);
-    for largest in [TorqueLimit::Power(largest_power(surveys)), TorqueLimit::Torque(largest_nm(surveys))] {
-        tried.extend(promising(&delay_grid::limited(unlimited, largest), best));
-    }
+    tried.extend(promising(&delay_grid::limited(unlimited, TorqueLimit::Power(largest_power(surveys))), best));
     if tried.len() == 1 {
         return only(tried[0].calibration.drive);
     }
-    let scored: Vec<ScoredDrive> = tried.into_iter().filter_map(|guess| scored(State::from_guess(guess, settings)).ok()).collect();
+    let scored: Vec<ScoredDrive> = tried.into_iter().filter_map(|guess| scored(guess, settings).ok()).collect();
     let Some(simple) = scored.first() else { return only(unlimited) };
     let best = scored[1..].iter().fold(simple, |best, other| if is_better(other, best) { other } else { best });
     let rest = scored.iter().filter(|s| s.drive != best.drive).map(|s| {
@@ -100,17 +101,36 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
     DriveChoice { drive: best.drive, others: rest.collect() }
 }
 
+/// The choice with a torque limit that the surface of the drive chosen shows, unless the runs left out contradict it.
+pub(crate) fn with_torque_limit(
+    limit_nm: f64,
+    chosen: DriveChoice,
+    examined: &Examined,
+    choice: &TorqueChoice,
+    settings: &FitSettings,
+) -> DriveChoice {
+    let scored_with = |drive: DriveModel| scored(examined.guess(choice, settings, &[drive], None), settings).ok();
+    let limited = DriveModel { limit: TorqueLimit::Torque(limit_nm), ..chosen.drive };
+    let (Some(limited), Some(unlimited)) = (scored_with(limited), scored_with(chosen.drive)) else { return chosen };
+    let (worse, std_err) = difference(&unlimited, &limited);
+    if worse < -NOT_WORSE * std_err {
+        return chosen;
+    }
+    let others = std::iter::once((unlimited.drive, worse, std_err)).chain(chosen.others).collect();
+    DriveChoice { drive: limited.drive, others }
+}
+
 /// The input of a fit: the torque feedback stays where the choice made it the input, unless a drive behind the command predicts runs left out
 /// clearly better. A feedback on the motor's side of an elastic drive agrees with the command and is not the torque at the wheel.
 pub(crate) fn with_better_input(surveys: &[Survey], choice: TorqueChoice, settings: &FitSettings) -> TorqueChoice {
-    if !choice.is_feedback() || settings.drive.is_some() {
+    if !choice.is_feedback() || choice.is_for_undelivered() || settings.drive.is_some() {
         return choice;
     }
     let command = choice.with_command();
     let scored_with = |choice: &TorqueChoice| -> Option<ScoredDrive> {
         let examined = Examined::new(surveys, choice, settings).ok()?;
         let drive = choose(&examined, surveys, choice, settings).drive;
-        scored(State::from_guess(examined.guess(choice, settings, &[drive], None), settings)).ok()
+        scored(examined.guess(choice, settings, &[drive], None), settings).ok()
     };
     match (scored_with(&choice), scored_with(&command)) {
         (Some(feedback), Some(drive)) if is_better(&drive, &feedback) => command,
@@ -137,7 +157,8 @@ fn difference(first: &ScoredDrive, second: &ScoredDrive) -> (f64, f64) {
 }
 
 /// Fits a sample, and scores every run by the surface without its fold.
-fn scored(mut state: State) -> Result<ScoredDrive> {
+fn scored(guess: InitialGuess, settings: &FitSettings) -> Result<ScoredDrive> {
+    let mut state = State::from_guess(guess, settings);
     delay_rounds::run(&mut state)?;
     let data = state.data(false);
     let torques = state.torques();

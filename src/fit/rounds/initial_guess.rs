@@ -42,6 +42,8 @@ pub(crate) struct InitialGuess<'a> {
     pub(crate) calibration: Calibration,
     pub(crate) noise: Noise,
     pub(crate) lattice: Lattice,
+    /// Lag by the torque feedback, with its standard error [s].
+    pub(crate) feedback_lag: Option<(f64, f64)>,
     /// Whitened squared error of the small model with the drive found.
     pub(crate) deviance: f64,
 }
@@ -102,6 +104,7 @@ impl<'a> Examined<'a> {
         let views: Vec<delay_grid::GridLog> = (0..self.logs.len())
             .map(|k| {
                 let own: Vec<usize> = (0..self.segments.len()).filter(|s| self.segments[*s].log == k).collect();
+                let own = spread_out(&own);
                 delay_grid::GridLog {
                     segments: own.iter().map(|s| &self.segments[*s]).collect(),
                     speed_mps: own.iter().map(|s| self.speeds[*s].as_slice()).collect(),
@@ -121,9 +124,23 @@ impl<'a> Examined<'a> {
             calibration,
             noise: self.noise,
             lattice: self.lattice.clone(),
+            feedback_lag: choice.feedback_lag(),
             deviance: found.deviance,
         }
     }
+}
+
+/// The same in an order in which any first part is spread over the whole: by the fractional parts of multiples of the golden ratio (Weyl).
+fn spread_out(all: &[usize]) -> Vec<usize> {
+    let place = |k: usize| (k as f64 * 0.5 * (5f64.sqrt() - 1.0)).fract();
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by(|a, b| place(*a).total_cmp(&place(*b)));
+    // the k-th one taken has the rank of the k-th multiple
+    let mut taken = vec![0; all.len()];
+    for (own, k) in all.iter().zip(order) {
+        taken[k] = *own;
+    }
+    taken
 }
 
 /// The drives among which the coarse search chooses; a single one where it is known, or where the feedback already holds the drive.

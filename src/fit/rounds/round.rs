@@ -51,7 +51,10 @@ impl State<'_> {
             let stribeck_mps = stribeck_speed::speed(lattice, &of_gears, &prior);
             self.design = Design::new(lattice, self.gears.len() > 1, stribeck_mps);
         }
-        let system = System::new(&self.design, &of_gears, free.nuisances(logs));
+        let mut system = System::new(&self.design, &of_gears, free.nuisances(logs));
+        if free != Free::Surface {
+            self.observe_lag(&mut system, &prior);
+        }
         let iterations = if settle { SETTLING_ROUNDS } else { PENALTY_ROUNDS };
         // intervals follow the surface that places the speed in them: a free surface would be confirmed by its own readings
         if self.penalties.is_empty() && self.logs.iter().any(|l| l.coarse_mps != [0.0; 2]) {

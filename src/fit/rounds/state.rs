@@ -42,6 +42,8 @@ pub(crate) struct State<'a> {
     /// Forward, reverse; zero before the first round.
     pub(crate) surfaces: PerGear<LatticeSurface>,
     pub(crate) penalties: Vec<f64>,
+    /// Lag of the drive by the torque feedback, with its standard error [s].
+    pub(crate) feedback_lag: Option<(f64, f64)>,
     /// Which changes are estimated: of friction, then of torque, each over the campaign and over each log.
     pub(crate) drifts: [bool; 2 * SPANS],
     /// Rounds so far.
@@ -62,7 +64,7 @@ pub(crate) struct RoundData {
 impl<'a> State<'a> {
     /// Before the first round, from a first guess.
     pub(crate) fn from_guess(guess: InitialGuess<'a>, settings: &FitSettings) -> Self {
-        let InitialGuess { logs, end, gears, has_yaw, calibration, noise, lattice, .. } = guess;
+        let InitialGuess { logs, end, gears, has_yaw, calibration, noise, lattice, feedback_lag, .. } = guess;
         let design = Design::new(&lattice, gears.len() > 1, STRIBECK_MPS);
         let zero = LatticeSurface { theta: vec![0.0; lattice.columns()], lattice };
         let calibration_errors = CalibrationErrors {
@@ -84,6 +86,7 @@ impl<'a> State<'a> {
             design,
             surfaces: PerGear { forward: zero.clone(), reverse: zero },
             penalties: Vec::new(),
+            feedback_lag,
             drifts: [false; 2 * SPANS],
             rounds: 0,
             last_steps: Vec::new(),

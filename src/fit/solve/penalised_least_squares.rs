@@ -82,6 +82,13 @@ impl System {
         system
     }
 
+    /// Adds an observation of one nuisance column by itself: its value, with a standard error.
+    pub(crate) fn observe(&mut self, nuisance: usize, value: f64, std_err: f64) {
+        let (k, weight) = (self.design + nuisance, std_err.powi(-2));
+        self.matrix[(k, k)] += weight;
+        self.right[k] += weight * value;
+    }
+
     /// These equations less those of some of the data.
     pub(crate) fn without(&self, part: &Self) -> Self {
         Self { matrix: &self.matrix - &part.matrix, right: &self.right - &part.right, design: self.design }

@@ -5,6 +5,7 @@
 //! of what the largest torque accelerates, it does not depend on the vehicle. The noise model takes errors of any size as floor and
 //! disturbance, so that their ratio to the reported noise shows nothing; the limits are those of floors that a calibration is driven on.
 
+use crate::fit::FitSettings;
 use crate::fit::motion::segment::Segment;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::Compared;
@@ -21,6 +22,8 @@ const OVER_TIME: [f64; 2] = [0.02, 0.04];
 const OF_LEVEL: [f64; 2] = [0.02, 0.04];
 /// Ratio of the squared innovations after steps to the others for a warning and for an objection.
 const AFTER_STEPS: [f64; 2] = [2.5, 5.0];
+/// The same where the drive was given, and the data know better.
+const AFTER_STEPS_GIVEN: [f64; 2] = [1.5, 2.5];
 /// A trend or a mean counts from this many of its standard errors on.
 const SIGNIFICANT: f64 = 4.0;
 /// Shortest part of a run that shows a constant acceleration [s].
@@ -52,7 +55,7 @@ struct UnseenRun {
 }
 
 /// The checks. None of those that need more runs or readings than there are.
-pub(crate) fn prediction_checks(estimate: &Estimate, compared: &[Compared]) -> Vec<Check> {
+pub(crate) fn prediction_checks(estimate: &Estimate, compared: &[Compared], settings: &FitSettings) -> Vec<Check> {
     let mut all = Vec::new();
     if estimate.validation.is_some() {
         let runs = unseen_runs(estimate, compared);
@@ -60,7 +63,8 @@ pub(crate) fn prediction_checks(estimate: &Estimate, compared: &[Compared]) -> V
         all.extend(over_time(&runs));
         all.extend(of_levels(&runs));
     }
-    all.extend(after_steps(estimate));
+    let is_given = settings.lag_s.is_some() || settings.dead_time_s.is_some() || settings.drive.is_some();
+    all.extend(after_steps(estimate, if is_given { AFTER_STEPS_GIVEN } else { AFTER_STEPS }));
     all
 }
 
@@ -175,7 +179,7 @@ fn of_levels(runs: &[UnseenRun]) -> Option<Check> {
 }
 
 /// Innovations in the time after steps of the torque, against the others.
-fn after_steps(estimate: &Estimate) -> Option<Check> {
+fn after_steps(estimate: &Estimate, limits: [f64; 2]) -> Option<Check> {
     let torques = estimate.torques();
     let steps: Vec<Vec<f64>> = torques.iter().map(|torque| torque.steps(STEP * torque.largest_nm())).collect();
     let (mut after, mut others) = (Vec::new(), Vec::new());
@@ -194,7 +198,7 @@ fn after_steps(estimate: &Estimate) -> Option<Check> {
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let ratio = mean(&after) / mean(&others).max(1e-9);
-    let (outcome, limit) = CheckOutcome::graded(ratio, AFTER_STEPS);
+    let (outcome, limit) = CheckOutcome::graded(ratio, limits);
     let meaning = format!(
         "in the {AFTER_STEP_S} s after steps of the torque, the speed departs {ratio:.1} times as much from the fit as elsewhere (squared), {limit} times is allowed"
     );

@@ -7,6 +7,7 @@ use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::{Estimate, RoundCount};
 use crate::fit::rounds::outliers::calm;
 use crate::fit::table1::tables::UsedSample;
+use crate::fit::table1::torque_gain::torque_gain;
 use crate::map::{AccelMap, CellStatus, Check, CheckOutcome, Gear};
 use std::collections::BTreeMap;
 
@@ -27,11 +28,13 @@ pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[Used
     checks(estimate, maps, samples, settings).iter().filter(|c| c.objects()).map(Check::text).collect()
 }
 
-/// The checks that need the estimate: coverage, torques of each gear, agreement of the logs, convergence.
+/// The checks that need the estimate: coverage, torques of each gear, agreement of the logs, growth of acceleration with torque, convergence.
 pub(crate) fn checks(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<Check> {
     let mut all = vec![coverage_check(&maps.iter().collect::<Vec<_>>(), settings.least_coverage)];
     all.extend(estimate.data.gears.iter().map(|gear| varied_torques(*gear, samples)));
     all.extend(agreement(estimate));
+    let limit = estimate.calibration.drive.limit;
+    all.extend(maps.iter().filter_map(|map| torque_gain(map, |speed_mps| limit.most_nm(speed_mps))));
     all.push(convergence(estimate.rounds, settings));
     all
 }

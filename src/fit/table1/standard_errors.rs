@@ -5,7 +5,6 @@
 //! uncertainty of the delays. Added to it: the square of the smoothing bias cᵀ·H⁻¹Λβ, and the uncertainty of that bias by penalties that
 //! are not exactly known (Kass & Steffey 1989; Wood, Pya & Säfken 2016, *Smoothing parameter and model selection for general smooth
 //! models*). If only a share w of the surface's deviations is used, 1 − w of their square is added for the choice between form and surface.
-//! The error of every model (`MODEL_ERROR`) is also added.
 //! The sum is then compared with a jackknife over runs, and multiplied where that spreads wider.
 
 use crate::fit::motion::integration::{Course, courses};

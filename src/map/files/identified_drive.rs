@@ -35,7 +35,7 @@ pub struct DriveLimit {
     pub kind: LimitKind,
     /// The bound, in the unit of its kind.
     pub value: f64,
-    /// Its standard error; absent where only the torque feedback shows the limit.
+    /// Its standard error; absent where the limit was found by the torque feedback, or by the growth of acceleration with torque.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub std_err: Option<f64>,
 }

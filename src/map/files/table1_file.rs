@@ -24,6 +24,9 @@ pub struct Table1File {
     pub units: Units,
     /// The vehicle, from the signal map or the log.
     pub vehicle: Vehicle,
+    /// Whether the vehicle's torque limit is only the largest torque driven, because none was given.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub torque_limit_driven: bool,
     /// The logs that were read, ordered by hash.
     pub logs: Vec<LogRef>,
     /// Settings of the estimator, as used.

@@ -1,6 +1,7 @@
 //! `table2.json`: Table 2 with everything that is not in its CSV.
 
 use crate::map::files::format::{TABLE2_FORMAT, expect_format};
+use crate::map::files::identified_drive::IdentifiedDrive;
 use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::ZeroRow;
@@ -31,6 +32,9 @@ pub struct Table2File {
     pub dead_time_s: f64,
     /// Time constant of the drive's lag [s].
     pub lag_s: f64,
+    /// The drive, where it is more than a first-order lag; the lag is then that of the nearest one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<IdentifiedDrive>,
     /// The tables.
     pub maps: Vec<TorqueMap>,
     /// The common part of a gear's maps at several wheel angles; none with one angle.
@@ -53,7 +57,7 @@ pub struct TorqueMap {
     pub accel_mps2: Vec<f64>,
     /// Torque [N·m].
     pub torque_nm: Vec<Vec<f64>>,
-    /// Standard error of the torque [N·m]; null where the cell is unreachable.
+    /// Standard error of the torque [N·m], with the distance of the node from the exact inverse at its place; null where the cell is unreachable.
     pub std_err_nm: Vec<Vec<Option<f64>>>,
     /// Source of the value.
     pub status: Vec<Vec<CellStatus>>,

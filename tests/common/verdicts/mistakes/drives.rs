@@ -35,12 +35,14 @@ fn without_feedback(case: &mut Case) {
     case.logs[0].keep(FEEDBACK, |_| false);
 }
 
-/// The torque that is delivered falls with speed.
+/// The torque that is delivered falls with speed: the command that would have given the torque that was driven, as long before it as the drive
+/// takes.
 fn falling(case: &mut Case, per_mps: f64) {
     let radius_m = case.truth.vehicle.wheel_radius_m;
+    let delay_s = case.truth.drive.dead_time_s + case.truth.drive.lag_s;
     let speeds = case.logs[0].series(SPEED);
     case.logs[0].values(COMMAND, |t_s, value| {
-        let k = speeds.partition_point(|(at_s, _)| *at_s <= t_s).saturating_sub(1);
+        let k = speeds.partition_point(|(at_s, _)| *at_s <= t_s + delay_s).saturating_sub(1);
         value / (1.0 - per_mps * (speeds[k].1 * radius_m).abs())
     });
     case.delivered = Box::new(move |speed_mps, torque_nm, _| torque_nm * (1.0 - per_mps * speed_mps));
