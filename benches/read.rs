@@ -3,8 +3,9 @@
 //! `cargo bench --bench read` makes logs of about 500 MB (signals among images, point clouds and many small topics) in a temporary
 //! folder and prints each figure against its goal: six signals read by this library against pure decompression of the same chunks (the
 //! limit) and against `mcap::MessageStream`, for each compression and for one and two threads; a log without summary against the same
-//! log with one; messages per second of each decoder against its dynamic oracle; the summary's answer; the peak memory of reading a
-//! log of 1 GB and one of 4 GB, each in a process of its own, and how much of it the signals are that were asked for. What is compared is
+//! log with one; messages per second of each decoder against its dynamic oracle; positions kept from the last message against a walk
+//! over every message; LZ4 frames in place against a streaming decoder; the summary's answer; the peak memory of reading a
+//! log of 1 GB and one of 4 GB, each in a process of its own, and how much of it is the requested signals. What is compared is
 //! measured in turns, by the clock and by processor time, so that a busy machine disturbs both alike. `PIVOT_CAL_BENCH_MB` changes the size of the logs, `PIVOT_CAL_BENCH_ROUNDS` the number of turns.
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs)]
 
@@ -16,7 +17,7 @@ mod written;
 use mcap::Compression;
 use mcap::records::{Record, op};
 use measured::{in_turns, peak_memory_mb, verdict};
-use pivot_cal::internals::{FieldReader, read_signals};
+use pivot_cal::internals::{FieldReader, decompress_lz4, read_signals};
 use pivot_cal::log::{Depth, Preset, Recording, SignalName, Source, VehicleOverrides, survey};
 use rayon::prelude::*;
 use std::fs::File;
@@ -127,7 +128,7 @@ fn decoders() {
         let paths: Vec<_> = paths.iter().map(|path| path.parse().unwrap()).collect();
         FieldReader::new(encoding, schema, &paths).unwrap()
     };
-    let payloads: Vec<_> = (0..COUNT).map(|n| joint_state(1_700_000_000_000_000_000 + n, n as f64)).collect();
+    let payloads: Vec<_> = (0..COUNT).map(|n| joint_state("base_link", 1_700_000_000_000_000_000 + n, n as f64)).collect();
     let schema = re_ros_msg::MessageSchema::parse("sensor_msgs/msg/JointState", JOINT_STATE).unwrap();
     let specs = schema.dependencies.iter().map(|spec| (spec.name.clone(), spec));
     let resolver = re_ros_msg::deserialize::MapResolver::new(specs);
@@ -140,6 +141,7 @@ fn decoders() {
         let mut reader = re_cdr::CdrReader::<re_cdr::LittleEndian>::new(&payload[4..]);
         std::hint::black_box(re_ros_msg::deserialize::decode_message(&mut reader, &schema.spec, &resolver).unwrap());
     });
+    positions(&joints, &payloads);
     let descriptors: &[u8] = include_bytes!("../fuzz/message.binpb");
     let payloads: Vec<_> = (0..COUNT)
         .map(|n| [&[0x10, 5, 0x1d, 1, 0, 0, 0, 0x22, 3, 1, 2, 3, 0x09][..], &(n as f64).to_le_bytes(), &[0x38, 3, 0x42, 1, b'x']].concat())
@@ -159,6 +161,56 @@ fn decoders() {
     decoder("JSON", None, &fields, &payloads, |payload| {
         std::hint::black_box(serde_json::from_slice::<serde_json::Value>(payload).unwrap());
     });
+}
+
+/// Smallest gain for which a faster way beside the general one is kept.
+const WORTHWHILE: f64 = 1.1;
+
+/// Messages whose strings are as long as in the last message, against those whose strings never are: of these, every one is walked.
+fn positions(reader: &FieldReader, payloads: &[Vec<u8>]) {
+    let varied: Vec<Vec<u8>> = (0..payloads.len() as u64)
+        .map(|n| joint_state(["base_link", "base_link_of_it"][n as usize % 2], 1_700_000_000_000_000_000 + n, n as f64))
+        .collect();
+    let count = |payloads: &[Vec<u8>]| {
+        let mut read = 0;
+        reader.read_all((0..100).flat_map(|_| payloads).map(Vec::as_slice), |values| {
+            read += u64::from(std::hint::black_box(values).is_some_and(|values| values.iter().all(Option::is_some)));
+        });
+        read
+    };
+    let [kept, walked] = in_turns(rounds(), [&mut || count(payloads), &mut || count(&varied)]);
+    gain("positions of the last message, against a walk", walked.cpu_over(&kept));
+}
+
+/// The frames of a log, decompressed to their buffer and by a streaming decoder.
+fn lz4(path: &Path, chunks: &[(u64, usize)]) {
+    let file = File::open(path).unwrap();
+    let frames: Vec<(Vec<u8>, usize)> = chunks
+        .iter()
+        .take(100)
+        .map(|(at, length)| {
+            let mut raw = vec![0; *length];
+            file.read_exact_at(&mut raw, *at).unwrap();
+            let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, &raw).unwrap() else { unreachable!() };
+            (data.into_owned(), header.uncompressed_size as usize)
+        })
+        .collect();
+    let most = frames.iter().map(|(_, size)| *size).max().unwrap();
+    let (mut one, mut other) = (vec![0; most], vec![0; most]);
+    let mut in_place = || frames.iter().map(|(data, size)| decompress_lz4(data, &mut one[..*size]).map_or(0, |()| *size as u64)).sum();
+    let mut streamed = || {
+        let read = |(data, size): &(Vec<u8>, usize)| {
+            lz4_flex::frame::FrameDecoder::new(&data[..]).read_exact(&mut other[..*size]).map(|()| *size as u64)
+        };
+        frames.iter().map(read).map(Result::unwrap).sum()
+    };
+    assert_eq!(in_place(), streamed());
+    let [in_place, streamed] = in_turns(rounds(), [&mut in_place, &mut streamed]);
+    gain("LZ4 frames in place, against a stream", streamed.cpu_over(&in_place));
+}
+
+fn gain(what: &str, ratio: f64) {
+    println!("{what}: {ratio:.2} times as fast by CPU; goal {WORTHWHILE}: {}", verdict(ratio >= WORTHWHILE));
 }
 
 fn setting(name: &str, usual: u64) -> u64 {
@@ -186,6 +238,9 @@ fn reading(folder: &Path) {
     for (name, compression) in [("zstd", Some(Compression::Zstd)), ("lz4", Some(Compression::Lz4)), ("none", None)] {
         let path = file(&format!("{name}.mcap"), compression, true);
         let chunks = chunks(&path);
+        if name == "lz4" {
+            lz4(&path, &chunks);
+        }
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let size = pool.install(|| decompress(&path, &chunks)) as f64 / 1e6;

@@ -1,4 +1,4 @@
-//! How honest the told intervals are: campaigns of the bundled simulator, each with its own seed, against the simulator's exact map.
+//! How honest the reported intervals are: campaigns of the bundled simulator, each with its own seed, against the simulator's exact map.
 //!
 //! `cargo run --release --example coverage -- [CAMPAIGNS]` prints, per gear and in all, the share of measured cells whose 95 % interval
 //! holds the truth, the median width of the interval, and the error's quantiles.

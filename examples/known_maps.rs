@@ -1,7 +1,7 @@
 //! Writes the maps that a perfect campaign would give of a vehicle whose physics is known:
 //! `cargo run --example known_maps -- FOLDER [VEHICLE.toml]`, then `pivot-cal verify --maps FOLDER`.
 //!
-//! They end at 1.0 m/s, as a campaign's do somewhere: whoever asks beyond gets the nearest entry, which is no error of the map.
+//! They end at 1.0 m/s, as those of every campaign end somewhere: a look-up beyond gives the nearest entry, which is no error of the map.
 
 use pivot_cal::internals::{PhysicalSettings, VehicleFile, WorldSettings, known_maps};
 use pivot_cal::map::Vehicle;

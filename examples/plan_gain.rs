@@ -1,6 +1,6 @@
 //! What five minutes of `plan` are worth beside five minutes of the uniform campaign:
 //! `cargo run --release --example plan_gain -- [--seeds 101:116] [--minutes 5] [--first 1] [--vehicle sweeper] [--quiet] [--model] [--dump cells.csv]`.
-//! docs/plan.md states the protocol and tells the figures. `--vehicle` takes the bundled sweeper instead of the scrubber, `--quiet` takes the
+//! docs/plan.md has the protocol and the figures. `--vehicle` takes the bundled sweeper instead of the scrubber, `--quiet` takes the
 //! disturbance and the spread of the friction away: what is left is what no campaign removes. `--model` stops at what the model of `plan` expects. `--dump` writes errors and standard errors cell by cell.
 
 #![allow(clippy::print_stdout)] // a study prints
@@ -23,7 +23,7 @@ type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// What the plan must reach of the uniform campaign's torque error.
 const ENOUGH: f64 = 0.8;
-/// Slowest speed of the cells [m/s]: no reading tells the row of a wheel that has just begun to move, which is told apart.
+/// Slowest speed of the cells [m/s]: no reading determines the row of a wheel that has just begun to move, so it is reported separately.
 const SLOWEST_MPS: f64 = 0.05;
 /// Draws of the bootstrap.
 const DRAWS: u64 = 10_000;
@@ -40,7 +40,7 @@ struct Case {
     braking_mps: f64,
     /// Torques over which maps are judged [N·m]: those of the uniform campaign, as far as the drive's power lets them come about.
     torques_nm: [f64; 2],
-    /// Step of the torques of the cells that the plan is asked for [N·m].
+    /// Step of the torques of the cells that the plan is made for [N·m].
     step_nm: f64,
 }
 
@@ -70,7 +70,7 @@ fn after(flag: &str, otherwise: &str) -> String {
     arguments.iter().position(|a| a == flag).and_then(|k| arguments.get(k + 1)).cloned().unwrap_or_else(|| otherwise.to_owned())
 }
 
-/// What is told of each seed: before, uniform, planned [N·m].
+/// What is printed of each seed: before, uniform, planned [N·m].
 const FIGURES: [&str; 6] = [
     "exact inverse",
     "exact inverse up to the speed of braking",
@@ -197,13 +197,13 @@ fn main() -> Fallible<()> {
     }
     for (which, name) in FIGURES.into_iter().enumerate() {
         let squares: Vec<[f64; 3]> = all.iter().map(|s| s[which]).collect();
-        tell(name, &squares);
+        print_pooled(name, &squares);
     }
     Ok(())
 }
 
 /// Pooled errors, their ratio and its spread over the seeds.
-fn tell(name: &str, squares: &[[f64; 3]]) {
+fn print_pooled(name: &str, squares: &[[f64; 3]]) {
     let pooled = |k: usize| (squares.iter().map(|s| s[k]).sum::<f64>() / squares.len() as f64).sqrt();
     let ratio = pooled(2) / pooled(1);
     // bootstrap over the seeds, paired
@@ -224,7 +224,7 @@ fn tell(name: &str, squares: &[[f64; 3]]) {
     let quantile = |q: f64| ratios[((q * DRAWS as f64) as usize).min(ratios.len() - 1)];
     let better = squares.iter().filter(|s| s[2] < s[1]).count();
     println!(
-        "{name}: {:.4} N·m before, {:.4} uniform, {:.4} planned: ratio {ratio:.3}, 95 % {:.3} to {:.3} by bootstrap; better in {better} of {} seeds; {}: at most {ENOUGH} is asked for",
+        "{name}: {:.4} N·m before, {:.4} uniform, {:.4} planned: ratio {ratio:.3}, 95 % {:.3} to {:.3} by bootstrap; better in {better} of {} seeds; {}: at most {ENOUGH} is required",
         pooled(0),
         pooled(1),
         pooled(2),

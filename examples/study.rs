@@ -5,7 +5,7 @@
 //!
 //! Vehicle A obeys a physics family (inertia, Coulomb, Stribeck, viscous and quadratic friction, drive and brake efficiency); vehicle B adds
 //! a bump and a wave that no such family has. Both have 50 ms dead time and 50 ms lag, an encoder at 50 Hz and a yaw rate at 100 Hz. Every
-//! method is judged by the torque that it tells for an acceleration, over the covered cells; the usual ways are given the true delays.
+//! method is judged by the torque that it gives for an acceleration, over the covered cells; the usual ways are given the true delays.
 
 #![allow(clippy::print_stdout)] // a study prints
 

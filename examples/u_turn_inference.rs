@@ -2,7 +2,7 @@
 //!
 //! Unknown are wheelbase, width and overhangs (taken as equal front and rear: the rear one hardly shows), and what "just clears", "just touches"
 //! and "between" mean. For each reading the four dimensions that leave the least sum of squares of the four answers in metres are looked for by
-//! a pattern search from several starts; lanes and curvature are then told as they come out. At last other readings of the two lanes are tried.
+//! a pattern search from several starts; the lanes and the curvature that follow are then printed. Finally, other readings of the two lanes are tried.
 
 #![allow(clippy::print_stdout)] // the table is what this program is for
 

@@ -9,6 +9,7 @@ pub use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
 pub use crate::guidance::u_turn;
 pub use crate::guidance::{BodyShape, PlanePoint, Polygon};
 pub use crate::log::extract::fields::FieldReader;
+pub use crate::log::file::lz4::decompress as decompress_lz4;
 pub use crate::log::path::MessagePath;
 pub use crate::log::read::{read_lateral_bytes, read_signals};
 pub use crate::log::survey::survey_bytes;

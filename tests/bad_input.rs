@@ -1,4 +1,4 @@
-//! One broken thing per test: each ends with its exit status and a message that tells what to do.
+//! One broken thing per test: each ends with its exit status and a message that says what to do.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! `check`: one broken rule per test, each told with its place; sound maps have no finding.
+//! `check`: one broken rule per test, each reported with its place; sound maps have no finding.
 #![allow(clippy::unwrap_used)]
 
 #[path = "common/map_copy.rs"]

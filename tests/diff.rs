@@ -1,4 +1,4 @@
-//! `diff`: what changed is told with its place and its weight; chance is not.
+//! `diff`: what changed is reported with its place and its size; chance is not.
 #![allow(clippy::unwrap_used)]
 
 #[path = "common/map_copy.rs"]
@@ -55,7 +55,7 @@ fn a_map_is_the_same_as_itself() {
 #[test]
 fn noise_as_large_as_its_standard_error_is_no_change() {
     let (folder, _, b) = pair();
-    // rough but deterministic noise of both signs, of the size that both files tell for the change
+    // rough but deterministic noise of both signs, of the size of the change's standard error by both files
     change_table2(&b, |file| {
         for map in &mut file.maps {
             for (i, row) in map.torque_nm.iter_mut().enumerate() {

@@ -102,10 +102,10 @@ fn json_files_keep_their_published_schemas() {
 fn autoware_maps_load_by_its_rules_and_hold_table_1() {
     let Some(python) = readers::python(&["numpy"], "Autoware export") else { return };
     let (folder, maps) = copied();
-    let told = export(folder.path(), &["--format", "autoware"]);
+    let printed = export(folder.path(), &["--format", "autoware"]);
     let file = Table1File::from_json(&text(&maps, "table1.json")).unwrap();
     let full_nm = file.vehicle.torque_limit_nm.unwrap();
-    assert!(told.contains(&format!("torque / {full_nm} N·m")), "{told}");
+    assert!(printed.contains(&format!("torque / {full_nm} N·m")), "{printed}");
     let mut args = Vec::new();
     let mut places = Vec::new();
     for (map, infix) in file.maps.iter().zip(["", ".reverse"]) {
@@ -147,8 +147,8 @@ fn autoware_maps_load_by_its_rules_and_hold_table_1() {
 fn apollo_looks_up_the_torques_of_table_2_and_no_sign_contradicts() {
     let Some(python) = readers::python(&["google.protobuf", "numpy"], "Apollo export") else { return };
     let (folder, maps) = copied();
-    let told = export(folder.path(), &["--format", "apollo", "--json"]);
-    let told: Value = serde_json::from_str(&told).unwrap();
+    let printed = export(folder.path(), &["--format", "apollo", "--json"]);
+    let files: Value = serde_json::from_str(&printed).unwrap();
     let full_nm = Table2File::from_json(&text(&maps, "table2.json")).unwrap().vehicle.torque_limit_nm.unwrap();
     let tables = tables(&maps);
     let places = |table: &TorqueTable| -> Vec<[f64; 2]> {
@@ -158,7 +158,7 @@ fn apollo_looks_up_the_torques_of_table_2_and_no_sign_contradicts() {
     let input: Vec<_> = tables.iter().map(|(_, table)| places(table)).collect();
     let paths = ["", ".reverse"].map(|infix| maps.join(format!("export/calibration_table{infix}.pb.txt")));
     let all = readers::read_with(&python, "apollo.py", &[&paths[0], &paths[1]], &serde_json::to_string(&input).unwrap());
-    for (((_, table), told), read) in tables.iter().zip(told.as_array().unwrap()).zip(all.as_array().unwrap()) {
+    for (((_, table), file), read) in tables.iter().zip(files.as_array().unwrap()).zip(all.as_array().unwrap()) {
         let places = places(table);
         let mut between = 0.0f64;
         for (k, (place, torque)) in places.iter().zip(table.values()).enumerate() {
@@ -170,7 +170,7 @@ fn apollo_looks_up_the_torques_of_table_2_and_no_sign_contradicts() {
                 assert!(error < 1e-5, "{place:?}: {error}");
             }
         }
-        let note = told["note"].as_str().unwrap();
+        let note = file["note"].as_str().unwrap();
         assert!(note.ends_with(&format!("at most {between:.3} N·m")), "{note}, found {between}");
     }
 }

@@ -255,7 +255,7 @@ fn a_reversed_sign_is_reported_as_one() {
     };
     assert!(map("stamp = 'none'", "scale = 1").unwrap().is_ok());
     let error = map("scale = -1", "scale = 1").unwrap().unwrap_err().to_string();
-    assert!(error.contains("speed runs against the gear") && error.contains("scale = -1"), "{error}");
+    assert!(error.contains("speed contradicts the gear") && error.contains("scale = -1"), "{error}");
     let error = map("scale = 1", "scale = -1").unwrap().unwrap_err().to_string();
     assert!(error.contains("opposite signs"), "{error}");
     let error = map("stamp = 'header.stmp'", "scale = 1").unwrap_err().to_string();

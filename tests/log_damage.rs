@@ -1,4 +1,4 @@
-//! Logs with one defect each, built here: what is intact is used, what is lost is told, nothing panics.
+//! Logs with one defect each, built here: what is intact is used, what is lost is reported, nothing panics.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use mcap::records::{MessageHeader, Metadata};
@@ -23,7 +23,7 @@ struct Form {
 
 const SOUND: Form = Form { compression: Some(Compression::Zstd), chunks: true, summary: true, indexes: true, repeated_channels: true };
 
-/// A log of 900 messages of one topic, 10 ms apart, in about ten chunks; the values tell the message's number.
+/// A log of 900 messages of one topic, 10 ms apart, in about ten chunks; the values are the message's number.
 fn log(form: &Form) -> Vec<u8> {
     let options = WriteOptions::new()
         .compression(form.compression)
@@ -89,12 +89,12 @@ fn messages_per_chunk(bytes: &[u8]) -> Vec<u64> {
     records(bytes).into_iter().filter(|record| record.2 == 7).map(|(_, length, _)| (length as u64 - 6) / 16).collect()
 }
 
-/// The numbers of the messages that were read, told by their speed.
+/// The numbers of the messages that were read, from their speeds.
 fn numbers(recording: &Recording) -> Vec<u64> {
     recording.signals.speed.value.iter().map(|speed| (speed * 1e3).round() as u64).collect()
 }
 
-/// Expects that all messages but those of chunk `lost` were read, and that the loss is told.
+/// Expects that all messages but those of chunk `lost` were read, and that the loss is reported.
 #[track_caller]
 fn expect_lost_chunk(bytes: Vec<u8>, sound: &[u8], lost: usize) -> Recording {
     let per_chunk = messages_per_chunk(sound);
@@ -281,7 +281,7 @@ fn a_chunk_with_a_wild_record_length_is_passed_over() {
     }
 }
 
-/// A log of three topics of different rates in chunks; the values of `/drive` tell the message's number.
+/// A log of three topics of different rates in chunks; the values of `/drive` are the message's number.
 fn three_topics(summary: bool) -> Vec<u8> {
     let options = WriteOptions::new()
         .compression(Some(Compression::Zstd))

@@ -99,11 +99,11 @@ fn no_message_is_lost_and_nothing_is_remarked() {
 fn signals_are_found_by_name_in_every_flavour() {
     let vehicle = VehicleOverrides { wheelbase_m: Some(0.92), wheel_radius_m: Some(0.12), ..VehicleOverrides::default() };
     for flavour in [ROS2, AUTOWARE, PROTOBUF, JSON] {
-        let (told, found) = (drive(flavour), read(&file(flavour.0), &Source::Detect, &vehicle, &|_| {}).unwrap());
+        let (driven, found) = (drive(flavour), read(&file(flavour.0), &Source::Detect, &vehicle, &|_| {}).unwrap());
         for signal in SignalName::ALL {
-            let (told, found) = (told.signals.get(signal).unwrap(), found.signals.get(signal).unwrap());
+            let (driven, found) = (driven.signals.get(signal).unwrap(), found.signals.get(signal).unwrap());
             let largest = |signal: &Signal| signal.value.iter().fold(0.0_f64, |sum, value| sum.max(value.abs()));
-            assert!((largest(told) - largest(found)).abs() <= 0.02 * largest(told) + 1e-9, "{flavour:?} {signal}");
+            assert!((largest(driven) - largest(found)).abs() <= 0.02 * largest(driven) + 1e-9, "{flavour:?} {signal}");
         }
     }
 }
@@ -128,7 +128,7 @@ fn a_survey_shows_topics_rates_and_signals() {
 }
 
 #[test]
-fn without_vehicle_data_the_error_names_the_flag() {
+fn without_vehicle_data_the_error_names_what_is_missing() {
     let error = read(&file(ROS2.0), &Source::Detect, &VehicleOverrides::default(), &|_| {}).unwrap_err().to_string();
-    assert!(error.contains("--wheelbase-m"), "{error}");
+    assert!(error.contains("wheelbase_m of the vehicle is not known"), "{error}");
 }

@@ -25,7 +25,7 @@ angle = { path = '/drive.steer_angle_deg', unit = 'deg' }
 gear = { path = '/gear.gear' }
 ";
 
-/// The messages `numbers` of a drive, 10 ms apart: two torque steps; the gear is told by message 0 only.
+/// The messages `numbers` of a drive, 10 ms apart: two torque steps; only message 0 has the gear.
 fn log(numbers: Range<u64>) -> Vec<u8> {
     let mut writer = Writer::new(Cursor::new(Vec::new())).unwrap();
     let drive = writer.add_channel(0, "/drive", "json", &BTreeMap::new()).unwrap();

@@ -1,5 +1,5 @@
-//! Messages of the torque command that are lost: a step is then told late, and the fit must not take what follows for the vehicle's doing, nor
-//! for a drive that its lag does not explain.
+//! Lost messages of the torque command: a step is then logged late, and the fit must not explain the motion before it by the vehicle, nor by a
+//! drive that is not a first-order lag.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // the figures are worth seeing
 #![allow(dead_code)] // the study needs more of its yardstick than this

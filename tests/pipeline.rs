@@ -115,7 +115,7 @@ fn a_messy_drive_is_judged_as_its_answer_key_says_and_fits_its_dynamometer() {
 
     let bad = ["aborted", "estop", "slip", "hand_push", "wrong_angle", "steering", "drive_straight", "drive_curve"];
     let clean = ["step", "coast", "spinup", "step_from_speed", "step_after_slip"];
-    // the key tells when the torque was commanded; dead time and lag pass before the vehicle follows
+    // the key has the times of the commands; dead time and lag pass before the vehicle follows
     let settle_s = 0.3;
     let (mut moving, mut used) = (0, 0);
     let mut left_out = std::collections::BTreeMap::new();

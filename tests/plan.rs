@@ -121,7 +121,7 @@ fn cells_beyond_the_torques_of_the_table_weigh_as_those_at_its_end() {
     }
 }
 
-/// The runs as `record` drives them, the information as the estimator has it: so the model expects about what the fit then tells.
+/// The runs as `record` drives them, the information as the estimator has it: so the model expects about the standard errors that the fit then reports.
 #[test]
 fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_shows_of_them() {
     for map in &TABLE1.maps {
@@ -138,21 +138,21 @@ fn what_the_model_expects_of_the_runs_driven_is_about_what_the_fit_shows_of_them
             let slope = (at(cell.torque_nm + 0.5) - at(cell.torque_nm - 0.5)).max(0.01);
             pairs.push((cell.std_err_nm, map.std_err_mps2[i][j] / slope));
         }
-        let (model, told): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
-        let ratio = rms(&model) / rms(&told);
-        assert!((0.77..1.3).contains(&ratio), "{}: {} by the model, {} told", map.gear, rms(&model), rms(&told));
+        let (model, fitted): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+        let ratio = rms(&model) / rms(&fitted);
+        assert!((0.77..1.3).contains(&ratio), "{}: {} by the model, {} by the fit", map.gear, rms(&model), rms(&fitted));
     }
 }
 
 #[test]
 fn what_cannot_be_planned_is_reported() {
-    let told = |file: &Table1File, settings: &PlanSettings| plan(file, settings).unwrap_err().to_string();
-    assert!(told(&TABLE1, &wish(3.0)).contains("no run fits"));
+    let refusal = |file: &Table1File, settings: &PlanSettings| plan(file, settings).unwrap_err().to_string();
+    assert!(refusal(&TABLE1, &wish(3.0)).contains("no run fits"));
     let braking_only = PlanSettings { torque_breaks_nm: Some(vec![-20.0, -4.0]), ..wish(20.0) };
-    assert!(told(&TABLE1, &braking_only).contains("torques -20 to -4 N·m"));
+    assert!(refusal(&TABLE1, &braking_only).contains("are -20 to -4 N·m"));
     let mut file = TABLE1.clone();
     file.report.runs.clear();
-    assert!(told(&file, &wish(20.0)).contains("Drive a first campaign"));
+    assert!(refusal(&file, &wish(20.0)).contains("Drive a first campaign"));
 }
 
 /// The yardstick of the study: the known map is without error on it, and what lies beyond a map's end is counted, not taken for an error of

@@ -29,7 +29,7 @@ fn the_demo_log_is_what_its_command_makes_byte_for_byte() {
     let output = folder.path().join("demo.mcap");
     record(&scrubber(), &campaign("torque_steps.toml"), &output).assert().success().stdout(predicate::str::contains("64 runs"));
     let demo = std::fs::read(root().join("data/demo.mcap")).unwrap();
-    assert!(std::fs::read(&output).unwrap() == demo, "make data/demo.mcap anew with the command in data/README.md");
+    assert!(std::fs::read(&output).unwrap() == demo, "make data/demo.mcap again with the command in data/README.md");
     assert!(demo.len() < 2_000_000, "{} bytes", demo.len());
 }
 

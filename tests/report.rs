@@ -203,7 +203,7 @@ fn manoeuvres_and_the_plan_are_shown_with_the_tables_that_they_belong_to_and_onl
     };
     let (driven, goal) = (last(&parking["driven_m"]), last(&parking["planned"].as_array().unwrap().last().unwrap()["points_m"]));
     let apart_m = (driven[0] - goal[0]).hypot(driven[1] - goal[1]);
-    // both are told to a tenth of a millimetre
+    // both are rounded to a tenth of a millimetre
     assert!((apart_m - nominal("parking", "final_position_m")).abs() < 2e-4, "{apart_m}");
     let errors = traces["manoeuvres"].as_array().unwrap().iter().find(|m| m["verdict"]["name"] == "lateral-forward").unwrap();
     let mean_m = |k: usize| {
@@ -336,7 +336,7 @@ fn a_browser_shows_every_figure_fetches_nothing_and_answers_the_pointer() {
         assert_eq!(figure["bad"], false, "{figure}");
     }
     assert_eq!(found["verdict"], "Pass");
-    // the tip of a cell tells what table1.json holds
+    // the tip of a cell shows the number in table1.json
     let table1: Value = serde_json::from_str(&std::fs::read_to_string(maps.join("table1.json")).unwrap()).unwrap();
     let map = &table1["maps"][0];
     let accel = map["accel_mps2"][12][4].as_f64().unwrap();

@@ -1,5 +1,5 @@
 //! Fits by the torque feedback and by the command, judged against the exact map of the simulator.
-//! `cargo test --test torque_feedback -- --nocapture` tells the figures.
+//! `cargo test --test torque_feedback -- --nocapture` prints the figures.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
@@ -73,7 +73,7 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Measured cells in motion: speed, torque, acceleration told and true.
+/// Measured cells in motion: speed, torque, acceleration of the map and true acceleration.
 fn measured(map: &AccelMap, truth: &Truth) -> Vec<[f64; 4]> {
     let mut cells = Vec::new();
     for (i, u) in map.torque_nm.iter().enumerate() {
@@ -89,7 +89,7 @@ fn measured(map: &AccelMap, truth: &Truth) -> Vec<[f64; 4]> {
 }
 
 fn accel_rms_mps2(maps: &[AccelMap], truth: &Truth) -> f64 {
-    rms(&maps.iter().flat_map(|map| measured(map, truth)).map(|[_, _, told, a]| told - a).collect::<Vec<_>>())
+    rms(&maps.iter().flat_map(|map| measured(map, truth)).map(|[_, _, found, a]| found - a).collect::<Vec<_>>())
 }
 
 fn errors(fit: &Fit, truth: &Truth) -> Errors {
@@ -203,20 +203,20 @@ fn a_feedback_that_cannot_stand_in_is_refused_with_the_reason() {
         ("comes at 8.3 Hz only", &|track| keep(track, &|k, _| k % 3 == 0)),
         ("is missing in", &|track| keep(track, &|_, t| t % 5.0 > 1.0)),
     ] {
-        let told = input(change);
-        println!("{told}");
-        assert!(told.starts_with("torque command (the feedback ") && told.contains(why), "{why}: {told}");
+        let input_text = input(change);
+        println!("{input_text}");
+        assert!(input_text.starts_with("torque command (the feedback ") && input_text.contains(why), "{why}: {input_text}");
     }
     let given = fit::FitSettings { lag_s: Some(0.05), ..fit::FitSettings::default() };
-    let told = fit(vec![surveyed(&recording, |_| ())], &given).unwrap().file.actuator;
-    assert!(told.input.to_string().contains("dead time or lag are given") && told.lag.status == DelayStatus::Given, "{told:?}");
+    let actuator = fit(vec![surveyed(&recording, |_| ())], &given).unwrap().file.actuator;
+    assert!(actuator.input.to_string().contains("dead time or lag are given") && actuator.lag.status == DelayStatus::Given, "{actuator:?}");
     let bare = surveyed(&recording, |track| {
         track.feedback_nm = None;
         track.source.file = "bare.mcap".into();
         track.source.sha256 = "0".repeat(64);
     });
-    let told = fit(vec![surveyed(&recording, |_| ()), bare], &fit::FitSettings::default()).unwrap().file.actuator.input.to_string();
-    assert!(told.starts_with("torque command (") && told.contains("not every log has one"), "{told}");
+    let input_text = fit(vec![surveyed(&recording, |_| ()), bare], &fit::FitSettings::default()).unwrap().file.actuator.input.to_string();
+    assert!(input_text.starts_with("torque command (") && input_text.contains("not every log has one"), "{input_text}");
 }
 
 #[test]

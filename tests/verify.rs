@@ -80,7 +80,7 @@ fn a_shifted_speed_axis_fails() {
 
 #[test]
 fn two_swapped_rows_fail() {
-    // 0 and 0.6 m/s, 0 and 1 m/s, 0.1 and 0.8 m/s: neighbours differ by less than the gate can tell, and do no harm
+    // 0 and 0.6 m/s, 0 and 1 m/s, 0.1 and 0.8 m/s: neighbours differ by less than the gate resolves, and swapping them does no harm
     for (one, other) in [(0, 12), (0, 20), (2, 16)] {
         let swap = |i| {
             if i == one {

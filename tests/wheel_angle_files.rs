@@ -9,7 +9,7 @@ use map_copy::{run, text};
 use pivot_cal::map::{DepartureFrom, Gear, Side, Table1File, Table2File, WheelAngle};
 use std::path::Path;
 
-/// Forward steps and braking at the angles told, and reverse steps at the test angle.
+/// Forward steps and braking at the given angles, and reverse steps at the test angle.
 fn campaign(angles: &str) -> String {
     format!(
         "seed = 4\n[[runs]]\nwheel_angle_deg = {angles}\ntorque_nm = [8, 14, 22, 30, 38]\nhold_s = 2.5\nstall_s = 0.6\npause_s = 0.1\n\
@@ -65,7 +65,7 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
     }
     let page = std::fs::read_to_string(maps.join("report.html")).unwrap();
     assert!(page.contains("the files hold maps of −40.0°, 30.0°, 60.0°, too"));
-    // each run tells its angle
+    // each run shows its angle
     assert!(page.contains("<th scope=\"col\">angle °</th>") && page.contains("<td class=\"l\">forward</td><td>−40.0</td>"));
     assert!(text(&maps, "export/pivot_map.c").contains("wheel at 90 deg"));
     let (status, said, errors) = run(folder, &["export", "--format", "c", "--angle", "30", "-o", "thirty"]);
@@ -109,7 +109,7 @@ fn angles_are_selected_and_one_that_the_log_lacks_is_an_error_that_names_those_i
     let (status, _, errors) = run(folder, &["fit", "--angle", "45", "log.mcap"]);
     assert!(status == 1 && errors.contains("wheel angles of the runs: 30° ("), "{errors}");
 
-    // two angles: a family with fewer terms, whose departures nothing tells
+    // two angles: a family with fewer terms, whose departures cannot be estimated
     let (status, said, errors) = run(folder, &["fit", "--angle", "30,90", "log.mcap"]);
     assert_eq!(status, 0, "{said}{errors}");
     assert_eq!(csvs(folder, "table1"), ["table1.angle30.csv", "table1.csv", "table1.reverse.csv"]);

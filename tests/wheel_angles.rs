@@ -1,5 +1,5 @@
 //! Maps at several wheel angles, judged against the exact map of the simulator: at the angles of the campaign, and at one that it left out.
-//! `cargo test --test wheel_angles -- --nocapture` tells the figures.
+//! `cargo test --test wheel_angles -- --nocapture` prints the figures.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test says what it measured
 
@@ -145,7 +145,7 @@ fn a_measured_angle_is_as_good_as_alone_and_one_left_out_nearly_as_good_as_its_n
 
 /// The same over eight campaigns, root mean squares: one campaign is good or bad luck.
 #[test]
-#[ignore = "two minutes; docs/wheel-angles.md tells its figures"]
+#[ignore = "two minutes; docs/wheel-angles.md has its figures"]
 fn over_eight_campaigns_an_angle_among_others_is_better_than_alone() {
     let found: Vec<Outcome> = (1..=8).map(|seed| outcome(Some(seed))).collect();
     let rms = |of: &dyn Fn(&Outcome) -> f64| (found.iter().map(|o| of(o).powi(2)).sum::<f64>() / found.len() as f64).sqrt();

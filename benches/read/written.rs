@@ -45,7 +45,7 @@ int32 sec
 uint32 nanosec
 ";
 
-/// A CDR payload in the making.
+/// A CDR payload that is being written.
 struct Cdr(Vec<u8>);
 
 impl Cdr {
@@ -73,13 +73,13 @@ impl Cdr {
         self.0.extend(value.to_le_bytes());
         self
     }
-    fn header(self, time: u64) -> Self {
-        self.u32((time / 1_000_000_000) as u32).u32((time % 1_000_000_000) as u32).text("base_link")
+    fn header(self, frame: &str, time: u64) -> Self {
+        self.u32((time / 1_000_000_000) as u32).u32((time % 1_000_000_000) as u32).text(frame)
     }
 }
 
-pub(crate) fn joint_state(time: u64, value: f64) -> Vec<u8> {
-    let mut message = Cdr::new().header(time).u32(3).text("left_wheel_joint").text("front_drive_joint").text("front_steer_joint");
+pub(crate) fn joint_state(frame: &str, time: u64, value: f64) -> Vec<u8> {
+    let mut message = Cdr::new().header(frame, time).u32(3).text("left_wheel_joint").text("front_drive_joint").text("front_steer_joint");
     for _ in 0..3 {
         message = message.u32(3).f64(f64::NAN).f64(value).f64(value);
     }
@@ -87,7 +87,7 @@ pub(crate) fn joint_state(time: u64, value: f64) -> Vec<u8> {
 }
 
 fn twist(time: u64, value: f64) -> Vec<u8> {
-    (0..6).fold(Cdr::new().header(time), |message, _| message.f64(value)).0
+    (0..6).fold(Cdr::new().header("base_link", time), |message, _| message.f64(value)).0
 }
 
 /// A log of about `megabytes`, uncompressed, in chunks of 1 MB: six signals among images, point clouds and forty small topics.
@@ -145,8 +145,8 @@ pub(crate) fn write(path: &Path, compression: Option<Compression>, megabytes: u6
         };
         put(imu, &twist(time, value));
         if number.is_multiple_of(2) {
-            put(joints, &joint_state(time, value * 8.0));
-            put(eps, &joint_state(time, 1.57));
+            put(joints, &joint_state("base_link", time, value * 8.0));
+            put(eps, &joint_state("base_link", time, 1.57));
             put(torque, &Cdr::new().f64(20.0).0);
             put(feedback, &Cdr::new().f64(20.0 + value).0);
         }

@@ -28,7 +28,7 @@ pub(crate) fn shuffled(campaign: &Campaign, seed: u64, rounds: u64) -> Fallible<
     let mut runs = Vec::new();
     let single = &single;
     for round in 0..rounds {
-        // an order of its own: by a hash of place, round and seed
+        // a separate order: by a hash of place, round and seed
         let key =
             |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed + 1000 * round).wrapping_mul(0xD134_2543_DE82_EF95)) >> 20;
         let mut order: Vec<usize> = (0..single.len()).collect();

@@ -1,4 +1,4 @@
-//! Any bytes as a schema, in each schema language: with paths that it may have, or searched for whatever it has.
+//! Any bytes as a schema, in each schema language: with paths that it may have, or searched for all that it has.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

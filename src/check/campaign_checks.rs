@@ -86,7 +86,7 @@ fn encoder_scale(file: &Table1File) -> Option<Check> {
     let departure = (scale - 1.0).abs();
     let (outcome, limit) = CheckOutcome::graded(departure, ENCODER_SCALE);
     let meaning = format!(
-        "the encoder's speed is {scale:.3} of the yaw rate's with this wheelbase, {:.1} % off, {:.0} % is allowed",
+        "the encoder's speed is {scale:.3} times that of the yaw rate with this wheelbase: a difference of {:.1} %, {:.0} % is allowed",
         100.0 * departure,
         100.0 * limit
     );
@@ -102,7 +102,7 @@ fn scale_advice(file: &Table1File, scale: f64) -> String {
         return format!("correct the unit: {mistake}");
     }
     let dimensions = format!(
-        "wheelbase ({:.3} m instead of {:.3} would fit) and wheel radius ({:.4} m instead of {:.4} would fit)",
+        "wheelbase ({:.3} m would agree instead of {:.3} m) and wheel radius ({:.4} m would agree instead of {:.4} m)",
         file.vehicle.wheelbase_m * scale,
         file.vehicle.wheelbase_m,
         file.vehicle.wheel_radius_m / scale,
@@ -136,7 +136,7 @@ fn clock_offset(file: &Table1File) -> Option<Check> {
 fn dead_time(file: &Table1File) -> Option<Check> {
     let dead_time = &file.actuator.dead_time;
     let (error_ms, limit_ms) = (1e3 * dead_time.std_err_s?, 1e3 * DEAD_TIME_STD_ERR_S);
-    let meaning = format!("the dead time is known to ±{error_ms:.1} ms, ±{limit_ms:.0} ms is allowed");
+    let meaning = format!("the standard error of the dead time is {error_ms:.1} ms, {limit_ms:.0} ms is allowed");
     let check = Check::passed("dead-time", (error_ms, limit_ms, "ms"), meaning);
     Some(if dead_time.status == DelayStatus::WeaklyDetermined {
         check.broken(CheckOutcome::Warning, "drive more steps of torque, or give the dead time")
@@ -157,7 +157,7 @@ fn condemned(file: &Table1File) -> Option<Check> {
     let (outcome, limit) = CheckOutcome::graded(share, CONDEMNED);
     let meaning = format!("{:.0} % of the moving samples are left out as push or slip, {:.0} % is allowed", 100.0 * share, 100.0 * limit);
     let check = Check::passed("push-and-slip", (100.0 * share, 100.0 * limit, "%"), meaning);
-    let advice = "look at signs, units and clocks of the signals, and at the floor; drive again without help from outside";
+    let advice = "check the signs, units and clocks of the signals, and the floor; drive again without pushing the vehicle";
     Some(check.judged(outcome, advice))
 }
 
@@ -166,7 +166,7 @@ fn friction(file: &Table1File, map: &AccelMap) -> Check {
     let largest_nm = file.most_torque_nm(0.0).max(1e-9);
     let share = map.breakaway.torque_nm / largest_nm;
     let meaning = format!(
-        "{} gear: breakaway takes {:.1} N·m, {:.0} % of the largest torque of {largest_nm:.1} N·m, {:.0} % is allowed",
+        "{} gear: the breakaway torque is {:.1} N·m, {:.0} % of the largest torque of {largest_nm:.1} N·m, {:.0} % is allowed",
         map.gear,
         map.breakaway.torque_nm,
         100.0 * share,
@@ -192,7 +192,7 @@ fn undelivered(file: &Table1File) -> Check {
     let figure = (seconds, 0.0, "s");
     if seconds > 0.0 {
         let advice = "the drive limits torque, power or speed: plan within it, and give torque_limit_nm";
-        let meaning = format!("the drive did not deliver the torque that was asked for during {seconds:.1} s, 0 s is allowed");
+        let meaning = format!("the drive did not deliver the commanded torque during {seconds:.1} s, 0 s is allowed");
         return Check::passed("torque-delivered", figure, meaning).broken(CheckOutcome::Warning, advice);
     }
     Check::passed("torque-delivered", figure, "no torque is known to be undelivered".to_owned())

@@ -41,7 +41,7 @@ impl Map<'_> {
         judged.jumps(settings, &mut findings);
         // a map whose columns go below 0 is not over speed (Autoware's steer map has the same form)
         if grid.column_breaks.first().copied().flatten().is_some_and(|first| first < 0.0) {
-            let what = "the columns are not speeds from 0 on: read as a matrix whose signs mean nothing";
+            let what = "the columns are not speeds from 0 up: checked as a plain matrix, without the rules for signs";
             findings.push(RuleBreach::whole(Rule::Sign, Severity::Note, what));
         } else {
             judged.speed_from_zero(GridAxis::Columns, Severity::Note, &mut findings);
@@ -74,7 +74,7 @@ impl Map<'_> {
             if let (Some(accel), Some(other)) = (judged.grid.at(0, j), brake.at(0, j))
                 && accel != other
             {
-                let what = format!("{accel} without pedal, but {other} in {name}: the first row is not shared");
+                let what = format!("{accel} without pedal, but {other} in {name}: the first rows of the two maps differ");
                 findings.push(judged.cell(Rule::RangeGap, Severity::Note, 0, j, what));
             }
         }

@@ -157,7 +157,7 @@ impl JudgedGrid<'_> {
     /// A speed axis that does not begin at 0.
     pub(crate) fn speed_from_zero(&self, along: GridAxis, severity: Severity, findings: &mut Vec<RuleBreach>) {
         if let Some(first) = self.breaks(along).first().copied().flatten().filter(|first| *first > 0.0) {
-            let what = format!("speeds begin at {first}; below it a controller has only the edge's value");
+            let what = format!("speeds begin at {first}: a controller uses the value at the edge for lower speeds");
             findings.push(RuleBreach::at(Rule::RangeGap, severity, format!("{}speed 0 to {first}", self.of), what));
         }
     }

@@ -57,7 +57,7 @@ impl Map<'_> {
         let (grid, unread) = CellGrid::of_cells(cells);
         let mut findings: Vec<_> = misread(&unread).collect();
         if corner != table.corner() {
-            let what = format!("the corner cell says {corner:?}; it must be {:?} (rows\\columns)", table.corner());
+            let what = format!("the corner cell is {corner:?}; it must be {:?} (rows\\columns)", table.corner());
             findings.push(RuleBreach::whole(Rule::Readable, Severity::Error, what).on(Some(1), 1));
         }
         let json = (self.beside)(table.json()).and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());

@@ -1,5 +1,6 @@
 //! Output of a command: summaries and JSON on standard output; errors, warnings and progress on standard error.
 
+use crate::cli::advice::flag_for;
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
@@ -66,9 +67,10 @@ impl Ui {
         }
     }
 
-    /// The error and its causes on one line.
+    /// The error and its causes on one line, with the flag that helps.
     pub(crate) fn error(error: &anyhow::Error) {
-        let _ = writeln!(anstream::stderr(), "error: {error:#}");
+        let flag = flag_for(error).map_or_else(String::new, |flag| format!("; {flag}"));
+        let _ = writeln!(anstream::stderr(), "error: {error:#}{flag}");
     }
 
     /// A bar that counts up to `total` bytes: drawn on a terminal, silent in a pipe.

@@ -83,7 +83,7 @@ fn notes(a: &DiffSide, b: &DiffSide) -> Vec<String> {
     let shared = a.logs.iter().filter(|log| b.logs.iter().any(|other| other.sha256 == log.sha256)).count();
     if shared > 0 {
         notes.push(format!(
-            "logs that stand behind both maps: {shared}; their errors are the same, so that the standard errors of the changes are too large"
+            "both maps were made from the same {shared} log(s): the errors of those logs are in both, so that the standard errors of the changes are too large"
         ));
     }
     if a.vehicle.torque_limit_nm != b.vehicle.torque_limit_nm {

@@ -11,7 +11,7 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 #[allow(missing_docs)] // the message explains the fields
 pub enum Error {
-    #[error("{}: {source}; a map is made by `pivot-cal fit` and `pivot-cal invert`, and --maps names its folder", path.display())]
+    #[error("{}: {source}; fit and invert first, or give the folder that holds the map", path.display())]
     Read { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: crate::map::Error },

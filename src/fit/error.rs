@@ -11,7 +11,7 @@ pub enum Error {
     #[error("no log to fit")]
     NoLogs,
     #[error(
-        "the logs are of different vehicles: {first} has {field} {first_value}, {second} has {second_value}. Fit each vehicle by itself, or give the right value for all (--wheelbase-m, --wheel-radius-m, --test-angle-deg)"
+        "the logs are of different vehicles: {first} has {field} {first_value}, {second} has {second_value}. Fit each vehicle separately, or give one {field} for all logs"
     )]
     DifferentVehicles { field: &'static str, first: String, first_value: f64, second: String, second_value: f64 },
     #[error(
@@ -26,14 +26,16 @@ pub enum Error {
         "{file}: the speed signal is too slow: it changes {rate_hz:.1} times a second, {needed_hz:.0} are needed where no yaw rate is mapped. Log the wheel speed faster, or map a yaw rate"
     )]
     SlowSpeed { file: String, rate_hz: f64, needed_hz: f64 },
-    #[error("no map of the test angle of {test_angle_deg}° can be made: the angles are {found}. Give another one with --test-angle-deg")]
+    #[error(
+        "no map of the test angle of {test_angle_deg}° can be made: the angles with runs are {found}. Choose one of these as the test angle"
+    )]
     NoTestAngle { test_angle_deg: f64, found: String },
-    #[error("the normal equations cannot be solved: the logs hold no information on the surface")]
+    #[error("the surface cannot be estimated: the logs hold no information on it. Drive torque steps from rest at several torques")]
     Singular,
     #[error("Table 1 holds no driven run with motion and a torque range: nothing to plan from. Drive a first campaign and fit it")]
     NothingToPlan,
     #[error(
-        "no cell is left to be known: torques {low_nm} to {high_nm} N·m within the vehicle's limit; a speed above 0 and two torques, one of them positive, are needed"
+        "there is no cell to plan for: a speed above 0 and two torques, one of them positive, are needed; the torques within the vehicle's limit are {low_nm} to {high_nm} N·m. Give other speeds or torques"
     )]
     NoCells { low_nm: f64, high_nm: f64 },
     #[error("no run fits a plan of {budget_s:.0} s: give it more time")]

@@ -39,7 +39,7 @@ pub enum Error {
     #[error("the vehicle stops after {turned_deg:.1}° of the turn; nearest feasible entry speed: {nearest_mps:.3} m/s")]
     StopsInTurn { turned_deg: f64, nearest_mps: f64 },
     #[error(
-        "no U-turn clears everything by {clearance_m:.2} m; the best, {best}, lacks {lacking_m:.3} m: nearest feasible clearance {nearest_m:.3} m"
+        "no U-turn has a clearance of {clearance_m:.2} m; the best ({best}) has {lacking_m:.3} m too little: nearest feasible clearance {nearest_m:.3} m"
     )]
     NoUTurn { clearance_m: f64, best: String, lacking_m: f64, nearest_m: f64 },
 }

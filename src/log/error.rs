@@ -15,7 +15,7 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 pub enum Error {
     #[error("the log cannot be read: {0}")]
     Io(std::io::Error),
-    #[error("this is a folder, not a log; a folder is searched for logs only if it is named on the command line")]
+    #[error("this is a folder, not a log; give the folder itself to read the logs in it")]
     Folder,
     #[error("the folder holds no .mcap file")]
     NoLogs,
@@ -63,14 +63,14 @@ pub enum Error {
     #[error("{signal}: topic {topic}: {source}")]
     Schema { signal: &'static str, topic: String, source: SchemaError },
     #[error(
-        "no signal {signal} was found{}; name it in a signal map (--signals FILE)",
+        "no signal {signal} was found{}; name it in a signal map",
         list("; the nearest candidates are", candidates, "; the log has", topics)
     )]
     MissingSignal { signal: &'static str, candidates: Vec<String>, topics: Vec<String> },
     #[error("{signal}: {path} gives no value: of {messages} message(s), {reason}")]
     NoValues { signal: &'static str, path: String, messages: u64, reason: String },
-    #[error("{missing} of the vehicle is not known: give it with {flag}, or as {missing} in [vehicle] of the signal map")]
-    MissingVehicle { missing: &'static str, flag: &'static str },
+    #[error("{missing} of the vehicle is not known: give it, or set {missing} in [vehicle] of the signal map")]
+    MissingVehicle { missing: &'static str },
     #[error("the log's metadata pivot-cal/vehicle: {field} is {text:?}, not a number")]
     VehicleMetadata { field: &'static str, text: String },
     #[error(transparent)]

@@ -30,10 +30,10 @@ impl VehicleOverrides {
     /// # Errors
     /// A dimension is missing, with the ways to give it, or impossible.
     pub fn vehicle(self) -> Result<Vehicle> {
-        let given = |value: Option<f64>, missing, flag| value.ok_or(Error::MissingVehicle { missing, flag });
+        let given = |value: Option<f64>, missing| value.ok_or(Error::MissingVehicle { missing });
         let vehicle = Vehicle {
-            wheelbase_m: given(self.wheelbase_m, "wheelbase_m", "--wheelbase-m")?,
-            wheel_radius_m: given(self.wheel_radius_m, "wheel_radius_m", "--wheel-radius-m")?,
+            wheelbase_m: given(self.wheelbase_m, "wheelbase_m")?,
+            wheel_radius_m: given(self.wheel_radius_m, "wheel_radius_m")?,
             test_angle_deg: self.test_angle_deg.unwrap_or(90.0),
             torque_limit_nm: self.torque_limit_nm,
         };
@@ -70,6 +70,6 @@ mod tests {
         let vehicle = upper.or(lower).vehicle().unwrap();
         assert_eq!((vehicle.wheelbase_m, vehicle.wheel_radius_m, vehicle.test_angle_deg), (1.0, 0.1, 90.0));
         let error = upper.vehicle().unwrap_err().to_string();
-        assert!(error.contains("--wheel-radius-m") && error.contains("[vehicle]"), "{error}");
+        assert!(error.contains("wheel_radius_m") && error.contains("[vehicle]"), "{error}");
     }
 }

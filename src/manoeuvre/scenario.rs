@@ -57,7 +57,7 @@ impl Manoeuvre {
         for direction in Gear::ALL {
             all.push(Self {
                 name: format!("lateral-{direction}"),
-                what: format!("mounting yaw 1.0° and steering zero 0.8° off, compensated, in {direction} gear"),
+                what: format!("mounting yaw off by 1.0° and steering zero off by 0.8°, compensated, in {direction} gear"),
                 class: Class::Compensation,
                 kind: ManoeuvreKind::Compensation(CompensationScenario::new(direction)),
             });

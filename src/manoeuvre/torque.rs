@@ -92,7 +92,7 @@ impl<'a> ManoeuvreTorque<'a> {
     pub(crate) fn what(maps: &Maps) -> String {
         if maps.angles.is_empty() {
             let angle_deg = maps.table2.vehicle.test_angle_deg;
-            return format!("manoeuvres: torque by the map at {angle_deg}°, by the exact inverse of the plant at other wheel angles");
+            return format!("manoeuvres: torque from the map at {angle_deg}°; at other wheel angles from the exact inverse of the plant");
         }
         let of = |gear: Gear| {
             let mut angles: Vec<f64> = maps.angles.iter().filter(|m| m.gear == gear).map(|m| m.wheel_angle_deg).collect();
@@ -103,7 +103,7 @@ impl<'a> ManoeuvreTorque<'a> {
         let sided = |left: bool| maps.angles.iter().any(|m| m.wheel_angle_deg.abs() > SAME_ANGLE_DEG && (m.wheel_angle_deg > 0.0) == left);
         let symmetry = if sided(true) && sided(false) { "" } else { "; the other side's maps are mirrored: symmetry assumed" };
         format!(
-            "manoeuvres: torque by the maps at {} (forward) and {} (reverse), beyond those angles by the exact inverse of the plant{symmetry}",
+            "manoeuvres: torque from the maps at {} (forward) and {} (reverse); at larger angles from the exact inverse of the plant{symmetry}",
             of(Gear::Forward),
             of(Gear::Reverse)
         )

@@ -16,15 +16,15 @@ pub enum Error {
     AxisNotFinite { axis: &'static str, index: usize, value: f64 },
     #[error("axis {axis}: break {} is {value}, not above the one before it ({previous}); breaks must increase strictly", index + 1)]
     AxisNotIncreasing { axis: &'static str, index: usize, previous: f64, value: f64 },
-    #[error("{table} has {found} values; its axes ask for {rows} × {columns}")]
+    #[error("{table} has {found} values; its axes need {rows} × {columns}")]
     WrongShape { table: &'static str, rows: usize, columns: usize, found: usize },
     #[error("{table}: the value in row {}, column {} is {value}; it must be a finite number", row + 2, column + 2)]
     NotFinite { table: &'static str, row: usize, column: usize, value: f64 },
-    #[error("{place} has {found} entries; its axis asks for {expected}")]
+    #[error("{place} has {found} entries; its axis needs {expected}")]
     WrongLength { place: String, expected: usize, found: usize },
     #[error("{place} is {value}; it must be a finite number")]
     NoNumber { place: String, value: f64 },
-    #[error("the corner cell says {found:?}; it must be {expected:?} (rows\\columns)")]
+    #[error("the corner cell is {found:?}; it must be {expected:?} (rows\\columns)")]
     WrongAxes { found: String, expected: String },
     #[error("the file is empty; a table has a header row of column breaks and a row per row break")]
     EmptyCsv,

@@ -150,6 +150,6 @@ impl Greedy {
         let (v, u) = (range(&|c| c.speed_mps), range(&|c| c.torque_nm));
         let errors = self.std_errs_nm();
         let known = (own.iter().map(|k| errors[*k].powi(2)).sum::<f64>() / own.len().max(1) as f64).sqrt();
-        format!("{gear} cells {:.2} to {:.2} m/s, {:.0} to {:.0} N·m are known to ±{known:.2} N·m only", v.0, v.1, u.0, u.1)
+        format!("{gear} cells {:.2} to {:.2} m/s, {:.0} to {:.0} N·m have a standard error of {known:.2} N·m", v.0, v.1, u.0, u.1)
     }
 }

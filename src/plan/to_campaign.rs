@@ -18,7 +18,7 @@ impl Proposal {
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_toml(&self, wheel_angle: Option<WheelAngle>) -> Result<String, toml::ser::Error> {
         let header = format!(
-            "# The campaign still to drive: {} runs, about {:.0} s. The most useful runs per second come first.\n\
+            "# The next campaign: {} runs, about {:.0} s. The runs that help most per second come first.\n\
              # Expected standard error of the torque, root mean square over the cells: {:.3} N·m now, {:.3} N·m after.\n\
              # Torques are in the gear's frame.\n",
             self.runs, self.seconds, self.std_err_nm, self.std_err_after_nm
@@ -47,7 +47,7 @@ fn group(entry: &PlanEntry) -> RunGroup {
 
 fn comment(entry: &PlanEntry) -> String {
     format!(
-        "# {:.1} N·m {}: {}\n# the first run: {:.1} s, {:.4} N·m off the standard error ({:.2} %)\n",
+        "# {:.1} N·m {}: {}\n# the first run: {:.1} s, lowers the standard error by {:.4} N·m ({:.2} %)\n",
         entry.run.torque_nm,
         entry.run.start(),
         entry.reason,
@@ -98,13 +98,13 @@ mod tests {
     fn the_campaign_file_shows_what_matters_and_reads_back() {
         let text = proposal().to_toml(None).unwrap();
         insta::assert_snapshot!(text, @r#"
-        # The campaign still to drive: 3 runs, about 10 s. The most useful runs per second come first.
+        # The next campaign: 3 runs, about 10 s. The runs that help most per second come first.
         # Expected standard error of the torque, root mean square over the cells: 0.250 N·m now, 0.125 N·m after.
         # Torques are in the gear's frame.
         name = "plan"
 
         # 20.0 N·m from rest: few runs there
-        # the first run: 3.2 s, 0.0100 N·m off the standard error (1.50 %)
+        # the first run: 3.2 s, lowers the standard error by 0.0100 N·m (1.50 %)
         [[runs]]
         gear = "forward"
         torque_nm = 20.0
@@ -115,7 +115,7 @@ mod tests {
         pause_s = 0.0
 
         # -8.5 N·m from 0.70 m/s reached with 40.0 N·m: few runs there
-        # the first run: 3.2 s, 0.0100 N·m off the standard error (1.50 %)
+        # the first run: 3.2 s, lowers the standard error by 0.0100 N·m (1.50 %)
         [[runs]]
         gear = "reverse"
         torque_nm = -8.5

@@ -64,7 +64,7 @@ fn estimates(actuator: &Actuator) -> Markup {
 /// Explanation of the figures.
 fn meaning(likelihood: &DelayLikelihood) -> Markup {
     html! {
-        "By how many standard deviations other delays explain the recorded speed worse, with the surface free in its main directions."
+        "Each place shows by how many standard deviations another pair of delays explains the recorded speed worse. The surface may adapt in its main directions."
         @if likelihood.lag_s.len() > 1 {
             " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second solution."
         } @else {

@@ -10,7 +10,7 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 #[allow(missing_docs)] // the message explains the fields
 pub enum Error {
-    #[error("{}: {source}; Table 1 is made by `pivot-cal fit LOG…`, and --maps names its folder", path.display())]
+    #[error("{}: {source}; fit logs first, or give the folder that holds table1.json", path.display())]
     NoTable1 { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },

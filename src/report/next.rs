@@ -35,10 +35,10 @@ pub(crate) fn next(inputs: &ReportFiles) -> Section {
         } @else {
             p.absent { "No runs are planned yet: run pivot-cal plan, and then report again." }
         }
-        h3 { "Torques with the most doubt" }
+        h3 { "Torques with the least confidence" }
         p {
-            "The torque levels with the most doubt, summed over their cells as 1 − confidence, and how to reach the missing speeds. A \
-             level far from the torques of a pivot matters less than one within them."
+            "The torque levels with the least confidence (the sum of 1 − confidence over their cells), and how to reach the missing \
+             speeds. A level far from the torques of a pivot matters less than one within them."
         }
         (doubtful_levels(&inputs.table1.maps))
         h3 { "The most uncertain cells within the measured region" }

@@ -24,8 +24,8 @@ pub(crate) fn residuals(inputs: &ReportFiles) -> Section {
     let body = html! {
         @if let Some(traces) = &inputs.fit_traces {
             p {
-                "Recorded minus modelled acceleration over windows of 0.1 s. A patch of one colour is a shape that the surface does \
-                 not have; a drift over time is an effect of battery, floor or temperature."
+                "Recorded minus modelled acceleration over windows of 0.1 s. Neighbouring cells of one colour show a \
+                 shape that the surface does not contain; a drift over time is an effect of battery, floor or temperature."
             }
             div.row {
                 @for cells in &traces.residual_cells {

@@ -44,7 +44,7 @@ fn banner(inputs: &ReportFiles) -> Markup {
         Status::Fail => ("fail", "✕", "Fail", "Table 2 breaks a limit. It must not be deployed; what failed is listed below."),
         Status::Rejected => ("fail", "✕", "Rejected", "The campaign or its fit is not sound. These tables must not be deployed."),
         Status::NotJudged | Status::NotTested => {
-            ("open", "?", "Not judged", "No verdict covers these tables. They must not be deployed before one does.")
+            ("open", "?", "Not judged", "These tables were not judged. They must not be deployed before they are.")
         }
     };
     html! {

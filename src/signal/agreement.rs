@@ -48,7 +48,7 @@ impl Sources<'_> {
             && let Some(offset_s) = yaw_offset_s(self.encoder_mps, yaw, |t| self.is_at_angle(t))
         {
             moved(yaw, offset_s);
-            notes.push(format!("another clock: yaw_rate agrees with the speed when it is moved by {offset_s:+.2} s, which is done"));
+            notes.push(format!("yaw_rate is on another clock: it was moved by {offset_s:+.2} s to agree with the speed"));
         }
         let mut own_s = None;
         if let Some(feedback) = &feedback {
@@ -58,17 +58,15 @@ impl Sources<'_> {
         if let Some(offset_s) = torque_s {
             moved(command, offset_s);
             notes.push(format!(
-                "another clock: the motion follows the torque command when that is moved by {offset_s:+.2} s, which is done; dead time and clock \
-                 offset cannot be separated"
+                "torque is on another clock: it was moved by {offset_s:+.2} s so that the motion follows it; dead time and clock offset cannot be \
+                 separated"
             ));
         }
         let feedback_s = own_s.unwrap_or(0.0) + torque_s.unwrap_or(0.0);
         if let Some(feedback) = feedback.filter(|_| feedback_s != 0.0) {
             moved(feedback, feedback_s);
             if own_s.is_some() {
-                notes.push(format!(
-                    "another clock: torque_feedback agrees with the command when it is moved by {feedback_s:+.2} s, which is done"
-                ));
+                notes.push(format!("torque_feedback is on another clock: it was moved by {feedback_s:+.2} s to agree with the command"));
             }
         }
     }

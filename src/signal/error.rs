@@ -21,15 +21,15 @@ pub enum Error {
     )]
     NoOverlap { signal: &'static str, from_s: f64, to_s: f64, speed_from_s: f64, speed_to_s: f64 },
     #[error(
-        "{signal} runs against {others} in {against_s:.0} s of {whole_s:.0} s of motion: its sign is reversed. Set `scale = -1` for {signal} in the signal map, or swap `forward` and `reverse` of the gear"
+        "{signal} contradicts {others} in {against_s:.0} s of {whole_s:.0} s of motion: its sign is reversed. Set `scale = -1` for {signal} in the signal map, or swap `forward` and `reverse` of the gear"
     )]
     Against { signal: &'static str, others: &'static str, against_s: f64, whole_s: f64 },
     #[error(
-        "the torque and the motion have opposite signs: a higher torque accelerates the wheel in the negative direction, and explains {percent:.0} % of its acceleration so. Set `scale = -1` for torque (and torque_feedback) in the signal map, or for speed and yaw_rate"
+        "the torque and the motion have opposite signs: a higher torque accelerates the wheel in the negative direction; this explains {percent:.0} % of its acceleration. Set `scale = -1` for torque (and torque_feedback) in the signal map, or for speed and yaw_rate"
     )]
     TorqueAgainst { percent: f64 },
     #[error(
-        "torque has two publishers: {found} come in between {interruptions} times, and it is in doubt which of them the wheel follows. Record one publisher only, or name a topic with one"
+        "torque has two publishers: {found} interrupts the command {interruptions} times, and it is not clear which of the two the wheel follows. Record one publisher only, or name a topic that has one"
     )]
     TwoPublishers { interruptions: usize, found: String },
 }

@@ -100,11 +100,11 @@ impl TwoPublishers {
         let (is_first, is_last) = ((by_feedback - 1.0).abs() < NEARER * apart, (by_feedback - by_last).abs() < NEARER * apart);
         let (command, how) = match (is_first, is_last) {
             (true, _) => (self.first.clone(), "the drive follows the command without it"),
-            (false, true) => (whole.clone(), "the drive follows whichever spoke last"),
+            (false, true) => (whole.clone(), "the drive follows the last message of either"),
             (false, false) => return Err(doubt()),
         };
         notes.push(format!(
-            "torque has two publishers: {found} interrupts the command {} times, every {:.0} ms; by the torque feedback, {how}, which is used",
+            "torque has two publishers: {found} interrupts the command {} times, every {:.0} ms. The torque feedback shows that {how}; that command is used",
             self.interruptions,
             1e3 * self.period_s
         ));

@@ -77,7 +77,7 @@ impl Track {
             let sources = Sources { encoder_mps: &encoder_mps, gear: gear.as_ref(), angle_rad: &angle_rad, wheel_angle_rad };
             if (angle_rad.value[0] - wheel_angle_rad).abs() > NEAR_ANGLE_RAD && sources.yaw_shows_angle(yaw) {
                 taken.notes.push(format!(
-                    "angle is logged once, as {:.1}°, but the yaw rate shows that the runs were driven at {wheel_angle_deg}°, which is used",
+                    "angle is logged once, as {:.1}°, but the yaw rate shows that the runs were driven at {wheel_angle_deg}°: that angle is used",
                     angle_rad.value[0] / RAD_PER_DEG
                 ));
                 angle_rad.value.fill(wheel_angle_rad);

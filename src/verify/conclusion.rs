@@ -72,7 +72,7 @@ impl MapVerdict {
             return Some(reason.to_owned());
         }
         if self.draws == 0 {
-            return Some("0 perturbed vehicles were driven, at least 1 is needed; give more draws".to_owned());
+            return Some("no perturbed vehicle was driven, at least 1 is needed; give more draws".to_owned());
         }
         if tested(&self.scenarios).next().is_none() {
             let reason = self.scenarios.iter().find_map(|s| s.notes.first()).map_or(String::new(), |note| format!(" ({note})"));

@@ -17,13 +17,13 @@ pub enum Error {
     File { path: PathBuf, source: crate::map::Error },
     #[error(
         "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it was edited, or belongs to another map; \
-         run `pivot-cal invert` again, or continue with --force",
+         invert Table 1 again",
         path.display(), by.display()
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
     #[error("there is no {gear} map at {angle_deg}° in {table}; it has {found}")]
     NoMap { gear: Gear, angle_deg: f64, table: &'static str, found: String },
-    #[error("there is no scenario {found:?}; nearest: {nearest} (all: pivot-cal verify --list)")]
+    #[error("there is no scenario {found:?}; the nearest is {nearest}")]
     NoScenario { found: String, nearest: String },
     #[error("there is no check {found:?} to accept; the checks of this table1.json are {known}")]
     NoCheck { found: String, known: String },

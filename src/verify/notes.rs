@@ -29,7 +29,7 @@ pub(crate) fn notes(forced: &[String], trips: &[RoundTripVerdict], scenarios: &[
         let map = trip.name();
         if let Some(w) = trip.worst.filter(|_| trip.failed > 0) {
             notes.push(format!(
-                "{map}: {} of {} places do not survive the round trip; worst at {} m/s, {:.3} m/s²: {:.2} N·m instead of {:.2} N·m",
+                "{map}: {} of {} places break the limit of the round trip; worst at {} m/s, {:.3} m/s²: {:.2} N·m instead of {:.2} N·m",
                 trip.failed, trip.places, w.speed_mps, w.accel_mps2, w.torque_nm, w.right_torque_nm
             ));
         }

@@ -9,7 +9,7 @@ use program::repo;
 pub(crate) use program::run;
 use std::path::{Path, PathBuf};
 
-/// The committed map in a folder of its own, `maps`.
+/// A copy of the committed map in a separate folder, `maps`.
 pub(crate) fn copied() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let maps = folder.path().join("maps");
@@ -40,7 +40,7 @@ pub(crate) fn change_table2(maps: &Path, change: impl FnOnce(&mut Table2File)) {
     std::fs::write(maps.join("table2.json"), file.to_json().unwrap()).unwrap();
 }
 
-/// Changes Table 1 as a whole, and tells Table 2 that it was made from it.
+/// Changes Table 1 as a whole, and makes Table 2 refer to the changed file.
 pub(crate) fn change_table1(maps: &Path, change: impl FnOnce(&mut Table1File)) {
     let mut file = Table1File::from_json(&text(maps, "table1.json")).unwrap();
     change(&mut file);

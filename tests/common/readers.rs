@@ -1,19 +1,19 @@
-//! Programs that are not ours, which read what was written: Python with packages, a C compiler.
+//! Programs by others that read what was written: Python with packages, a C compiler.
 #![allow(dead_code, clippy::unwrap_used)] // every test takes what it needs
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Tells on standard error, past the test harness, what was not tested; with `PIVOT_CAL_REQUIRE_READERS=1` that is a failure.
+/// Prints to standard error, past the test harness, what was not tested; with `PIVOT_CAL_REQUIRE_READERS=1` that is a failure.
 pub(crate) fn not_tested(what: &str, why: &str) {
     let _ = writeln!(std::io::stderr(), "NOT TESTED: {what}: {why}");
     let required = std::env::var("PIVOT_CAL_REQUIRE_READERS").is_ok_and(|v| v == "1");
-    assert!(!required, "{what} cannot be tested: {why}, and PIVOT_CAL_REQUIRE_READERS=1 asks for it");
+    assert!(!required, "{what} cannot be tested: {why}, and PIVOT_CAL_REQUIRE_READERS=1 requires it");
 }
 
-/// A Python that has `modules`: the one of the environment variable `PIVOT_CAL_PYTHON`, of `target/readers`, or on the path. `None`, and
-/// told, when there is none.
+/// A Python that has `modules`: the one of the environment variable `PIVOT_CAL_PYTHON`, of `target/readers`, or on the path. When there is
+/// none: `None`, and a line that says so.
 pub(crate) fn python(modules: &[&str], what: &str) -> Option<PathBuf> {
     let venv = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/readers/bin/python");
     let candidates = [std::env::var_os("PIVOT_CAL_PYTHON").map(PathBuf::from), Some(venv), Some("python3".into())];

@@ -1,4 +1,4 @@
-//! What a map is judged by: the torque that it tells for the accelerations of the simulator's own map, over cells fixed beforehand.
+//! What a map is judged by: the torque that it gives for the accelerations of the simulator's own map, over cells fixed beforehand.
 
 use pivot_cal::control::RAD_PER_DEG;
 use pivot_cal::internals::VehicleFile;
@@ -66,8 +66,8 @@ impl Yardstick {
             let surface = file.maps.iter().find(|m| m.gear == gear).ok_or("no Table 1 of a gear")?.surface.table()?;
             for cell in self.cells.iter().filter(|c| c.gear == gear) {
                 errors.outside += usize::from(table.torque_from_accel(cell.speed_mps, cell.accel_mps2).is_none());
-                let told = table.torque_from_accel_clamped(cell.speed_mps, cell.accel_mps2).ok_or("not a number")?;
-                errors.table.push(told - cell.torque_nm);
+                let found_nm = table.torque_from_accel_clamped(cell.speed_mps, cell.accel_mps2).ok_or("not a number")?;
+                errors.table.push(found_nm - cell.torque_nm);
                 errors.surface.push(inverse(&surface, cell.speed_mps, cell.accel_mps2) - cell.torque_nm);
             }
         }

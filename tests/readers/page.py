@@ -120,7 +120,7 @@ def look(browser, url):
     found["clipped"] = browser.evaluate(CLIPPED)
     found["overflow"] = browser.evaluate("document.documentElement.scrollWidth - innerWidth")
 
-    # hover: the tip tells the cell's value
+    # hover: the tip shows the cell's value
     cell = "document.querySelector('[data-heat=\"table1-forward\"] rect[data-c=\"4 12\"]')"
     if browser.evaluate(f"!!{cell}"):
         browser.evaluate(f"{cell}.scrollIntoView({{block: 'center'}})")

@@ -67,7 +67,7 @@ def main():
     found = {"mcap": by_mcap(sys.argv[1])}
     try:
         found["rosbags"] = by_rosbags(sys.argv[1])
-    except Exception as error:  # told to the test, which judges it
+    except Exception as error:  # reported to the test, which judges it
         found["rosbags_error"] = f"{type(error).__name__}: {error}"
     json.dump(found, sys.stdout)
 

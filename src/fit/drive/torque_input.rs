@@ -110,10 +110,10 @@ impl TorqueChoice {
         let for_undelivered = settings.drive.is_none() && lacking.is_some();
         let (feedback, reason) = match (disagreement, settings.drive) {
             // an ordinary drive: no reason is given, unless its feedback is not the command's torque
-            (Some(how), _) => (false, Some(format!("the feedback {how}: it is not the command's torque, and sets nothing"))),
+            (Some(how), _) => (false, Some(format!("the feedback {how}: it is not the command's torque, and is not used"))),
             (None, Some(DriveFamily::Feedback)) => match objection() {
-                Some(reason) => (false, Some(format!("the feedback was asked for, but {reason}"))),
-                None => (true, Some("as asked for".to_owned())),
+                Some(reason) => (false, Some(format!("the feedback was requested, but {reason}"))),
+                None => (true, Some("as requested".to_owned())),
             },
             (None, Some(_)) => (false, None),
             (None, None) if delays.is_empty() => (false, None),

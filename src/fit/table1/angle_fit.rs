@@ -67,7 +67,10 @@ impl<'a> AngleFit<'a> {
 fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<String> {
     let mut remarks = Vec::new();
     if monotone == monotone::MonotoneOutcome::Forced {
-        remarks.push("the surface was made to rise with torque by running maxima: the data contradict it in places".to_owned());
+        remarks.push(
+            "the surface did not rise with torque everywhere and was corrected (by running maxima): check the runs near its flat places"
+                .to_owned(),
+        );
     }
     if !estimate.rounds.converged {
         remarks.push(format!("the fit stopped after {} iterations before the surface converged", estimate.rounds.count));
@@ -78,7 +81,7 @@ fn remarks(estimate: &Estimate, monotone: monotone::MonotoneOutcome) -> Vec<Stri
     for log in &estimate.data.logs {
         if let Some(rate_hz) = slow_rate_hz(log.survey) {
             remarks.push(format!(
-                "{}: the speed signal is slow ({rate_hz:.1} Hz): the yaw rate gives the speeds; few samples count for the cells",
+                "{}: the encoder is slow ({rate_hz:.1} Hz), so the speeds come from the yaw rate; the cells have few samples",
                 log.survey.track.source.file
             ));
         }

@@ -68,7 +68,7 @@ fn varied_torques(gear: Gear, samples: &[UsedSample]) -> Check {
     usual.sort_unstable_by(|a, b| b.cmp(a));
     let at: Vec<String> = usual.iter().take(2).map(|(_, level)| format!("{:.0}", *level as f64 * SAME_TORQUE * largest)).collect();
     let meaning = format!(
-        "torque was hardly varied: nearly all motion in {gear} gear is at {} N·m, so that other torques are a guess ({figures})",
+        "torque was hardly varied: nearly all motion in {gear} gear is at {} N·m, so that other torques are not measured ({figures})",
         at.join(" and ")
     );
     let advice = format!("add runs at about {:.0} and {:.0} N·m", 0.6 * largest, 1.5 * largest);

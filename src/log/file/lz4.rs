@@ -15,7 +15,7 @@ const STORED: u32 = 1 << 31;
 
 /// Fills `into` from a frame with exactly that much content. `None`: the frame is broken, has another size, or is of a kind that only the
 /// streaming decoder reads; the content of `into` is then undefined.
-pub(crate) fn decompress(frame: &[u8], into: &mut [u8]) -> Option<()> {
+pub fn decompress(frame: &[u8], into: &mut [u8]) -> Option<()> {
     let mut bytes = Bytes::new(frame);
     if bytes.u32()? != MAGIC {
         return None;

@@ -54,7 +54,7 @@ pub(crate) fn correct(signals: &mut Signals, vehicle: &Vehicle, unnamed: Unnamed
     for (name, torque) in [("torque", Some(&mut signals.torque)), ("torque_feedback", signals.torque_feedback.as_mut())] {
         if let Some(torque) = torque.filter(|torque| !torque.relative_to_gear && in_reverse(torque, 1.0)) {
             torque.relative_to_gear = true;
-            notes.push(format!("{name} drives backwards with positive values in reverse: read as relative to the gear"));
+            notes.push(format!("{name} is positive while the vehicle drives backwards in reverse: read as relative to the gear"));
         }
     }
     notes

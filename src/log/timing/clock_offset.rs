@@ -37,7 +37,9 @@ pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], note
     let is_whole = others.len() == clocks.len() && clocks.iter().all(|c| c.source == TimeSource::Stamp);
     if is_whole && highest - lowest < ONE_CLOCK_S {
         if highest.abs() > LARGE_S {
-            notes.push(format!("the stamps of all signals differ from the log's time by {highest:.1} s: one clock, used as it is"));
+            notes.push(format!(
+                "the stamps of all signals differ from the log's time by {highest:.1} s: they share one clock and are not changed"
+            ));
         }
         return shifts_s;
     }
@@ -54,7 +56,7 @@ pub(crate) fn one_clock(signals: &[SignalTimes<'_>], clocks: &[StampClock], note
             .collect();
         let way = if ahead_s > 0.0 { "ahead of" } else { "behind" };
         notes.push(format!(
-            "another clock: the {} of {} are {:.3} s {way} the log's time, and are moved by {:+.3} s",
+            "the {} of {} are on another clock, {:.3} s {way} the log's time: they are moved by {:+.3} s",
             sources.join(" and "),
             names.join(", "),
             ahead_s.abs(),

@@ -57,7 +57,7 @@ pub(crate) fn unfold(signals: &[SignalTimes<'_>], steps: &[ClockStep], base_ns: 
             times.iter_mut().skip(*from).for_each(|t| *t += back_s);
         }
         notes.push(format!(
-            "the clock of the log was set back by {:.1} s at {:.1} s: what follows is moved on, without a gap",
+            "the clock of the log was set back by {:.1} s at {:.1} s: later times are moved forward, without a gap",
             before_s - after_s,
             before_s + moved_s
         ));

@@ -72,7 +72,7 @@ pub(crate) fn sampled(signal: SignalName, stamped_s: Option<&[f64]>, log_s: &[f6
     let lost = if found.lost > 0 { format!(", {} of them lost", found.lost) } else { String::new() };
     Sampled {
         note: Some(format!(
-            "{name} of {signal}: {how}: each is taken as sampled by a regular clock, every {:.2} ms{lost}",
+            "{name} of {signal}: {how}: the times of a regular clock are used, one every {:.2} ms{lost}",
             1e3 * found.period_s
         )),
         std_s: found.std_s,

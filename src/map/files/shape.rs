@@ -55,10 +55,10 @@ mod tests {
     fn a_short_row_is_named_with_its_place() {
         assert_eq!(
             STD_ERR.expect_cells(2, 3, &[vec![1, 2, 3], vec![4, 5]]).unwrap_err().to_string(),
-            "maps[1].std_err_mps2[1] has 2 entries; its axis asks for 3"
+            "maps[1].std_err_mps2[1] has 2 entries; its axis needs 3"
         );
         let short = STD_ERR.expect_cells(3, 3, &[vec![1, 2, 3], vec![4, 5, 6]]).unwrap_err();
-        assert_eq!(short.to_string(), "maps[1].std_err_mps2 has 2 entries; its axis asks for 3");
+        assert_eq!(short.to_string(), "maps[1].std_err_mps2 has 2 entries; its axis needs 3");
     }
 
     #[test]

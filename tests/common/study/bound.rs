@@ -77,7 +77,7 @@ impl<'a> Bound<'a> {
 /// The filter over [v, d, b], run over every column of sensitivities at once.
 struct Filter {
     p: [[f64; 3]; 3],
-    /// v, d and b as told by each column.
+    /// v, d and b of each column.
     state: Vec<[f64; 3]>,
 }
 

@@ -1,5 +1,5 @@
-//! A campaign of torque steps driven by a true vehicle, as a log would hold it, and as it really was. The driver goes by what the encoder
-//! reads, as `record` does: torques that depend on a speed which no reading tells would tell of it themselves, and no estimator here knows that.
+//! A campaign of torque steps driven by a true vehicle, as a log would hold it, and as it really was. The driver uses the encoder's
+//! readings, as `record` does: torques that depended on the true speed would contain information on it, which no estimator here uses.
 
 use super::vehicle::{DEAD_TIME_S, DISTURBANCE_MPS2, DISTURBANCE_S, ENCODER_MPS, LAG_S, OFFSET_MPS2, QUANTUM_MPS, Truth, YAW_MPS};
 use pivot_cal::map::{LogRef, Vehicle};
@@ -66,7 +66,7 @@ impl Drive {
         let (mut moving, mut runs, mut since_step_s) = (false, 0usize, 1.0);
         let decay = (-STEP_S / DISTURBANCE_S).exp();
         let follow = (-STEP_S / LAG_S).exp();
-        let (mut told, mut encoder, mut yaw) = (Series::default(), Series::default(), Series::default());
+        let (mut commanded, mut encoder, mut yaw) = (Series::default(), Series::default(), Series::default());
         let mut samples: Vec<Sample> = Vec::with_capacity(steps / 5);
         for k in 0..steps {
             let t_s = k as f64 * STEP_S;
@@ -82,8 +82,8 @@ impl Drive {
                 if let Some((p, c)) = next {
                     (phase, command, since) = (p, c, 0.0);
                 }
-                told.t_s.push(t_s);
-                told.value.push(command);
+                commanded.t_s.push(t_s);
+                commanded.value.push(command);
             }
             commands.push(command);
             since += STEP_S;
@@ -144,7 +144,7 @@ impl Drive {
             start_ns: 0,
             encoder_mps: encoder,
             yaw_speed_mps: Some(yaw),
-            command_nm: told,
+            command_nm: commanded,
             command_std_s: 0.0,
             feedback_nm: None,
             angle_rad,

@@ -162,7 +162,7 @@ impl Log {
         });
     }
 
-    /// Changes the stamps of a topic by what the function says for the time since the log's start [s].
+    /// Changes the stamps of a topic by the function of the time since the log's start [s].
     pub(crate) fn stamps(&mut self, topic: &str, mut ahead_s: impl FnMut(f64) -> f64) {
         self.change(topic, |t_s, message| {
             let ns = message.stamp_ns().saturating_add_signed((ahead_s(t_s) * 1e9) as i64);
@@ -170,7 +170,7 @@ impl Log {
         });
     }
 
-    /// Keeps the messages of a topic for which the function, given the time since the log's start [s], says so.
+    /// Keeps the messages of a topic for which the function of the time since the log's start [s] is true.
     pub(crate) fn keep(&mut self, topic: &str, mut keep: impl FnMut(f64) -> bool) {
         let start_ns = self.start_ns();
         self.messages.retain(|m| m.topic != topic || keep((m.log_ns - start_ns) as f64 * 1e-9));

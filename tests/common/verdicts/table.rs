@@ -71,7 +71,7 @@ pub(crate) fn text(rows: &[Row]) -> String {
     }
     text += &list("False passes", rows, Outcome::is_false_pass);
     text += &list("Right maps that did not pass", rows, |o| o.wrongness.is_some() && !o.is_wrong() && !o.passes());
-    text += &list("Wrong maps that failed only in closed loop or for want of data", rows, |o| {
+    text += &list("Wrong maps that failed only in closed loop or for lack of data", rows, |o| {
         o.is_wrong() && matches!(o.status, Some(Status::Fail | Status::NotJudged))
     });
     text

@@ -55,7 +55,7 @@ fn warming(case: &mut Case, share: f64) {
     case.delivered = Box::new(move |_, torque_nm, _| torque_nm * (1.0 - 0.5 * share));
 }
 
-/// More torque is asked for than the drive gives, and the log has what was asked for.
+/// More torque is commanded than the drive gives, and the log has the command.
 fn limited(case: &mut Case, most_nm: f64) -> Fallible<()> {
     let most_nm = (most_nm * case.size * 2.0).round() / 2.0;
     let drive = format!("torque_limit_nm = {most_nm:.2}");

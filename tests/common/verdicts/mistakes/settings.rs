@@ -1,4 +1,4 @@
-//! Command lines: what a user gives and is not so.
+//! Command lines: wrong values that a user gives.
 
 use super::{Mistake, kind};
 use crate::verdicts::log::{COMMAND, FEEDBACK};

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 const SPEED_UNIT: (&str, &str) = ("_drive_joint\"}', unit = \"rad/s\"", "_drive_joint\"}', unit = ");
 
-/// The speed in a unit of which the log's own unit is `per_unit`, or the map says so.
+/// The speed in another unit: `per_unit` of it make one of the log's unit. Either the values have it, or only the signal map names it.
 fn speed_unit(case: &mut Case, in_map: f64, unit: &str, per_unit: f64) {
     if in_map > 0.0 {
         case.map_signals(&[(SPEED_UNIT.0, &format!("{}\"{unit}\"", SPEED_UNIT.1))]);
