@@ -6,6 +6,7 @@ use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
 use crate::cli::{Ui, fit, invert, verify_text};
 use crate::invert::InvertSettings;
+use crate::text::shown;
 use serde_json::json;
 
 /// Arguments of `calibrate`.
@@ -52,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.say("── Verdict ──");
     verify_text::show(&verdict, ui);
     ui.say("written: verify.json");
-    let folder = arguments.fit.maps.display();
+    let folder = shown(&arguments.fit.maps);
     let used = fit.file.report.ledger.iter().find(|r| r.verdict == crate::map::SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = fit.file.report.ledger.iter().map(|r| r.seconds).sum();
     let at_test_angle = |m: &&crate::map::AccelMap| m.angle().is_same(fit.file.vehicle.test_angle());

@@ -6,6 +6,7 @@ use crate::cli::Ui;
 use crate::log::{Source, VehicleOverrides, read_split};
 use crate::map::{LedgerRow, RunRow};
 use crate::signal::Track;
+use crate::text::shown;
 use comfy_table::{Table, presets};
 use std::path::PathBuf;
 
@@ -39,7 +40,7 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
     let survey = match survey() {
         Ok(survey) => survey,
         Err(error) => {
-            let named: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+            let named: Vec<String> = files.iter().map(|path| shown(&path)).collect();
             ui.warn(format!("{}: no runs: {error:#}", named.join(", ")));
             return None;
         }

@@ -6,6 +6,7 @@ use crate::cli::Ui;
 use crate::cli::listener::UiListener;
 use crate::log::{Preset, SignalMap, Source, VehicleOverrides};
 use crate::map::Vehicle;
+use crate::text::shown;
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +83,7 @@ pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::
     Ok(match (signals, preset) {
         (Some(path), _) => {
             let text = fs_err::read_to_string(path)?;
-            Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?)
+            Source::Map(SignalMap::from_toml(&text).with_context(|| shown(&path))?)
         }
         (None, Some(preset)) => Source::Preset(preset),
         (None, None) => Source::Detect,

@@ -15,6 +15,8 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 pub enum Error {
     #[error("the log cannot be read: {0}")]
     Io(std::io::Error),
+    #[error("the log was changed while it was read: what was read is not what its hash would say; read it again when nothing writes to it")]
+    Changed,
     #[error("this is a folder, not a log; a folder is searched for logs only if it is named on the command line")]
     Folder,
     #[error("the folder holds no .mcap file")]

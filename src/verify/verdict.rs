@@ -39,6 +39,9 @@ pub struct MapVerdict {
     pub format_version: u32,
     /// Version of the program that wrote it.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// Whether the map passes: no check is an objection, the round trip and every tested scenario pass, and enough was tested.
     pub status: Status,
     /// The verdict as one line: pass with its scope, or the cause with figure and limit.

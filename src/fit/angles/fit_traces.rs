@@ -33,6 +33,7 @@ impl FittedAngles<'_> {
             format: FIT_TRACES_FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            generation: fit.file.generation.clone(),
             table1: CsvRef { file: "table1.json".to_owned(), sha256: sha256_hex(fit.file.to_json()?.as_bytes()) },
             verdicts: SampleVerdict::ALL.iter().map(ToString::to_string).collect(),
             runs,

@@ -54,6 +54,7 @@ impl FittedAngles<'_> {
             format: TABLE1_FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            generation: String::new(),
             units: Units::default(),
             vehicle: self.vehicle(),
             logs: logs.into_iter().cloned().collect(),
@@ -68,6 +69,7 @@ impl FittedAngles<'_> {
         };
         let of_content = content_checks(&file);
         file.checks.extend(of_content);
+        let file = file.with_generation()?;
         let sound = !file.checks.iter().any(Check::objects);
         Ok(Fit { file, csvs, verdicts, sound })
     }

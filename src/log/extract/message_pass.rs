@@ -75,6 +75,8 @@ pub(crate) struct Gathered {
     /// The first and the latest time of the log so far, and where it goes back.
     pub span_ns: Option<(i64, i64)>,
     pub clock_steps: Vec<ClockStep>,
+    /// Checksum of the bytes of each block, as they were read; `None` where none could be.
+    pub read_crc: Vec<Option<u32>>,
 }
 
 /// Reads every block; `columns` is the number of columns that `plans` fill. `progress` receives the number of bytes read.
@@ -87,7 +89,8 @@ pub(crate) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(block) = container.blocks.get(number) else { return };
-            let part = one(container, block, &known, columns, &mut scratch);
+            let mut part = one(container, block, &known, columns, &mut scratch);
+            part.read_crc = vec![scratch.read_crc];
             // a panic leaves no half-written data under this lock
             joined.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
             progress(block.length);
@@ -268,6 +271,7 @@ impl Gathered {
     }
 
     fn append(&mut self, part: Self) {
+        self.read_crc.extend(part.read_crc);
         if let Some((first, latest)) = part.span_ns {
             self.log_time(first);
             let so_far: Vec<usize> = self.columns.iter().map(|column| column.value.len()).collect();

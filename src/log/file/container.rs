@@ -8,6 +8,7 @@ use crate::log::file::input::LogInput;
 use crate::log::file::record::MAX_SMALL;
 use crate::log::file::structure::{Block, Inventory};
 use crate::log::loss::{Damage, Why};
+use crate::text::owned_name;
 use mcap::records::{Record, Statistics};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -58,11 +59,11 @@ impl Container {
     pub(crate) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Header(header) => {
-                self.library = header.library;
-                self.profile = header.profile;
+                self.library = owned_name(header.library);
+                self.profile = owned_name(header.profile);
             }
             Record::Metadata(metadata) => {
-                self.metadata.insert(metadata.name, metadata.metadata);
+                self.metadata.insert(owned_name(metadata.name), metadata.metadata);
             }
             other => {
                 self.inventory.learn(other);

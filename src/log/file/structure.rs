@@ -1,6 +1,7 @@
 //! The parts of a log's structure: blocks, schemas, channels.
 
 use crate::log::file::channel_set::ChannelSet;
+use crate::text::owned_name;
 use mcap::records::{Channel, Record};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -43,19 +44,23 @@ pub(crate) struct Inventory {
 }
 
 impl Inventory {
-    /// Adds a schema or channel record. The first description of an id counts: the specification forbids another.
+    /// Adds a schema or channel record, its names as they are shown ([`owned_name`]).
+    /// The first description of an id counts: the specification forbids another.
     /// Returns whether it was new.
     pub(crate) fn learn(&mut self, record: Record<'_>) -> bool {
         match record {
             Record::Schema { header, data } => {
-                let schema = || Arc::new(Schema { name: header.name, encoding: header.encoding, data: data.into_owned() });
+                let schema =
+                    || Arc::new(Schema { name: owned_name(header.name), encoding: owned_name(header.encoding), data: data.into_owned() });
                 let new = header.id != 0 && !self.schemas.contains_key(&header.id);
                 if new {
                     self.schemas.insert(header.id, schema());
                 }
                 new
             }
-            Record::Channel(channel) => {
+            Record::Channel(mut channel) => {
+                channel.topic = owned_name(channel.topic);
+                channel.message_encoding = owned_name(channel.message_encoding);
                 let new = !self.channels.contains_key(&channel.id);
                 if new {
                     self.channels.insert(channel.id, channel);

@@ -13,6 +13,9 @@ pub struct FitTraces {
     pub(crate) format_version: u32,
     /// Version of the program that wrote the file.
     pub(crate) tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub(crate) generation: String,
     /// The `table1.json` of the same fit.
     pub(crate) table1: CsvRef,
     /// Names of the verdicts, by which [`RunTrace::verdicts`] numbers them.

@@ -4,6 +4,7 @@ use crate::map::files::actuator::Actuator;
 use crate::map::files::check::Check;
 use crate::map::files::format::{TABLE1_FORMAT, expect_format};
 use crate::map::files::named;
+use crate::map::files::save::sha256_hex;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::{SampleVerdict, SpeedSource};
 use crate::map::{
@@ -20,6 +21,10 @@ pub struct Table1File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
+    /// Identifier of the generation: every file that is made from this Table 1 carries the same. The first 16 hexadecimal digits of the SHA-256
+    /// of this file without it; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle, from the signal map or the log.
@@ -72,6 +77,47 @@ pub struct LogRef {
     pub file: String,
     /// Size [bytes].
     pub bytes: u64,
+    /// What of it could not be used; absent when everything could.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<LogLoss>,
+}
+
+/// What of a log could not be used.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct LogLoss {
+    /// Lost messages, on any topic; absent when the log does not count them.
+    pub messages: Option<u64>,
+    /// Messages of the wanted topics that do not fit their schema.
+    pub unreadable_messages: u64,
+    /// Damaged places.
+    pub places: u64,
+    /// Bytes of these places.
+    pub bytes: u64,
+    /// Messages that could be read, on any topic.
+    pub messages_read: u64,
+}
+
+impl LogLoss {
+    /// The share of the log that is lost, 0 to 1: of its messages, or of its `bytes` when the messages are not counted.
+    pub fn share(&self, bytes: u64) -> f64 {
+        let of = |lost: u64, rest: u64| lost as f64 / (lost + rest).max(1) as f64;
+        match self.messages {
+            Some(lost) => of(lost + self.unreadable_messages, self.messages_read.saturating_sub(self.unreadable_messages)),
+            None => of(self.bytes, bytes.saturating_sub(self.bytes)),
+        }
+    }
+}
+
+impl std::fmt::Display for LogLoss {
+    /// As in `12 messages lost in 3 damaged places (40960 bytes)`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let messages = self.messages.map_or("an unknown number of".to_owned(), |n| n.to_string());
+        write!(f, "{messages} messages lost in {} damaged places ({} bytes)", self.places, self.bytes)?;
+        if self.unreadable_messages > 0 {
+            write!(f, ", {} do not fit their schema", self.unreadable_messages)?;
+        }
+        Ok(())
+    }
 }
 
 /// A CSV beside the JSON.
@@ -255,6 +301,16 @@ impl Table1File {
         crate::map::files::json_text::to_text(self)
     }
 
+    /// The file with the identifier of its generation, which follows from all that is in it.
+    ///
+    /// # Errors
+    /// None in practice; serialisation is fallible by its signature.
+    pub(crate) fn with_generation(mut self) -> Result<Self> {
+        self.generation.clear();
+        self.generation = sha256_hex(self.to_json()?.as_bytes())[..16].to_owned();
+        Ok(self)
+    }
+
     /// The map of a gear at a wheel angle.
     pub fn map(&self, gear: Gear, angle: WheelAngle) -> Option<&AccelMap> {
         self.maps.iter().find(|m| m.gear == gear && m.angle().is_same(angle))
@@ -399,6 +455,13 @@ mod tests {
     fn a_file_that_is_read_and_written_keeps_its_bytes() {
         let text = include_str!("../../../maps/table1.json");
         assert!(Table1File::from_json(text).unwrap().to_json().unwrap() == text);
+    }
+
+    #[test]
+    fn the_lost_share_is_that_of_the_messages_or_without_a_count_of_the_bytes() {
+        let loss = LogLoss { messages: Some(10), unreadable_messages: 5, places: 1, bytes: 100, messages_read: 90 };
+        assert!((loss.share(1000) - 0.15).abs() < 1e-12);
+        assert!((LogLoss { messages: None, ..loss }.share(1000) - 0.1).abs() < 1e-12);
     }
 
     #[test]

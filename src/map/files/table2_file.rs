@@ -17,6 +17,9 @@ pub struct Table2File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle.
