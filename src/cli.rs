@@ -24,6 +24,7 @@ mod plan;
 mod points;
 mod record;
 mod report;
+mod text_file;
 mod ui;
 mod verify;
 mod verify_text;

@@ -15,9 +15,9 @@ pub(crate) use files::PlanFile;
 pub(crate) use files::expect_format;
 pub use files::{
     AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, Check, CheckOutcome, CsvRef, DeadBand, DelayEstimate, DelayStatus,
-    DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, LogActuator, LogLoss,
-    LogRef, PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading, SpeedSource, Stage1Report,
-    Table1File, Table2File, TorqueMap, Units, ZeroRow,
+    DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, ListedRuns,
+    LogActuator, LogLoss, LogRef, PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading,
+    SpeedSource, Stage1Report, Table1File, Table2File, TorqueMap, Units, ZeroRow,
 };
 #[doc(hidden)] // details of the fit, and what tests need
 pub use files::{ComparedDrive, sha256_hex};

@@ -3,7 +3,7 @@
 use crate::calibrate::error::About as _;
 use crate::calibrate::{Error, Listener, LogSource, Result, StageEvent};
 use crate::campaign::{Survey, SurveySettings};
-use crate::log::{Recording, Source, find_logs, read_split};
+use crate::log::{MOST_VALUES, Recording, Source, find_logs, read_split};
 use crate::signal::Track;
 use crate::text::shown;
 use rayon::prelude::*;
@@ -25,12 +25,17 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
     let read: Vec<_> = found.par_iter().map(read_one).collect();
     listen(StageEvent::Complete);
     let mut recordings: Vec<Recording> = Vec::new();
+    let mut values = 0;
     for (files, recording) in found.iter().zip(read) {
         let path = place(files);
         let recording = recording.in_file(path)?;
         if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
             listen(StageEvent::Warning(format!("{}: the same log as {}; read once", shown(&path), shown(&same.path))));
             continue;
+        }
+        values += recording.values();
+        if values > MOST_VALUES {
+            return Err(crate::log::Error::TooManyValues { allowed: MOST_VALUES }).about(|| "all logs together".to_owned());
         }
         report(&recording, matches!(source.signals, Source::Map(_)), path, listen);
         recordings.push(recording);

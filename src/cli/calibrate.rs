@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         fit.file.maps.iter().filter(at_test_angle).map(|m| format!("{} {:.1} N·m", m.gear, m.breakaway.torque_nm)).collect();
     ui.say("");
     ui.say("── Summary ──");
-    ui.say(format!("used         {used:.1} s of {total:.1} s, {} runs", fit.file.report.runs.iter().filter(|r| r.used_s > 0.0).count()));
+    ui.say(format!("used         {used:.1} s of {total:.1} s, {} runs", fit.file.report.used_runs()));
     ui.say(format!(
         "drive        dead time {:.0} ms, lag {:.0} ms",
         1e3 * fit.file.actuator.dead_time.value_s,

@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<LogSurvey> {
-    let bytes = fs_err::metadata(path)?.len();
+    let bytes = std::fs::metadata(path)?.len();
     let depth = if everything || bytes <= SMALL { Depth::Everything } else { Depth::Summary };
     let bar = ui.progress(bytes, "reading");
     let survey = log::survey(path, source, depth, &|read| bar.inc(read));

@@ -24,7 +24,7 @@ pub(crate) struct Runs {
 pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
     let mut census = Census::default();
     let mut survey = || -> anyhow::Result<Survey> {
-        let bytes = files.iter().map(|path| Ok(fs_err::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
+        let bytes = files.iter().map(|path| Ok(std::fs::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
         let bar = ui.progress(bytes, "reading runs");
         let recording = read_split(files, source, overrides, &|read| bar.inc(read));
         bar.finish_and_clear();

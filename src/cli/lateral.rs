@@ -3,6 +3,7 @@
 use crate::cli::Ui;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
+use crate::cli::text_file::read_file;
 use crate::guidance::route::follower::DriveStage;
 use crate::guidance::route::tracking::LawName;
 use crate::lateral::{LateralFitSettings, Weighting, fit};
@@ -188,7 +189,7 @@ fn show(file: &LateralTableFile, ui: Ui) {
 }
 
 fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let text = fs_err::read_to_string(&arguments.vehicle)?;
+    let text = read_file(&arguments.vehicle)?;
     let vehicle = VehicleFile::from_toml(&text).with_context(|| shown(&arguments.vehicle))?.settings();
     if let Some(angle) = arguments.angles_deg.iter().find(|a| !(a.is_finite() && a.abs() <= 20.0)) {
         bail!("--angles-deg: {angle}° is not a compensation; allowed: −20° to 20°");

@@ -4,6 +4,7 @@ use crate::calibrate::{LogSource, read_logs, survey};
 use crate::campaign::Survey;
 use crate::cli::Ui;
 use crate::cli::listener::UiListener;
+use crate::cli::text_file::read_file;
 use crate::log::{Preset, SignalMap, Source, VehicleOverrides};
 use crate::map::Vehicle;
 use crate::text::shown;
@@ -82,7 +83,7 @@ impl LogArguments {
 pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::Result<Source> {
     Ok(match (signals, preset) {
         (Some(path), _) => {
-            let text = fs_err::read_to_string(path)?;
+            let text = read_file(path)?;
             Source::Map(SignalMap::from_toml(&text).with_context(|| shown(&path))?)
         }
         (None, Some(preset)) => Source::Preset(preset),

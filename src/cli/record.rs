@@ -2,6 +2,7 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
+use crate::cli::text_file::read_file;
 use crate::map::write_whole;
 use crate::record::{Campaign, record};
 use crate::sim::VehicleFile;
@@ -33,9 +34,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let ui = ui.beside(Some(&arguments.output))?;
     let at = |path: &PathBuf| shown(&path);
-    let text = fs_err::read_to_string(&arguments.vehicle)?;
+    let text = read_file(&arguments.vehicle)?;
     let vehicle = VehicleFile::from_toml(&text).with_context(|| at(&arguments.vehicle))?;
-    let text = fs_err::read_to_string(&arguments.campaign)?;
+    let text = read_file(&arguments.campaign)?;
     let campaign = Campaign::from_toml(&text).with_context(|| at(&arguments.campaign))?;
     let recording = record(&vehicle, &campaign, arguments.seed)?;
     write_whole(&arguments.output, &recording.bytes)?;

@@ -3,6 +3,7 @@
 use crate::calibrate::put_verdict;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
+use crate::cli::text_file::read_file;
 use crate::cli::verify_text::{new_table, show};
 use crate::cli::{Ui, points};
 use crate::log::Preset;
@@ -80,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         list(ui)?;
         return Ok(Outcome::Done);
     }
-    let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
+    let gate = arguments.gate.as_deref().map(read_file).transpose()?;
     let (scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
     if let Some(path) = &arguments.points {
         if manoeuvres.iter().all(|m| m.class != Class::Polyline) {
@@ -99,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         draws: arguments.draws.min(defaults.draws),
         vehicle: match &arguments.vehicle {
             Some(path) => {
-                let text = fs_err::read_to_string(path)?;
+                let text = read_file(path)?;
                 VehicleFile::from_toml(&text).with_context(|| shown(&path))?.settings()
             }
             None => defaults.vehicle.clone(),

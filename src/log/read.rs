@@ -9,6 +9,7 @@ use crate::log::file::structure::BlockKind;
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
 use crate::log::find::resolve::Choices;
+use crate::log::limits::MOST_VALUES;
 use crate::log::loss::{Damage, Loss, Why};
 use crate::log::recording::{Origin, Recording, Signal, Signals};
 use crate::log::reference_path::{Lists, polylines};
@@ -209,6 +210,7 @@ fn pass(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<ReadPass> {
     let mut samples = message_pass::explore(container);
+    container.expect_bounded()?;
     let from_map = match source {
         Source::Map(map) => map.vehicle,
         Source::Preset(_) | Source::Detect => VehicleOverrides::default(),
@@ -229,11 +231,15 @@ fn pass(
             Err(error) => (Choices::default(), BTreeMap::new(), Some(error)),
         };
         let mut gathered = message_pass::all(container, &plans, choices.found.len(), progress);
+        if gathered.values > MOST_VALUES {
+            return Err(Error::TooManyValues { allowed: MOST_VALUES });
+        }
         if gathered.tallies.is_empty() {
             let damage = loss(container, &gathered).summary();
             return Err(Error::NoMessages { damage });
         }
         let new = container.learn(std::mem::take(&mut gathered.learned));
+        container.expect_bounded()?;
         if !new || number == MAX_PASSES {
             return error.map_or(Ok(ReadPass { choices, gathered, vehicle }), Err);
         }

@@ -46,7 +46,7 @@ pub use save::sha256_hex;
 pub(crate) use save::write_whole;
 pub use status::{ActuatorInput, DelayStatus, InputSource, SampleVerdict, SpeedSource, ZeroRow};
 pub use table1_file::{
-    AccelMap, BreakawayTorque, CsvRef, FineSurface, LedgerRow, LogLoss, LogRef, PlantNoise, RunRow, SpeedReading, Stage1Report, Table1File,
-    Units,
+    AccelMap, BreakawayTorque, CsvRef, FineSurface, LedgerRow, ListedRuns, LogLoss, LogRef, PlantNoise, RunRow, SpeedReading, Stage1Report,
+    Table1File, Units,
 };
 pub use table2_file::{DeadBand, GridPoint, RoundTripErrors, Table2File, TorqueMap};

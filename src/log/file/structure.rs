@@ -1,6 +1,7 @@
 //! The parts of a log's structure: blocks, schemas, channels.
 
 use crate::log::file::channel_set::ChannelSet;
+use crate::log::limits::MOST_DESCRIPTION;
 use crate::text::owned_name;
 use mcap::records::{Channel, Record};
 use std::collections::BTreeMap;
@@ -41,6 +42,8 @@ pub(crate) struct Schema {
 pub(crate) struct Inventory {
     pub schemas: BTreeMap<u16, Arc<Schema>>,
     pub channels: BTreeMap<u16, Channel>,
+    /// Size of the schemas and of the channels' metadata [bytes].
+    size: u64,
 }
 
 impl Inventory {
@@ -54,7 +57,7 @@ impl Inventory {
                     || Arc::new(Schema { name: owned_name(header.name), encoding: owned_name(header.encoding), data: data.into_owned() });
                 let new = header.id != 0 && !self.schemas.contains_key(&header.id);
                 if new {
-                    self.schemas.insert(header.id, schema());
+                    self.add_schema(header.id, schema());
                 }
                 new
             }
@@ -63,11 +66,46 @@ impl Inventory {
                 channel.message_encoding = owned_name(channel.message_encoding);
                 let new = !self.channels.contains_key(&channel.id);
                 if new {
-                    self.channels.insert(channel.id, channel);
+                    self.add_channel(channel);
                 }
                 new
             }
             _ => false,
+        }
+    }
+
+    /// Adds what is new in `other`; returns whether a channel was.
+    pub(crate) fn merge(&mut self, other: Self) -> bool {
+        let before = self.channels.len();
+        for (id, schema) in other.schemas {
+            if !self.schemas.contains_key(&id) {
+                self.add_schema(id, schema);
+            }
+        }
+        for channel in other.channels.into_values() {
+            if !self.channels.contains_key(&channel.id) {
+                self.add_channel(channel);
+            }
+        }
+        self.channels.len() > before
+    }
+
+    /// Whether the descriptions take more than is kept: what came after that is missing.
+    pub(crate) fn is_overfull(&self) -> bool {
+        self.size > MOST_DESCRIPTION
+    }
+
+    fn add_schema(&mut self, id: u16, schema: Arc<Schema>) {
+        self.size += schema.data.len() as u64;
+        if !self.is_overfull() {
+            self.schemas.insert(id, schema);
+        }
+    }
+
+    fn add_channel(&mut self, channel: Channel) {
+        self.size += channel.metadata.iter().map(|(key, value)| (key.len() + value.len()) as u64).sum::<u64>();
+        if !self.is_overfull() {
+            self.channels.insert(channel.id, channel);
         }
     }
 

@@ -218,8 +218,11 @@ pub struct BreakawayTorque {
 pub struct Stage1Report {
     /// Samples per verdict, over all logs.
     pub ledger: Vec<LedgerRow>,
-    /// The runs, in the order of their logs and times.
+    /// The runs, in the order of their logs and times; of a large campaign those that [`Stage1Report::listed_runs`] counts.
     pub runs: Vec<RunRow>,
+    /// Counts of a campaign of which some runs are not listed; absent if all are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub listed_runs: Option<ListedRuns>,
     /// Root mean square of the one-step residual over the used samples, as acceleration [m/s²].
     pub residual_rms_mps2: f64,
     /// Cells that were measured, of those within the axes (0 to 1).
@@ -231,6 +234,31 @@ pub struct Stage1Report {
     /// Figures of the estimator's own choices (models compared, cross-validation), in a layout that may grow.
     #[serde(default)]
     pub diagnostics: serde_json::Value,
+}
+
+/// Counts of the runs, of which `table1.json` lists some: those with the largest residual, and evenly spaced ones.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ListedRuns {
+    /// Runs that are listed.
+    pub listed: usize,
+    /// All runs.
+    pub all: usize,
+    /// Runs of which the fit used something.
+    pub used: usize,
+    /// Their used time [s].
+    pub used_s: f64,
+}
+
+impl Stage1Report {
+    /// Number of runs of which the fit used something, those that are not listed included.
+    pub fn used_runs(&self) -> usize {
+        self.listed_runs.map_or_else(|| self.runs.iter().filter(|run| run.used_s > 0.0).count(), |counts| counts.used)
+    }
+
+    /// Number of runs, those that are not listed included.
+    pub fn all_runs(&self) -> usize {
+        self.listed_runs.map_or(self.runs.len(), |counts| counts.all)
+    }
 }
 
 /// One line of the ledger.
