@@ -91,6 +91,26 @@ fn a_kill_before_any_rename_leaves_whole_files_and_a_mixture_is_found() {
 }
 
 #[test]
+fn a_fault_of_the_program_asks_for_a_report_and_leaves_the_folder_as_it_was() {
+    if !cfg!(debug_assertions) {
+        return;
+    }
+    let (_keep, maps) = copied();
+    let old = content(&maps);
+    let mut command = program();
+    command.current_dir(&maps).env("PIVOT_CAL_KILL_BEFORE_RENAME", "panic");
+    let output = command.args(["invert", "--maps", ".", "--zero-row", "hold", "-q"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(101), "{said}");
+    for part in ["Please report", "a fault on purpose, at ", "invert --maps . --zero-row hold", env!("CARGO_PKG_VERSION")] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(!said.contains("RUST_BACKTRACE") && !said.contains("thread 'main'"), "{said}");
+    assert_eq!(content(&maps), old);
+    assert_eq!(temporary_files(&maps), 0);
+}
+
+#[test]
 fn a_disk_that_is_full_costs_the_run_and_changes_nothing() {
     let (_keep, maps) = copied();
     let old = content(&maps);

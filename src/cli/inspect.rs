@@ -17,7 +17,10 @@ const SMALL: u64 = 64 << 20;
 #[command(after_help = "\
 Examples:
   pivot-cal inspect drive.mcap
-  pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap")]
+  pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap
+
+Memory: logs of any size are read by the chunk (256 MB at most, two per thread) with 32 bytes for each value of a signal, at most
+128 million values in all logs (4 GB). What needs more is refused.")]
 pub(crate) struct Arguments {
     /// Logs: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]

@@ -17,6 +17,7 @@ mod identified_drive;
 mod json_text;
 pub(crate) mod lateral_table_file;
 mod leftovers;
+mod log_ref;
 mod named;
 pub(crate) mod plan_file;
 mod save;
@@ -39,6 +40,7 @@ pub(crate) use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT,
 pub use identified_drive::{CampaignChange, ComparedDrive, DriveFamily, DriveLimit, IdentifiedDrive, LimitKind};
 pub(crate) use lateral_table_file::LateralTableFile;
 pub(crate) use lateral_table_file::{LateralCurve, LateralEntry, LateralMean};
+pub use log_ref::{LogLoss, LogRef};
 pub(crate) use named::FixedText;
 pub(crate) use plan_file::PlanFile;
 pub use plan_file::{PlanEntry, PlannedRun, Proposal};
@@ -46,7 +48,7 @@ pub use save::sha256_hex;
 pub(crate) use save::write_whole;
 pub use status::{ActuatorInput, DelayStatus, InputSource, SampleVerdict, SpeedSource, ZeroRow};
 pub use table1_file::{
-    AccelMap, BreakawayTorque, CsvRef, FineSurface, LedgerRow, ListedRuns, LogLoss, LogRef, PlantNoise, RunRow, SpeedReading, Stage1Report,
-    Table1File, Units,
+    AccelMap, BreakawayTorque, CsvRef, FineSurface, LedgerRow, ListedRuns, PlantNoise, RunRow, SpeedReading, Stage1Report, Table1File,
+    Units,
 };
 pub use table2_file::{DeadBand, GridPoint, RoundTripErrors, Table2File, TorqueMap};

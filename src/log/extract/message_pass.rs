@@ -158,7 +158,7 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             let lost = found.undescribed.entry(message.channel).or_insert((block.offset + inside - PREFIX, 0));
             lost.1 += PREFIX + body.len() as u64;
             if message.payload.len() <= MAX_SAMPLE {
-                keep_sample(&mut samples, message.channel, || message.payload.to_vec());
+                keep_sample(&mut found.samples, message.channel, || message.payload.to_vec());
             }
             continue;
         };

@@ -1,10 +1,11 @@
 //! `table2.json`: Table 2 with everything that is not in its CSV.
 
 use crate::map::files::format::{TABLE2_FORMAT, expect_format};
+use crate::map::files::log_ref::LogRef;
 use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::ZeroRow;
-use crate::map::files::table1_file::{CsvRef, LogRef, Units};
+use crate::map::files::table1_file::{CsvRef, Units};
 use crate::map::{ACCEL_AXIS, AngleFamily, Axis, CellStatus, Gear, Result, SPEED_AXIS, TorqueTable, Vehicle, WheelAngle};
 use serde::{Deserialize, Serialize};
 
