@@ -109,8 +109,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             // help and version are "errors" of status 0; usage errors have status 2
             let status = ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
-            let printed = error.print().map_err(|cause| anyhow::Error::from(cause).context("standard output"));
-            return if error.use_stderr() { status } else { ending(printed.and(Ui::finish()), status) };
+            let printed = error.print();
+            return if error.use_stderr() { status } else { ending(Ui::printed(printed).and(Ui::finish()), status) };
         }
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);

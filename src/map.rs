@@ -12,7 +12,7 @@ mod vehicle;
 pub use error::Error;
 pub(crate) use error::Result;
 pub(crate) use files::PlanFile;
-pub(crate) use files::expect_format;
+pub(crate) use files::parse_file;
 pub use files::{
     AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, Check, CheckOutcome, CsvRef, DeadBand, DelayEstimate, DelayStatus,
     DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, ListedRuns,

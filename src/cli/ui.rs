@@ -104,8 +104,16 @@ impl Ui {
     /// Standard output that could not be written to, now or before.
     pub(crate) fn finish() -> anyhow::Result<()> {
         let flushed = io::stdout().flush();
-        match LOST.lock().unwrap_or_else(PoisonError::into_inner).take().or(flushed.err()) {
-            Some(error) if error.kind() != ErrorKind::BrokenPipe => Err(anyhow::Error::from(error).context("standard output")),
+        Self::printed(LOST.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(flushed, Err))
+    }
+
+    /// The outcome of printing on standard output, where a closed pipe is no error.
+    ///
+    /// # Errors
+    /// Any other error.
+    pub(crate) fn printed(outcome: io::Result<()>) -> anyhow::Result<()> {
+        match outcome {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(anyhow::Error::from(error).context("standard output")),
             _ => Ok(()),
         }
     }

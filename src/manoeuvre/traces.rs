@@ -11,7 +11,7 @@ use crate::guidance::route::path_position::{Leg, lateral_error_m};
 use crate::manoeuvre::drive::ManoeuvreMoment;
 use crate::manoeuvre::planned_task::Planned;
 use crate::manoeuvre::scenario::{Manoeuvre, ManoeuvreKind};
-use crate::map::{FORMAT_VERSION, Gear, expect_format};
+use crate::map::{FORMAT_VERSION, Gear, parse_file};
 use crate::units::RAD_PER_DEG;
 use crate::verify::{Maps, Result, ScenarioVerdict};
 use serde::{Deserialize, Serialize};
@@ -109,7 +109,7 @@ impl ManoeuvreTraces {
     /// # Errors
     /// JSON that is not of this format and version.
     pub(crate) fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(parse_file(text, FORMAT)?)
     }
 }
 

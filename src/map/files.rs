@@ -35,7 +35,7 @@ pub(crate) use fit_traces::{DeadTimeLikelihood, DelayLikelihood, ResidualCells, 
 pub(crate) use folder::{FolderError, MapFolder, Mismatch, StoredFile};
 pub(crate) use folder_lock::FolderLock;
 pub(crate) use folder_writer::{FolderView, FolderWriter, read_settled};
-pub(crate) use format::expect_format;
+pub(crate) use format::parse_file;
 pub(crate) use format::{FIT_TRACES_FORMAT, FORMAT_VERSION, LATERAL_TABLE_FORMAT, TABLE1_FORMAT, TABLE2_FORMAT};
 pub use identified_drive::{CampaignChange, ComparedDrive, DriveFamily, DriveLimit, IdentifiedDrive, LimitKind};
 pub(crate) use lateral_table_file::LateralTableFile;

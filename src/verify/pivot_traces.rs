@@ -2,7 +2,7 @@
 //! over the draws. For display only; the verdict does not depend on it.
 
 use crate::control::{DriveLaw, Phase};
-use crate::map::{FORMAT_VERSION, expect_format};
+use crate::map::{FORMAT_VERSION, parse_file};
 use crate::units::RAD_PER_DEG;
 use crate::verify::drive::{Observer, Period};
 use crate::verify::metric::quantile;
@@ -159,7 +159,7 @@ impl ClosedLoop {
     /// # Errors
     /// Not JSON, another format or version, a missing field.
     pub(crate) fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(parse_file(text, FORMAT)?)
     }
 
     /// The text of `verify_traces.json`, with a final line end.

@@ -1,7 +1,7 @@
 //! The verdict: the content of `verify.json`.
 
 use crate::control::HeadingLawSettings;
-use crate::map::{Check, expect_format};
+use crate::map::{Check, parse_file};
 use crate::verify::basis::Basis;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
 use crate::verify::metric::MetricSummary;
@@ -200,7 +200,7 @@ impl MapVerdict {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub fn from_json(text: &str) -> crate::verify::Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(parse_file(text, FORMAT)?)
     }
 
     /// Whether the map passes.

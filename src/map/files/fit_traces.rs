@@ -1,6 +1,6 @@
 //! `fit_traces.json`: the signals of a fit along the runs, thinned for people to look at. Nothing is computed from it.
 
-use crate::map::files::format::{FIT_TRACES_FORMAT, expect_format};
+use crate::map::files::format::{FIT_TRACES_FORMAT, parse_file};
 use crate::map::{CsvRef, Gear, Result};
 use serde::{Deserialize, Serialize};
 
@@ -108,7 +108,7 @@ impl FitTraces {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FIT_TRACES_FORMAT)?)?)
+        parse_file(text, FIT_TRACES_FORMAT)
     }
 
     /// The JSON text, indented, with arrays of numbers on one line and a final line end.

@@ -2,6 +2,7 @@
 
 use crate::map::{Error, Result};
 use crate::text::owned_line;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 /// Version of the JSON artefacts that this library writes, and the only one that it reads.
@@ -18,6 +19,18 @@ pub(crate) const LATERAL_TABLE_FORMAT: &str = "pivot-cal/lateral-table";
 
 /// The `format` field of a `fit_traces.json`.
 pub(crate) const FIT_TRACES_FORMAT: &str = "pivot-cal/fit_traces";
+
+/// The content of a file in JSON, whose `format` is `expected`. A field that is missing or wrong is named with its line and column.
+///
+/// # Errors
+/// Not JSON, another format or version, a missing or wrong field.
+pub(crate) fn parse_file<T: DeserializeOwned>(text: &str, expected: &'static str) -> Result<T> {
+    let value = expect_format(text, expected)?;
+    serde_json::from_value(value).map_err(|error| {
+        // the same error, found in the text, knows its place
+        serde_json::from_str::<T>(text).err().unwrap_or(error).into()
+    })
+}
 
 /// Parses JSON and checks its `format` and `format_version`. Its texts are names and notes: they come out as [`owned_line`] shows them.
 pub(crate) fn expect_format(text: &str, expected: &'static str) -> Result<Value> {

@@ -1,6 +1,6 @@
 //! `plan.json`: the runs that `pivot-cal plan` proposes after a Table 1, for the report. Nothing is computed from it.
 
-use crate::map::files::format::{FORMAT_VERSION, expect_format};
+use crate::map::files::format::{FORMAT_VERSION, parse_file};
 use crate::map::files::json_text;
 use crate::map::files::table1_file::Table1File;
 use crate::map::{Gear, Result};
@@ -114,7 +114,7 @@ impl PlanFile {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub(crate) fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        parse_file(text, FORMAT)
     }
 }
 

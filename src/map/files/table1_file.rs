@@ -2,7 +2,7 @@
 
 use crate::map::files::actuator::Actuator;
 use crate::map::files::check::Check;
-use crate::map::files::format::{TABLE1_FORMAT, expect_format};
+use crate::map::files::format::{TABLE1_FORMAT, parse_file};
 use crate::map::files::log_ref::LogRef;
 use crate::map::files::named;
 use crate::map::files::save::sha256_hex;
@@ -262,8 +262,7 @@ impl Table1File {
     /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
     /// that of its axes, or tables that [`AccelTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value = expect_format(text, TABLE1_FORMAT)?;
-        let file: Self = serde_json::from_value(value)?;
+        let file: Self = parse_file(text, TABLE1_FORMAT)?;
         file.vehicle.checked()?;
         file.maps.iter().enumerate().try_for_each(|(k, map)| map.check(&format!("maps[{k}]")))?;
         file.families.iter().try_for_each(AngleFamily::check)?;

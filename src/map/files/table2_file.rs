@@ -1,6 +1,6 @@
 //! `table2.json`: Table 2 with everything that is not in its CSV.
 
-use crate::map::files::format::{TABLE2_FORMAT, expect_format};
+use crate::map::files::format::{TABLE2_FORMAT, parse_file};
 use crate::map::files::log_ref::LogRef;
 use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
@@ -116,8 +116,7 @@ impl Table2File {
     /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
     /// that of its axes, or tables that [`TorqueTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value = expect_format(text, TABLE2_FORMAT)?;
-        let file: Self = serde_json::from_value(value)?;
+        let file: Self = parse_file(text, TABLE2_FORMAT)?;
         file.vehicle.checked()?;
         file.maps.iter().enumerate().try_for_each(|(k, map)| map.check(&format!("maps[{k}]")))?;
         file.families.iter().try_for_each(AngleFamily::check)?;
