@@ -24,11 +24,16 @@ pub use invert_stage::invert_folder;
 pub use logs::{read_logs, survey};
 pub use report_stage::{WrittenReport, report_folder};
 pub use settings::{CalibrateSettings, FitStage, InvertStage, LogSource};
+pub(crate) use verify_stage::put_verdict;
 pub use verify_stage::verify_folder;
-pub(crate) use verify_stage::{save_verdict, verify_accepting};
 pub(crate) use wheel_angles::{keep_angles, only_angle};
 
+use crate::calibrate::fit_stage::fit_into;
+use crate::calibrate::invert_stage::invert_into;
+use crate::calibrate::report_stage::report_into;
+use crate::calibrate::verify_stage::verify_into;
 use crate::invert::Inversion;
+use crate::map::FolderWriter;
 use crate::verify::MapVerdict;
 use std::path::{Path, PathBuf};
 
@@ -50,18 +55,21 @@ impl Calibrated {
     }
 }
 
-/// Makes a map from `logs` and judges it: fits, inverts, verifies, and writes the report. Everything goes into `folder`.
+/// Makes a map from `logs` and judges it: fits, inverts, verifies, and writes the report. Everything goes into `folder`, together at the end: until
+/// then, and after an error, the folder holds what it held.
 ///
 /// A log may be a file, a folder of logs, a rosbag2 folder, or a pattern. A log without usable data is skipped and reported to `listen`.
 ///
 /// # Errors
-/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written. A map that fails its verification is
+/// Logs that cannot be read, no usable log, a fit that is impossible, a folder that cannot be written or that another process is writing into. A map that fails its verification is
 /// not an error: see [`Calibrated::passes`].
 pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSettings, listen: &Listener) -> Result<Calibrated> {
-    let fitted = fit_logs(logs, folder, &settings.fit, listen)?;
-    let inversion = invert_folder(folder, &settings.invert, listen)?;
-    let verdict = verify_accepting(folder, &settings.accept, listen)?;
-    report_folder(folder, &folder.join("report.html"), None)?;
+    let mut folder = FolderWriter::open(folder)?;
+    let fitted = fit_into(&mut folder, logs, &settings.fit, listen)?;
+    let inversion = invert_into(&mut folder, &settings.invert, listen)?;
+    let verdict = verify_into(&mut folder, &settings.accept, listen)?;
+    report_into(&mut folder)?;
+    folder.commit()?;
     Ok(Calibrated { fitted, inversion, verdict })
 }
 

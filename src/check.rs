@@ -10,6 +10,7 @@ mod finding;
 pub(crate) mod foreign;
 mod foreign_rules;
 mod grid_rules;
+mod loss_check;
 mod own;
 mod point_rules;
 
@@ -17,6 +18,7 @@ pub use finding::{CheckReport, Count, Rule, RuleBreach, Severity};
 
 use crate::check::foreign::{cells_of_csv, says_long_form};
 use crate::map::{Error, Result};
+use crate::text::{read_bytes, shown};
 use std::path::Path;
 
 /// Settings of a check.
@@ -39,11 +41,11 @@ impl Default for CheckSettings {
 /// # Errors
 /// The file cannot be opened or read at all. Faults in its content are findings.
 pub fn check(path: &Path, settings: CheckSettings) -> Result<CheckReport> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let bytes = read_bytes(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    let name = path.file_name().map(shown).unwrap_or_default();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let beside = |name: &str| std::fs::read(folder.join(name)).ok();
-    Ok(Map { path: path.display().to_string(), name, bytes: &bytes, beside: &beside }.report(settings))
+    let beside = |name: &str| read_bytes(&folder.join(name)).ok();
+    Ok(Map { path: shown(&path), name, bytes: &bytes, beside: &beside }.report(settings))
 }
 
 /// A map and its surroundings.

@@ -1,6 +1,7 @@
 //! The command line: arguments, files opened and saved, printing, exit status. The other modules do not depend on it.
 //!
-//! Exit status: 0 done, 1 error or nothing judged, 2 usage, 3 finished but rejected (verification failed, a check objects, a finding).
+//! Exit status: 0 done, 1 error or nothing judged, 2 usage, 3 finished but rejected (verification failed, a check objects, a finding), 101 a
+//! fault of the program.
 
 mod advice;
 mod angles;
@@ -10,6 +11,7 @@ mod check;
 mod completions;
 mod diff;
 mod export;
+mod fault;
 mod fit;
 mod inspect;
 mod inspect_runs;
@@ -22,12 +24,13 @@ mod plan;
 mod points;
 mod record;
 mod report;
+mod text_file;
 mod ui;
 mod verify;
 mod verify_text;
 
 use crate::cli::outcome::Outcome;
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -99,12 +102,15 @@ enum CliCommand {
 
 /// Runs the program with `args`, the first is its name; returns the process's exit status.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(args) {
+    fault::report_panics();
+    let parsed = command().try_get_matches_from(args).and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             // help and version are "errors" of status 0; usage errors have status 2
-            let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            let status = ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            let printed = error.print();
+            return if error.use_stderr() { status } else { ending(Ui::printed(printed).and(Ui::finish()), status) };
         }
     };
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
@@ -121,12 +127,24 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Export(arguments) => export::run(&arguments, ui),
         CliCommand::Diff(arguments) => diff::run(&arguments, ui),
         CliCommand::Plan(arguments) => plan::run(&arguments, ui),
-        CliCommand::Completions(arguments) => completions::run(&arguments, Cli::command()),
+        CliCommand::Completions(arguments) => completions::run(&arguments, command()),
     };
-    match outcome {
+    let status = match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Rejected) => ExitCode::from(3),
         Ok(Outcome::NotJudged) => ExitCode::from(1),
+        Err(error) => {
+            Ui::error(&error);
+            return ExitCode::from(1);
+        }
+    };
+    ending(Ui::finish(), status)
+}
+
+/// The exit status of a command, or 1 if what it printed was lost.
+fn ending(printed: anyhow::Result<()>, status: ExitCode) -> ExitCode {
+    match printed {
+        Ok(()) => status,
         Err(error) => {
             Ui::error(&error);
             ExitCode::from(1)
@@ -134,9 +152,52 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+/// The command line. An option's value may begin with a minus: `--wheelbase-m -1` is an error about the value, not about an option `-1`.
+fn command() -> Command {
+    with_negative_values(Cli::command())
+}
+
+fn with_negative_values(command: Command) -> Command {
+    let command = command.mut_args(|argument| {
+        let takes_value = argument.get_action().takes_values() && !argument.is_positional();
+        if takes_value && !argument.is_allow_hyphen_values_set() { argument.allow_negative_numbers(true) } else { argument }
+    });
+    command.mut_subcommands(with_negative_values)
+}
+
 /// Runs one stage under its own program name: `pivot-cal-fit ARGS` is `pivot-cal fit ARGS`.
 pub fn run_stage(stage: &str, args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let mut args = args.into_iter();
     let program = args.next().unwrap_or_else(|| "pivot-cal".into());
     run([program, stage.into()].into_iter().chain(args))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Every option with a value of the command and those below it, as the words that lead to it.
+    fn options(command: &Command, words: &[String], found: &mut Vec<Vec<String>>) {
+        for argument in command.get_arguments().filter(|a| a.get_action().takes_values() && !a.is_positional()) {
+            let option = format!("--{}", argument.get_long().unwrap());
+            found.push(words.iter().cloned().chain([option]).collect());
+        }
+        for below in command.get_subcommands() {
+            let words: Vec<String> = words.iter().cloned().chain([below.get_name().to_owned()]).collect();
+            options(below, &words, found);
+        }
+    }
+
+    #[test]
+    fn a_value_with_a_minus_is_a_value_of_every_option() {
+        let mut found = Vec::new();
+        options(&command(), &["pivot-cal".to_owned()], &mut found);
+        assert!(found.len() > 60, "{}", found.len());
+        for words in found {
+            let error = command().try_get_matches_from(words.iter().map(String::as_str).chain(["-1"])).err();
+            let kind = error.as_ref().map(clap::Error::kind);
+            assert_ne!(kind, Some(clap::error::ErrorKind::UnknownArgument), "{words:?}: {}", error.unwrap());
+        }
+    }
 }

@@ -46,6 +46,7 @@ pub mod report;
 pub mod signal;
 mod sim;
 mod spelling;
+mod text;
 mod units;
 pub mod verify;
 

@@ -12,19 +12,19 @@ mod vehicle;
 pub use error::Error;
 pub(crate) use error::Result;
 pub(crate) use files::PlanFile;
-pub(crate) use files::expect_format;
+pub(crate) use files::parse_file;
 pub use files::{
     AccelMap, Actuator, ActuatorInput, BreakawayTorque, CampaignChange, Check, CheckOutcome, CsvRef, DeadBand, DelayEstimate, DelayStatus,
-    DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, LogActuator, LogRef,
-    PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading, SpeedSource, Stage1Report,
-    Table1File, Table2File, TorqueMap, Units, ZeroRow,
+    DriveFamily, DriveLimit, FineSurface, FitTraces, GridPoint, IdentifiedDrive, InputSource, LedgerRow, LimitKind, ListedRuns,
+    LogActuator, LogLoss, LogRef, PlanEntry, PlannedRun, PlantNoise, Proposal, RoundTripErrors, RunRow, SampleVerdict, SpeedReading,
+    SpeedSource, Stage1Report, Table1File, Table2File, TorqueMap, Units, ZeroRow,
 };
 #[doc(hidden)] // details of the fit, and what tests need
 pub use files::{ComparedDrive, sha256_hex};
 pub(crate) use files::{
-    DeadTimeLikelihood, DelayLikelihood, FIT_TRACES_FORMAT, FORMAT_VERSION, FixedText, FolderError, LATERAL_TABLE_FORMAT, LateralCurve,
-    LateralEntry, LateralMean, MapFolder, Mismatch, ResidualCells, ResidualTimes, RunTrace, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT,
-    csv_name, is_csv_name,
+    DeadTimeLikelihood, DelayLikelihood, Destination, FIT_TRACES_FORMAT, FORMAT_VERSION, FixedText, FolderError, FolderLock, FolderView,
+    FolderWriter, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, MapFolder, Mismatch, ResidualCells, ResidualTimes,
+    RunTrace, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT, csv_name, read_settled,
 };
 pub(crate) use files::{LateralTableFile, write_whole};
 pub(crate) use numbers::AccelMaps;

@@ -47,6 +47,7 @@ fn file(accel: &[Vec<f64>]) -> Table1File {
         format: "pivot-cal/table1".into(),
         format_version: 1,
         tool_version: "0".into(),
+        generation: String::new(),
         units: Units::default(),
         vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) },
         torque_limit_driven: false,

@@ -1,5 +1,6 @@
 //! The errors between logs and a verified map: those of all modules, with the file concerned.
 
+use crate::text::shown;
 use std::path::Path;
 
 /// Result of this module.
@@ -74,7 +75,7 @@ pub enum Error {
 
 /// Message on an edited CSV.
 pub(crate) fn edited_csv(path: &Path) -> String {
-    format!("{} is not the file that table1.json describes: its hash differs", path.display())
+    format!("{} is not the file that table1.json describes: its hash differs", shown(&path))
 }
 
 /// Adds the subject of an error.
@@ -87,7 +88,7 @@ pub(crate) trait About<T> {
     where
         Self: Sized,
     {
-        self.about(|| path.display().to_string())
+        self.about(|| shown(&path))
     }
 }
 

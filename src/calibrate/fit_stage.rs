@@ -1,13 +1,12 @@
 //! Logs → Table 1.
 
 use crate::calibrate::error::About as _;
-use crate::calibrate::folder::remove_stale;
 use crate::calibrate::wheel_angles::{AngleChoice, choose_angles};
 use crate::calibrate::{FitStage, Listener, LogSource, Result, read_logs, survey};
 use crate::campaign::{Census, SurveySettings};
 use crate::fit::{Fit, fit_angles, fit_traced};
 use crate::log::{Recording, VehicleOverrides};
-use crate::map::{FitTraces, write_whole};
+use crate::map::{FitTraces, FolderWriter};
 use crate::signal::Track;
 use std::path::{Path, PathBuf};
 
@@ -23,8 +22,17 @@ pub struct FittedLogs {
 /// Fits Table 1 to `logs` and writes it into `folder`: `table1.json`, its CSV files, and `fit_traces.json`.
 ///
 /// # Errors
-/// Logs that cannot be read, no usable log, wheel angles at which no run was driven, a fit that is impossible, a folder that cannot be written.
+/// Logs that cannot be read, no usable log, wheel angles at which no run was driven, a fit that is impossible, a folder that cannot be written
+/// or that another process is writing into.
 pub fn fit_logs(logs: &[PathBuf], folder: &Path, stage: &FitStage, listen: &Listener) -> Result<FittedLogs> {
+    let mut folder = FolderWriter::open(folder)?;
+    let fitted = fit_into(&mut folder, logs, stage, listen)?;
+    folder.commit()?;
+    Ok(fitted)
+}
+
+/// The same, into a folder that is committed later.
+pub(crate) fn fit_into(folder: &mut FolderWriter, logs: &[PathBuf], stage: &FitStage, listen: &Listener) -> Result<FittedLogs> {
     let recordings = read_logs(logs, &source(stage), listen)?;
     let census = census(&recordings)?;
     let several = choose_angles(&recordings, &census, &stage.wheel_angles_deg, listen)?;
@@ -34,7 +42,7 @@ pub fn fit_logs(logs: &[PathBuf], folder: &Path, stage: &FitStage, listen: &List
         let surveys = survey(&recordings, listen).about(|| format!("wheel angles of the runs: {}", census.text()))?;
         fit_traced(surveys, &stage.settings)?
     };
-    save(&fit, &traces, folder)?;
+    put(&fit, &traces, folder)?;
     Ok(FittedLogs { fit, is_damaged: recordings.iter().any(|r| r.loss.is_damaged()) })
 }
 
@@ -53,13 +61,12 @@ fn census(recordings: &[Recording]) -> Result<Census> {
     Ok(Census::new(&tracks, &SurveySettings::default()))
 }
 
-fn save(fit: &Fit, traces: &FitTraces, folder: &Path) -> Result<()> {
-    // a table left from an earlier fit would be taken for one of this fit
-    remove_stale(folder, "table1", fit.csvs.iter().map(|(name, _)| name.as_str()))?;
+fn put(fit: &Fit, traces: &FitTraces, folder: &mut FolderWriter) -> Result<()> {
+    folder.replaces_csvs_of("table1");
     for (name, text) in &fit.csvs {
-        write_whole(&folder.join(name), text.as_bytes())?;
+        folder.put(name, text.as_str());
     }
-    write_whole(&folder.join("table1.json"), fit.file.to_json()?.as_bytes())?;
-    write_whole(&folder.join("fit_traces.json"), traces.to_json()?.as_bytes())?;
+    folder.put("table1.json", fit.file.to_json()?);
+    folder.put("fit_traces.json", traces.to_json()?);
     Ok(())
 }

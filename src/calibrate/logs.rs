@@ -3,8 +3,9 @@
 use crate::calibrate::error::About as _;
 use crate::calibrate::{Error, Listener, LogSource, Result, StageEvent};
 use crate::campaign::{Survey, SurveySettings};
-use crate::log::{Recording, Source, find_logs, read_split};
+use crate::log::{MOST_VALUES, Recording, Source, find_logs, read_split};
 use crate::signal::Track;
+use crate::text::shown;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -24,12 +25,17 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
     let read: Vec<_> = found.par_iter().map(read_one).collect();
     listen(StageEvent::Complete);
     let mut recordings: Vec<Recording> = Vec::new();
+    let mut values = 0;
     for (files, recording) in found.iter().zip(read) {
         let path = place(files);
         let recording = recording.in_file(path)?;
         if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
-            listen(StageEvent::Warning(format!("{}: the same log as {}; read once", path.display(), same.path.display())));
+            listen(StageEvent::Warning(format!("{}: the same log as {}; read once", shown(&path), shown(&same.path))));
             continue;
+        }
+        values += recording.values();
+        if values > MOST_VALUES {
+            return Err(crate::log::Error::TooManyValues { allowed: MOST_VALUES }).about(|| "all logs together".to_owned());
         }
         report(&recording, matches!(source.signals, Source::Map(_)), path, listen);
         recordings.push(recording);
@@ -52,8 +58,8 @@ pub fn survey(recordings: &[Recording], listen: &Listener) -> Result<Vec<Survey>
             Ok(survey) => surveys.push(survey),
             Err(error) if alone => return Err(error).in_file(path),
             Err(error) => {
-                listen(StageEvent::Warning(format!("{} is skipped: {error}", path.display())));
-                reasons.push(format!("{}: {error}", path.display()));
+                listen(StageEvent::Warning(format!("{} is skipped: {error}", shown(&path))));
+                reasons.push(format!("{}: {error}", shown(&path)));
             }
         }
     }
@@ -74,13 +80,13 @@ fn place(files: &[PathBuf]) -> &Path {
 /// Reports losses, and the places of the signals if no signal map gave them.
 fn report(recording: &Recording, mapped: bool, path: &Path, listen: &Listener) {
     if let Some(loss) = recording.loss.summary() {
-        listen(StageEvent::Warning(format!("{}: {loss}", path.display())));
+        listen(StageEvent::Warning(format!("{}: {loss}", shown(&path))));
     }
     for note in &recording.notes {
-        listen(StageEvent::Detail(format!("{}: {note}", path.display())));
+        listen(StageEvent::Detail(format!("{}: {note}", shown(&path))));
     }
     for origin in &recording.origins {
-        let line = format!("{}: {} = {} [{}] ({})", path.display(), origin.signal.key(), origin.path, origin.unit, origin.reason);
+        let line = format!("{}: {} = {} [{}] ({})", shown(&path), origin.signal.key(), origin.path, origin.unit, origin.reason);
         listen(if mapped { StageEvent::Detail(line) } else { StageEvent::Note(line) });
     }
 }

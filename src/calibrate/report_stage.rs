@@ -1,7 +1,7 @@
 //! The files of a map → the page with the verdict on it.
 
 use crate::calibrate::Result;
-use crate::map::write_whole;
+use crate::map::{FolderLock, FolderWriter, write_whole};
 use crate::report::{ReportFiles, report};
 use std::path::Path;
 
@@ -19,9 +19,13 @@ pub struct WrittenReport {
 /// Writes the page of the map in `folder` to `output`, and its figures as SVG files into the folder `svg`, if there is one.
 ///
 /// # Errors
-/// No `table1.json`, an existing file that cannot be read, or a page that cannot be written.
+/// No `table1.json`, an existing file that cannot be read, a page that cannot be written, or another process that writes into the folder
+/// while the page is to be there.
 pub fn report_folder(folder: &Path, output: &Path, svg: Option<&Path>) -> Result<WrittenReport> {
-    let files = ReportFiles::read(folder)?;
+    // a page among the files of the map must not be of other files than those there
+    let is_inside = output.parent() == Some(folder) && folder.is_dir();
+    let _lock = is_inside.then(|| FolderLock::take(folder)).transpose()?;
+    let files = if is_inside { ReportFiles::read_own(folder)? } else { ReportFiles::read(folder)? };
     let page = report(&files)?;
     write_whole(output, page.html.as_bytes())?;
     let mut figures = Vec::new();
@@ -32,4 +36,11 @@ pub fn report_folder(folder: &Path, output: &Path, svg: Option<&Path>) -> Result
         figures.push(name.clone());
     }
     Ok(WrittenReport { files, bytes: page.html.len(), figures })
+}
+
+/// The page among the files of a folder that is committed later.
+pub(crate) fn report_into(folder: &mut FolderWriter) -> Result<()> {
+    let page = report(&ReportFiles::read_from(&folder.view())?)?;
+    folder.put("report.html", page.html);
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Table 2 → verdict.
 
 use crate::calibrate::{Listener, Result, StageEvent};
-use crate::map::write_whole;
+use crate::map::FolderWriter;
 use crate::verify::{ClosedLoop, MapVerdict, Maps, Verified, VerifySettings, Wanted, verify_with};
 use std::path::Path;
 
@@ -10,36 +10,40 @@ use std::path::Path;
 /// # Errors
 /// Files that are missing or do not belong together, a plant that cannot be simulated, a folder that cannot be written.
 pub fn verify_folder(folder: &Path, listen: &Listener) -> Result<MapVerdict> {
-    verify_accepting(folder, &[], listen)
+    if !folder.exists() {
+        Maps::read(folder, false)?; // the error
+    }
+    let mut folder = FolderWriter::open(folder)?;
+    let verdict = verify_into(&mut folder, &[], listen)?;
+    folder.commit()?;
+    Ok(verdict)
 }
 
-/// As [`verify_folder`]; the objections of the checks named in `accept` are overruled.
+/// The same, into a folder that is committed later; the objections of the checks named in `accept` are overruled.
 ///
 /// # Errors
 /// As [`verify_folder`], and a name that no check has.
-pub(crate) fn verify_accepting(folder: &Path, accept: &[String], listen: &Listener) -> Result<MapVerdict> {
-    let maps = Maps::read(folder, false)?;
+pub(crate) fn verify_into(folder: &mut FolderWriter, accept: &[String], listen: &Listener) -> Result<MapVerdict> {
+    let maps = Maps::read_from(&folder.view(), false)?;
     let settings = VerifySettings { accept: accept.to_vec(), ..VerifySettings::new()? };
     let progress = |total| listen(StageEvent::Simulated { total });
     let wanted = Wanted { traces: true, logs: false, progress: Some(&progress) };
     let Verified { verdict, traces, .. } = verify_with(&maps, &settings, wanted)?;
     listen(StageEvent::Complete);
-    save_verdict(&verdict, traces.as_ref(), folder)?;
+    put_verdict(&verdict, traces.as_ref(), folder)?;
     Ok(verdict)
 }
 
-/// Writes `verify.json`, and the traces of the comparison beside it for the report.
+/// `verify.json`, and the traces of the comparison beside it for the report.
 ///
 /// # Errors
-/// A folder that cannot be written.
-pub(crate) fn save_verdict(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &Path) -> Result<()> {
-    write_whole(&folder.join("verify.json"), verdict.to_json()?.as_bytes())?;
-    let path = folder.join("verify_traces.json");
+/// None in practice; serialisation is fallible by its signature.
+pub(crate) fn put_verdict(verdict: &MapVerdict, traces: Option<&ClosedLoop>, folder: &mut FolderWriter) -> Result<()> {
+    folder.put("verify.json", verdict.to_json()?);
     match traces {
-        Some(traces) => write_whole(&path, traces.to_json()?.as_bytes())?,
+        Some(traces) => folder.put("verify_traces.json", traces.to_json()?),
         // those of an earlier verdict would be taken for its own
-        None if path.exists() => fs_err::remove_file(path)?,
-        None => {}
+        None => folder.removes("verify_traces.json"),
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! were removed, is judged as well.
 
 use crate::check::change_checks::change_checks;
+use crate::check::loss_check::loss_check;
 use crate::map::{
     AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, LogActuator, RunRow, SampleVerdict, SpeedSource, Table1File,
 };
@@ -70,6 +71,7 @@ pub(crate) fn coverage_check(maps: &[&AccelMap], least: f64) -> Check {
 /// The checks that follow from the file's content, beside coverage.
 pub(crate) fn content_checks(file: &Table1File) -> Vec<Check> {
     let mut all: Vec<Check> = encoder_scale(file).into_iter().collect();
+    all.extend(loss_check(&file.logs));
     all.extend(clock_offset(file));
     all.extend(dead_time(file));
     all.extend(condemned(file));

@@ -126,6 +126,7 @@ impl Map<'_> {
         if table == OwnTable::Two {
             self.table1_beside(&json, &mut findings);
         }
+        self.generations_beside(&json, &mut findings);
         let strict = match table {
             OwnTable::One => Table1File::from_json(text).err(),
             OwnTable::Two => Table2File::from_json(text).err(),
@@ -151,6 +152,21 @@ impl Map<'_> {
         let wrong = "beside it is not the one that this table was inverted from";
         let absent = "from which this table was inverted, is not beside it: not judged";
         findings.extend(self.beside(&json["table1"], "", wrong, absent));
+    }
+
+    /// The files beside this one that are of another generation.
+    fn generations_beside(&self, json: &Value, findings: &mut Vec<RuleBreach>) {
+        for file in ["table1.json", "table2.json", "verify.json"].into_iter().filter(|file| *file != self.name) {
+            let Some(bytes) = (self.beside)(file) else { continue };
+            let beside = serde_json::from_slice::<Value>(&bytes).unwrap_or_default();
+            let of = |json: &Value| json["generation"].as_str().unwrap_or("none").to_owned();
+            let is_reported = findings.iter().any(|f| f.rule == Rule::HashMismatch && f.what.starts_with(file));
+            if of(&beside) != of(json) && !is_reported {
+                let what =
+                    format!("{file} beside it is of generation {}, this file of {}: they are of different runs", of(&beside), of(json));
+                findings.push(RuleBreach::whole(Rule::HashMismatch, Severity::Error, what));
+            }
+        }
     }
 
     /// The fault of a file that `reference` names with its hash.

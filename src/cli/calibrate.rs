@@ -6,6 +6,7 @@ use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
 use crate::cli::{Ui, fit, invert, verify_text};
 use crate::invert::InvertSettings;
+use crate::text::shown;
 use serde_json::json;
 
 /// Arguments of `calibrate`.
@@ -15,7 +16,9 @@ Examples:
   pivot-cal calibrate logs.mcap
   pivot-cal calibrate --signals signals.toml --maps maps/monday monday/*.mcap
 
-Runs fit, invert, verify and report with their defaults in the folder of --maps.
+Runs fit, invert, verify and report with their defaults; the folder of --maps gets all files at the end, or after an error none.
+Memory: logs of any size are read by the chunk (256 MB at most, two per thread) with 32 bytes for each value of a signal, at most
+128 million values in all logs (4 GB). What needs more is refused.
 Exit status: 0 the map passes, 3 it fails or a check rejects it, 1 error or too little was driven to judge.")]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -52,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.say("── Verdict ──");
     verify_text::show(&verdict, ui);
     ui.say("written: verify.json");
-    let folder = arguments.fit.maps.display();
+    let folder = shown(&arguments.fit.maps);
     let used = fit.file.report.ledger.iter().find(|r| r.verdict == crate::map::SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = fit.file.report.ledger.iter().map(|r| r.seconds).sum();
     let at_test_angle = |m: &&crate::map::AccelMap| m.angle().is_same(fit.file.vehicle.test_angle());
@@ -60,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         fit.file.maps.iter().filter(at_test_angle).map(|m| format!("{} {:.1} N·m", m.gear, m.breakaway.torque_nm)).collect();
     ui.say("");
     ui.say("── Summary ──");
-    ui.say(format!("used         {used:.1} s of {total:.1} s, {} runs", fit.file.report.runs.iter().filter(|r| r.used_s > 0.0).count()));
+    ui.say(format!("used         {used:.1} s of {total:.1} s, {} runs", fit.file.report.used_runs()));
     ui.say(format!(
         "drive        dead time {:.0} ms, lag {:.0} ms",
         1e3 * fit.file.actuator.dead_time.value_s,

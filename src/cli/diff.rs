@@ -4,6 +4,7 @@ use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::diff::{DiffSettings, DiffSide, DiffVerdict, MapComparison, MapDiff, compare, html};
 use crate::map::write_whole;
+use crate::text::shown;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ pub(crate) struct Arguments {
     a: PathBuf,
     /// The second map
     b: PathBuf,
-    /// Write a heat map of the changes
+    /// Write a heat map of the changes; `-` is standard output
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Expected share of false ones among the cells called significant
@@ -37,6 +38,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let ui = ui.beside(arguments.html.as_deref())?;
     let settings = DiffSettings { false_discovery_rate: arguments.false_discovery_rate, matters_mps2: arguments.matters_mps2 };
     if !(settings.false_discovery_rate > 0.0 && settings.false_discovery_rate < 1.0) {
         anyhow::bail!("--false-discovery-rate is {}; allowed: above 0, below 1", settings.false_discovery_rate);
@@ -51,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&comparison)?;
     show(&comparison, ui);
     if let Some(path) = &arguments.html {
-        ui.say(format!("written: {}", path.display()));
+        ui.say(format!("written: {}", shown(&path)));
     }
     Ok(if comparison.verdict == DiffVerdict::Same { Outcome::Done } else { Outcome::Rejected })
 }

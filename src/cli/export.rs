@@ -4,6 +4,8 @@ use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::export::{Format, MapSource, Precision};
 use crate::map::{sha256_hex, write_whole};
+use crate::text::shown;
+use anyhow::bail;
 use std::path::PathBuf;
 
 /// Arguments of `export`.
@@ -30,7 +32,7 @@ pub(crate) struct Arguments {
     /// Folder with table1.json and table2.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
-    /// Folder to write into; by default `export` in the folder of the map
+    /// Folder to write into, by default `export` in the folder of the map; `-` is standard output, for a format of one file
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Wheel angle of the map [°]; by default the test angle. JSON always holds all
@@ -60,6 +62,7 @@ struct Written {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let ui = ui.beside(arguments.output.as_deref().filter(|output| output.as_os_str() == "-"))?;
     let source = MapSource::read_at(&arguments.maps, arguments.angle)?;
     if !source.other_angles_deg.is_empty() {
         let others: Vec<String> = source.other_angles_deg.iter().map(|a| format!("{a}°")).collect();
@@ -73,14 +76,23 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     for format in &arguments.format {
         files.extend(format.files(&source, precision)?.into_iter().map(|file| (*format, file)));
     }
+    let printed = folder.as_os_str() == "-";
+    if printed && files.len() > 1 {
+        let names: Vec<&str> = files.iter().map(|(_, file)| file.name.as_str()).collect();
+        bail!(
+            "-o - is standard output, and there are {} files ({}); give a folder, or one format with one file",
+            names.len(),
+            names.join(", ")
+        );
+    }
     let mut written = Vec::new();
     for (format, file) in files {
-        let path = folder.join(&file.name);
+        let path = if printed { folder.clone() } else { folder.join(&file.name) };
         write_whole(&path, file.text.as_bytes())?;
         let note = file.note.as_ref().map_or(String::new(), |note| format!(" ({note})"));
-        ui.say(format!("written: {}{note}", path.display()));
+        ui.say(format!("written: {}{note}", shown(&path)));
         let (bytes, sha256) = (file.text.len(), sha256_hex(file.text.as_bytes()));
-        written.push(Written { format: format.name(), file: path.display().to_string(), bytes, sha256, note: file.note });
+        written.push(Written { format: format.name(), file: shown(&path), bytes, sha256, note: file.note });
     }
     ui.document(&written)?;
     Ok(Outcome::Done)

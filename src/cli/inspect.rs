@@ -4,6 +4,7 @@ use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::log;
 use crate::log::{Depth, LogSurvey, Preset, Source, VehicleOverrides};
+use crate::text::shown;
 use anyhow::Context as _;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,10 @@ const SMALL: u64 = 64 << 20;
 #[command(after_help = "\
 Examples:
   pivot-cal inspect drive.mcap
-  pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap")]
+  pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap
+
+Memory: logs of any size are read by the chunk (256 MB at most, two per thread) with 32 bytes for each value of a signal, at most
+128 million values in all logs (4 GB). What needs more is refused.")]
 pub(crate) struct Arguments {
     /// Logs: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
@@ -69,14 +73,14 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     };
     let mut recordings = Vec::new();
     for named in &arguments.logs {
-        recordings.extend(log::find_logs(named).with_context(|| named.display().to_string())?);
+        recordings.extend(log::find_logs(named).with_context(|| shown(&named))?);
     }
     let mut surveys = Vec::new();
     for files in &recordings {
         for (number, path) in files.iter().enumerate() {
-            let survey = survey(path, &source, arguments.runs, ui).with_context(|| path.display().to_string())?;
+            let survey = survey(path, &source, arguments.runs, ui).with_context(|| shown(&path))?;
             if let Some(loss) = survey.loss.as_ref().and_then(log::Loss::summary) {
-                ui.warn(format!("{}: {loss}", path.display()));
+                ui.warn(format!("{}: {loss}", shown(&path)));
             }
             ui.say(text(&survey));
             let is_whole = arguments.runs && number + 1 == files.len();
@@ -90,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 }
 
 fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<LogSurvey> {
-    let bytes = fs_err::metadata(path)?.len();
+    let bytes = std::fs::metadata(path)?.len();
     let depth = if everything || bytes <= SMALL { Depth::Everything } else { Depth::Summary };
     let bar = ui.progress(bytes, "reading");
     let survey = log::survey(path, source, depth, &|read| bar.inc(read));

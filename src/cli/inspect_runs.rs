@@ -6,6 +6,7 @@ use crate::cli::Ui;
 use crate::log::{Source, VehicleOverrides, read_split};
 use crate::map::{LedgerRow, RunRow};
 use crate::signal::Track;
+use crate::text::shown;
 use comfy_table::{Table, presets};
 use std::path::PathBuf;
 
@@ -23,7 +24,7 @@ pub(crate) struct Runs {
 pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverrides, ui: Ui) -> Option<Runs> {
     let mut census = Census::default();
     let mut survey = || -> anyhow::Result<Survey> {
-        let bytes = files.iter().map(|path| Ok(fs_err::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
+        let bytes = files.iter().map(|path| Ok(std::fs::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
         let bar = ui.progress(bytes, "reading runs");
         let recording = read_split(files, source, overrides, &|read| bar.inc(read));
         bar.finish_and_clear();
@@ -39,7 +40,7 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
     let survey = match survey() {
         Ok(survey) => survey,
         Err(error) => {
-            let named: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+            let named: Vec<String> = files.iter().map(|path| shown(&path)).collect();
             ui.warn(format!("{}: no runs: {error:#}", named.join(", ")));
             return None;
         }

@@ -3,13 +3,15 @@
 use crate::cli::Ui;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
+use crate::cli::text_file::read_file;
 use crate::guidance::route::follower::DriveStage;
 use crate::guidance::route::tracking::LawName;
 use crate::lateral::{LateralFitSettings, Weighting, fit};
 use crate::log::{Recording, SignalName, find_logs, read_lateral};
 use crate::manoeuvre::{CalibrationDrive, LoggedReference, Mounting, lateral_log};
-use crate::map::{LateralTableFile, write_whole};
+use crate::map::{FolderWriter, LateralTableFile, write_whole};
 use crate::sim::VehicleFile;
+use crate::text::shown;
 use crate::units::RAD_PER_DEG;
 use anyhow::{Context, bail};
 use comfy_table::{ContentArrangement, Table, presets};
@@ -126,13 +128,15 @@ fn fit_table(arguments: &FitArguments, ui: Ui) -> anyhow::Result<Outcome> {
     };
     let (file, report) = fit(&recordings, &settings)?;
     let (csv, json) = (arguments.maps.join("lateral_table.csv"), arguments.maps.join("lateral_table.json"));
-    write_whole(&csv, file.to_csv().as_bytes())?;
-    write_whole(&json, file.to_json()?.as_bytes())?;
+    let mut folder = FolderWriter::open(&arguments.maps)?;
+    folder.put("lateral_table.csv", file.to_csv());
+    folder.put("lateral_table.json", file.to_json()?);
+    folder.commit()?;
     ui.document(&file)?;
     show(&file, ui);
     ui.detail(format!("largest correction to make the curve monotone: {:.1} standard errors", report.largest_correction));
     ui.say(format!("slope: {:.3}° per 10 mm", 0.01 * report.slope_rad_per_m / RAD_PER_DEG));
-    ui.say(format!("written: {}, {}", csv.display(), json.display()));
+    ui.say(format!("written: {}, {}", shown(&csv), shown(&json)));
     Ok(if damaged && arguments.logs.strict { Outcome::Rejected } else { Outcome::Done })
 }
 
@@ -140,21 +144,21 @@ fn read(arguments: &LogArguments, ui: Ui) -> anyhow::Result<Vec<Recording>> {
     let (source, overrides) = (arguments.source()?, arguments.overrides());
     let mut recordings: Vec<Recording> = Vec::new();
     for named in &arguments.logs {
-        for path in find_logs(named).with_context(|| named.display().to_string())?.into_iter().flatten() {
-            let recording = read_lateral(&path, &source, &overrides, &|_| {}).with_context(|| path.display().to_string())?;
+        for path in find_logs(named).with_context(|| shown(&named))?.into_iter().flatten() {
+            let recording = read_lateral(&path, &source, &overrides, &|_| {}).with_context(|| shown(&path))?;
             if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
-                ui.warn(format!("{}: the same log as {}; read once", path.display(), same.path.display()));
+                ui.warn(format!("{}: the same log as {}; read once", shown(&path), shown(&same.path)));
                 continue;
             }
             if let Some(loss) = recording.loss.summary() {
-                ui.warn(format!("{}: {loss}", path.display()));
+                ui.warn(format!("{}: {loss}", shown(&path)));
             }
             for origin in &recording.origins {
                 let place = format!("{} = {} [{}] ({})", origin.signal.key(), origin.path, origin.unit, origin.reason);
-                ui.detail(format!("{}: {place}", path.display()));
+                ui.detail(format!("{}: {place}", shown(&path)));
             }
             if !recording.signals.lateral.contains_key(&SignalName::Compensation) {
-                ui.warn(format!("{}: no compensation signal: taken as the run without compensation", path.display()));
+                ui.warn(format!("{}: no compensation signal: taken as the run without compensation", shown(&path)));
             }
             recordings.push(recording);
         }
@@ -185,8 +189,8 @@ fn show(file: &LateralTableFile, ui: Ui) {
 }
 
 fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let text = fs_err::read_to_string(&arguments.vehicle)?;
-    let vehicle = VehicleFile::from_toml(&text).with_context(|| arguments.vehicle.display().to_string())?.settings();
+    let text = read_file(&arguments.vehicle)?;
+    let vehicle = VehicleFile::from_toml(&text).with_context(|| shown(&arguments.vehicle))?.settings();
     if let Some(angle) = arguments.angles_deg.iter().find(|a| !(a.is_finite() && a.abs() <= 20.0)) {
         bail!("--angles-deg: {angle}° is not a compensation; allowed: −20° to 20°");
     }
@@ -205,6 +209,9 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
         Reference::Both => LoggedReference::Both,
     };
     let mut written = Vec::new();
+    if arguments.output.as_os_str() == "-" {
+        bail!("-o - is standard output, and there are several logs; give a folder");
+    }
     for (k, angle_deg) in angles_deg.iter().enumerate() {
         let run = CalibrationDrive {
             law: arguments.law,
@@ -219,8 +226,8 @@ fn record(arguments: &RecordArguments, ui: Ui) -> anyhow::Result<Outcome> {
         let name = if *angle_deg == 0.0 { "base.mcap".to_owned() } else { format!("compensation_{angle_deg:+}deg.mcap") };
         let path = arguments.output.join(name);
         write_whole(&path, &bytes)?;
-        ui.say(format!("written: {} ({} bytes)", path.display(), bytes.len()));
-        written.push(serde_json::json!({ "file": path.display().to_string(), "angle_deg": angle_deg, "bytes": bytes.len() }));
+        ui.say(format!("written: {} ({} bytes)", shown(&path), bytes.len()));
+        written.push(serde_json::json!({ "file": shown(&path), "angle_deg": angle_deg, "bytes": bytes.len() }));
     }
     ui.document(&written)?;
     Ok(Outcome::Done)

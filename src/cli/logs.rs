@@ -4,8 +4,10 @@ use crate::calibrate::{LogSource, read_logs, survey};
 use crate::campaign::Survey;
 use crate::cli::Ui;
 use crate::cli::listener::UiListener;
+use crate::cli::text_file::read_file;
 use crate::log::{Preset, SignalMap, Source, VehicleOverrides};
 use crate::map::Vehicle;
+use crate::text::shown;
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 
@@ -81,8 +83,8 @@ impl LogArguments {
 pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::Result<Source> {
     Ok(match (signals, preset) {
         (Some(path), _) => {
-            let text = fs_err::read_to_string(path)?;
-            Source::Map(SignalMap::from_toml(&text).with_context(|| path.display().to_string())?)
+            let text = read_file(path)?;
+            Source::Map(SignalMap::from_toml(&text).with_context(|| shown(&path))?)
         }
         (None, Some(preset)) => Source::Preset(preset),
         (None, None) => Source::Detect,

@@ -5,8 +5,9 @@ use crate::cli::Ui;
 use crate::cli::advice::with_advice;
 use crate::cli::breaks::Breaks;
 use crate::cli::outcome::Outcome;
-use crate::map::{PlanFile, Proposal, WheelAngle, write_whole};
+use crate::map::{FolderWriter, PlanFile, Proposal, WheelAngle, write_whole};
 use crate::plan::PlanSettings;
+use crate::text::shown;
 use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::PathBuf;
@@ -40,22 +41,23 @@ pub(crate) struct Arguments {
     /// Torques of the cells to plan for [N·m]; by default those of Table 1
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
     torque_breaks: Option<Breaks>,
-    /// Campaign file to write (TOML)
+    /// Campaign file to write (TOML); `-` is standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let ui = ui.beside(arguments.output.as_deref())?;
     if !(arguments.minutes > 0.0 && arguments.minutes <= 60.0) {
         bail!("--minutes is {}; allowed: above 0, at most 60", arguments.minutes);
     }
     let path = arguments.maps.join("table1.json");
-    let (folder, _) = read_table1(&arguments.maps).map_err(with_advice)?;
+    let (folder, _) = read_table1(&arguments.maps.as_path().into()).map_err(with_advice)?;
     let file = folder.table1;
     let angle = arguments.angle.map_or(file.vehicle.test_angle(), WheelAngle::from_deg);
     let steered = !angle.is_same(file.vehicle.test_angle());
     let maps = file.maps.len();
-    let file = only_angle(file, angle.deg()).map_err(with_advice).with_context(|| path.display().to_string())?;
+    let file = only_angle(file, angle.deg()).map_err(with_advice).with_context(|| shown(&path))?;
     if file.maps.len() < maps {
         ui.say(format!("the map of {}°; table1.json holds those of other wheel angles, too (--angle)", angle.deg()));
     }
@@ -64,10 +66,15 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         speed_breaks_mps: arguments.speed_breaks.clone().map(|b| b.0),
         torque_breaks_nm: arguments.torque_breaks.clone().map(|b| b.0),
     };
-    let plan = crate::plan::plan(&file, &settings).with_context(|| path.display().to_string())?;
+    let plan = crate::plan::plan(&file, &settings).with_context(|| shown(&path))?;
     // for the report
-    let for_page = PlanFile::new(folder.table1_json.sha256, plan.clone());
-    if let Err(error) = write_whole(&arguments.maps.join("plan.json"), for_page.to_json()?.as_bytes()) {
+    let for_page = PlanFile::new(&file, folder.table1_json.sha256, plan.clone());
+    let json = for_page.to_json()?;
+    let put = FolderWriter::open(&arguments.maps).and_then(|mut folder| {
+        folder.put("plan.json", json);
+        folder.commit()
+    });
+    if let Err(error) = put {
         ui.warn(format!("the page will not show the plan: {error}"));
     }
     if let Some(output) = &arguments.output {
@@ -76,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&plan)?;
     show(&plan, ui);
     match &arguments.output {
-        Some(output) => ui.say(format!("written: {}", output.display())),
+        Some(output) => ui.say(format!("written: {}", shown(&output))),
         None => ui.say("give -o FILE to write it as a campaign file"),
     }
     Ok(Outcome::Done)

@@ -1,5 +1,7 @@
 //! Points of a polyline from a file: two numbers per line, x and y in metres, east and north of any origin.
 
+use crate::cli::text_file::read_file;
+use crate::text::shown;
 use anyhow::{Context, bail};
 use std::path::Path;
 
@@ -8,8 +10,8 @@ const MOST: usize = 1000;
 
 /// Reads the points. A first line without numbers is a heading; empty lines are skipped.
 pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<[f64; 2]>> {
-    let text = fs_err::read_to_string(path)?;
-    points(&text).with_context(|| path.display().to_string())
+    let text = read_file(path)?;
+    points(&text).with_context(|| shown(&path))
 }
 
 fn points(text: &str) -> anyhow::Result<Vec<[f64; 2]>> {

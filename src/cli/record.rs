@@ -2,9 +2,11 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
+use crate::cli::text_file::read_file;
 use crate::map::write_whole;
 use crate::record::{Campaign, record};
 use crate::sim::VehicleFile;
+use crate::text::shown;
 use anyhow::Context;
 use clap::Args;
 use std::path::PathBuf;
@@ -21,7 +23,7 @@ pub(crate) struct Arguments {
     /// Campaign to drive (TOML)
     #[arg(long, value_name = "FILE")]
     campaign: PathBuf,
-    /// Log to write (MCAP)
+    /// Log to write (MCAP); `-` is standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Seed of everything random, in place of the campaign's
@@ -30,10 +32,11 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let at = |path: &PathBuf| path.display().to_string();
-    let text = fs_err::read_to_string(&arguments.vehicle)?;
+    let ui = ui.beside(Some(&arguments.output))?;
+    let at = |path: &PathBuf| shown(&path);
+    let text = read_file(&arguments.vehicle)?;
     let vehicle = VehicleFile::from_toml(&text).with_context(|| at(&arguments.vehicle))?;
-    let text = fs_err::read_to_string(&arguments.campaign)?;
+    let text = read_file(&arguments.campaign)?;
     let campaign = Campaign::from_toml(&text).with_context(|| at(&arguments.campaign))?;
     let recording = record(&vehicle, &campaign, arguments.seed)?;
     write_whole(&arguments.output, &recording.bytes)?;

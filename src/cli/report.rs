@@ -5,6 +5,7 @@ use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::cli::verify_text::show_checks;
 use crate::report::coverage_text;
+use crate::text::shown;
 use std::path::PathBuf;
 
 /// Arguments of `report`.
@@ -22,7 +23,7 @@ pub(crate) struct Arguments {
     /// Folder with the files of the map
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
-    /// Page to write, by default report.html in the folder of --maps
+    /// Page to write, by default report.html in the folder of --maps; `-` is standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Also write every figure as an SVG file into this folder
@@ -31,11 +32,12 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let ui = ui.beside(arguments.output.as_deref())?;
     let output = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("report.html"));
     let made = report_folder(&arguments.maps, &output, arguments.svg.as_deref())?;
     let (judgement, reason) = made.files.judgement();
     ui.document(&serde_json::json!({
-        "file": output.display().to_string(),
+        "file": shown(&output),
         "bytes": made.bytes,
         "judgement": judgement,
         "reason": reason,
@@ -52,8 +54,8 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         ui.say(format!("note: {note}"));
     }
     if let Some(folder) = &arguments.svg {
-        ui.say(format!("written: {} figures in {}", made.figures.len(), folder.display()));
+        ui.say(format!("written: {} figures in {}", made.figures.len(), shown(&folder)));
     }
-    ui.say(format!("written: {} ({:.2} MB)", output.display(), made.bytes as f64 / 1e6));
+    ui.say(format!("written: {} ({:.2} MB)", shown(&output), made.bytes as f64 / 1e6));
     Ok(Outcome::Done)
 }

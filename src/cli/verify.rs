@@ -1,15 +1,17 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
-use crate::calibrate::save_verdict;
+use crate::calibrate::put_verdict;
 use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
+use crate::cli::text_file::read_file;
 use crate::cli::verify_text::{new_table, show};
 use crate::cli::{Ui, points};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
-use crate::map::write_whole;
+use crate::map::{FolderWriter, write_whole};
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
+use crate::text::shown;
 use crate::verify::{Class, Error, Gate, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
@@ -79,18 +81,17 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         list(ui)?;
         return Ok(Outcome::Done);
     }
-    let gate = arguments.gate.as_ref().map(fs_err::read_to_string).transpose()?;
+    let gate = arguments.gate.as_deref().map(read_file).transpose()?;
     let (scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
     if let Some(path) = &arguments.points {
         if manoeuvres.iter().all(|m| m.class != Class::Polyline) {
             bail!("--points needs a polyline to drive them, as --scenario polyline-lqr");
         }
         let points = points::read(path)?;
-        manoeuvres =
-            manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| path.display().to_string())?;
+        manoeuvres = manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| shown(&path))?;
     }
     let gate = match &arguments.gate {
-        Some(path) => Gate::with(gate.as_deref()).with_context(|| path.display().to_string())?,
+        Some(path) => Gate::with(gate.as_deref()).with_context(|| shown(&path))?,
         None => Gate::with(None)?,
     };
     let defaults = ManoeuvreSettings::new()?;
@@ -99,8 +100,8 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         draws: arguments.draws.min(defaults.draws),
         vehicle: match &arguments.vehicle {
             Some(path) => {
-                let text = fs_err::read_to_string(path)?;
-                VehicleFile::from_toml(&text).with_context(|| path.display().to_string())?.settings()
+                let text = read_file(path)?;
+                VehicleFile::from_toml(&text).with_context(|| shown(&path))?.settings()
             }
             None => defaults.vehicle.clone(),
         },
@@ -110,7 +111,11 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     };
     let accept = arguments.accept.clone();
     let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, accept, ..VerifySettings::new()? };
-    let maps = Maps::read(&arguments.maps, arguments.force)?;
+    if !arguments.maps.exists() {
+        Maps::read(&arguments.maps, arguments.force)?; // the error
+    }
+    let mut folder = FolderWriter::open(&arguments.maps)?;
+    let maps = Maps::read_from(&folder.view(), arguments.force)?;
     for forced in &maps.forced {
         ui.warn(format!("{forced}; continued, since --force was given"));
     }
@@ -124,19 +129,20 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     logs.extend(judged.logs);
     let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?);
     let path = arguments.maps.join("verify.json");
-    save_verdict(&verdict, traces.as_ref(), &arguments.maps)?;
+    put_verdict(&verdict, traces.as_ref(), &mut folder)?;
     // those of an earlier verdict stay: they name their Table 2
     if let Some(traces) = judged.traces {
-        write_whole(&arguments.maps.join("manoeuvre_traces.json"), traces.to_json()?.as_bytes())?;
+        folder.put("manoeuvre_traces.json", traces.to_json()?);
     }
+    folder.commit()?;
     ui.document(&verdict)?;
     show(&verdict, ui);
-    ui.say(format!("written: {}", path.display()));
+    ui.say(format!("written: {}", shown(&path)));
     if let Some(folder) = &arguments.log {
         for log in &logs {
             let path = folder.join(format!("{}.mcap", log.name));
             write_whole(&path, &log.bytes)?;
-            ui.detail(format!("written: {}", path.display()));
+            ui.detail(format!("written: {}", shown(&path)));
         }
     }
     Ok(verdict.status.into())

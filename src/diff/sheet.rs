@@ -1,7 +1,8 @@
 //! One side of a comparison: the tables of a file with their standard errors, in one layout whichever table it is.
 
 use crate::diff::{Error, Result};
-use crate::map::{CellStatus, Gear, LogRef, TABLE2_FORMAT, Table1File, Table2File, Vehicle, lookup};
+use crate::map::{CellStatus, Gear, LogRef, MapFolder, Mismatch, TABLE2_FORMAT, Table1File, Table2File, Vehicle, lookup};
+use crate::text::{read_text, shown};
 use serde::Serialize;
 use std::path::Path;
 
@@ -64,15 +65,24 @@ impl DiffSide {
     /// # Errors
     /// A file that is missing, is no map, or whose arrays do not fit its axes.
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let path = if path.is_dir() { path.join("table2.json") } else { path.to_owned() };
-        let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        let path = if path.is_dir() {
+            if let Ok((_, mismatches)) = MapFolder::read(&path.into())
+                && let Some(Mismatch::Hash { file, .. } | Mismatch::Generation { file, .. }) = mismatches.first()
+            {
+                return Err(Error::Mixed { path: path.to_owned(), file: file.clone() });
+            }
+            path.join("table2.json")
+        } else {
+            path.to_owned()
+        };
+        let text = read_text(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
         // any other file is read as Table 1, whose reader reports its fault
         let second = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|json| json["format"] == TABLE2_FORMAT);
         Self::of_text(&path, &text, second)
     }
 
     fn of_text(path: &Path, text: &str, second: bool) -> Result<Self> {
-        let name = path.display().to_string();
+        let name = shown(&path);
         let wrong = |source| Error::File { path: path.to_owned(), source };
         if second {
             let file = Table2File::from_json(text).map_err(wrong)?;

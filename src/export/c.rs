@@ -5,7 +5,7 @@ use crate::export::dcm::constants;
 use crate::export::file::File;
 use crate::export::number::plain;
 use crate::export::{MapSource, Precision, provenance};
-use crate::map::{Gear, TorqueTable};
+use crate::map::{Gear, TorqueTable, sha256_hex};
 use std::fmt::Write as _;
 
 const HEADER: &str = include_str!("template/pivot_map.h.in");
@@ -28,6 +28,8 @@ pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
             .replace("@REAL@", real)
             .replace("@BITS@", if precision == Precision::Double { "64" } else { "32" })
             .replace("@SHA256@", &sha256(source))
+            .replace("@GENERATION@", &source.table2.generation)
+            .replace("@EXPORT_ID@", &export_id(source, precision))
             .replace("@HAS_FORWARD@", has(Gear::Forward))
             .replace("@HAS_REVERSE@", has(Gear::Reverse))
             .replace("@CONSTANTS@", &constants.join("\n"))
@@ -41,6 +43,13 @@ pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
 /// SHA-256 in hexadecimal of the forward gear's CSV, or of the only gear's; [`MapSource::read`] has compared it.
 pub(crate) fn sha256(source: &MapSource) -> String {
     source.torque.first().and_then(|(gear, _)| source.map(*gear)).map(|map| map.csv.sha256.clone()).unwrap_or_default()
+}
+
+/// Identifier of the export: header and source of one export have the same. The first 8 hexadecimal digits of the SHA-256 of `table2.json`, the
+/// wheel angle and the precision.
+fn export_id(source: &MapSource, precision: Precision) -> String {
+    let what = format!("{}{}{precision:?}", source.table2_json, source.table2.vehicle.test_angle_deg);
+    sha256_hex(what.as_bytes())[..8].to_uppercase()
 }
 
 fn choice(gear: Gear) -> String {

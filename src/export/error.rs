@@ -1,6 +1,7 @@
 //! Why a map cannot be exported.
 
 use crate::map::{FolderError, Gear};
+use crate::text::shown;
 use std::path::PathBuf;
 
 /// Result of this room.
@@ -11,19 +12,30 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 #[allow(missing_docs)] // the message explains the fields
 pub enum Error {
-    #[error("{}: {source}; fit and invert first, or give the folder that holds the map", path.display())]
+    #[error("{}: {source}; fit and invert first, or give the folder that holds the map", shown(path))]
     Read { path: PathBuf, source: std::io::Error },
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     File { path: PathBuf, source: crate::map::Error },
     #[error(
         "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it is damaged, was edited, or belongs to \
          another map; run `pivot-cal invert` again",
-        path.display(), by.display()
+        shown(path),
+        shown(by)
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
-    #[error("{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map again", path.display(), csv.display())]
+    #[error(
+        "{} is of generation {found:?}, {} of {expected:?}: one of them was left by another run; run `pivot-cal invert` again",
+        shown(path),
+        shown(by)
+    )]
+    Generation { path: PathBuf, by: PathBuf, found: String, expected: String },
+    #[error(
+        "{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map again",
+        shown(path),
+        shown(csv)
+    )]
     Differs { path: PathBuf, csv: PathBuf },
-    #[error("{} holds no map at the wheel angle of {angle_deg}°; its wheel angles are {found}", path.display())]
+    #[error("{} holds no map at the wheel angle of {angle_deg}°; its wheel angles are {found}", shown(path))]
     NoMap { path: PathBuf, angle_deg: f64, found: String },
     #[error(
         "{format} needs values that change strictly with the command, and the {gear} map does not: {place}; `pivot-cal check` lists all places"

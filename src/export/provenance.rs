@@ -9,6 +9,7 @@ pub(crate) fn lines(source: &MapSource) -> Vec<String> {
     let vehicle = file.vehicle;
     let mut lines = vec![
         format!("Written by pivot-cal {} from table2.json; do not edit.", env!("CARGO_PKG_VERSION")),
+        format!("Generation: {}.", if file.generation.is_empty() { "not given".to_owned() } else { clean(&file.generation) }),
         format!(
             "Vehicle: wheelbase {} m, wheel radius {} m, wheel at {} deg (left positive){}.",
             vehicle.wheelbase_m,
@@ -36,7 +37,10 @@ pub(crate) fn lines(source: &MapSource) -> Vec<String> {
         lines.push(format!("{}: SHA-256 {}", clean(&map.csv.file), clean(&map.csv.sha256)));
     }
     lines.push(format!("{}: SHA-256 {}", clean(&file.table1.file), clean(&file.table1.sha256)));
-    lines.extend(file.logs.iter().map(|log| format!("log {}: SHA-256 {}", clean(&log.file), clean(&log.sha256))));
+    lines.extend(file.logs.iter().flat_map(|log| {
+        let lost = log.loss.as_ref().map(|loss| format!("log {}: {}", clean(&log.file), clean(&loss.to_string())));
+        std::iter::once(format!("log {}: SHA-256 {}", clean(&log.file), clean(&log.sha256))).chain(lost)
+    }));
     lines
 }
 

@@ -34,7 +34,7 @@ impl MapSource {
     /// # Errors
     /// As [`MapSource::read`].
     pub fn read_at(folder: &Path, wheel_angle_deg: Option<f64>) -> Result<Self> {
-        let (mut files, mut mismatches) = MapFolder::read(folder)?;
+        let (mut files, mut mismatches) = MapFolder::read(&folder.into())?;
         let Some((mut table2, json2)) = files.table2.take() else {
             let absent = mismatches.into_iter().next();
             return Err(absent.map_or_else(|| unread(folder, "table2.json", std::io::ErrorKind::NotFound.into()), |m| mismatch(folder, m)));
@@ -101,6 +101,9 @@ impl MapSource {
 fn mismatch(folder: &Path, mismatch: Mismatch) -> Error {
     match mismatch {
         Mismatch::Hash { file, by, found, expected } => Error::Hash { path: folder.join(file), by: folder.join(by), found, expected },
+        Mismatch::Generation { file, by, found, expected } => {
+            Error::Generation { path: folder.join(file), by: folder.join(by), found, expected }
+        }
         Mismatch::Unreadable { file, source, .. } => unread(folder, &file, source),
     }
 }

@@ -3,6 +3,7 @@
 mod family;
 mod fit_traces;
 mod fitted_angles;
+mod listed_runs;
 mod shared_delays;
 mod shrink_together;
 mod table1_file;

@@ -49,6 +49,7 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         format: TABLE2_FORMAT.to_owned(),
         format_version: FORMAT_VERSION,
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        generation: file.generation.clone(),
         units: Units::default(),
         vehicle: file.vehicle,
         logs: file.logs.clone(),

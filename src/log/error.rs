@@ -15,6 +15,14 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 pub enum Error {
     #[error("the log cannot be read: {0}")]
     Io(std::io::Error),
+    #[error("the log was changed while it was read: what was read is not what its hash would say; read it again when nothing writes to it")]
+    Changed,
+    #[error("the signals have more than {allowed} values, 32 bytes each while they are read; split the log, or record at a lower rate")]
+    TooManyValues { allowed: u64 },
+    #[error(
+        "schemas, metadata and first messages of the log take more than {allowed} bytes; a log of a vehicle has less than a megabyte of them"
+    )]
+    TooMuchDescription { allowed: u64 },
     #[error("this is a folder, not a log; give the folder itself to read the logs in it")]
     Folder,
     #[error("the folder holds no .mcap file")]

@@ -1,6 +1,7 @@
 //! Finds the named logs: files, folders of logs, rosbag2 folders, patterns.
 
 use crate::log::{Error, Result};
+use crate::text::{read_text, shown};
 use std::path::{Path, PathBuf};
 
 /// The recordings named by `named`, each as its files in order; inside a folder or a pattern they are sorted by name.
@@ -20,13 +21,13 @@ pub(crate) fn find_logs(named: &Path) -> Result<Vec<Vec<PathBuf>>> {
     if named.exists() || !text.contains(['*', '?', '[']) {
         return Ok(vec![vec![named.to_owned()]]); // the reader reports a missing file
     }
-    let bad = |reason: String| Error::BadPattern { pattern: text.to_string(), reason };
+    let bad = |reason: String| Error::BadPattern { pattern: shown(named), reason };
     let mut found = Vec::new();
     for path in glob::glob(&text).map_err(|error| bad(error.to_string()))? {
         found.push(path.map_err(|error| bad(error.to_string()))?);
     }
     if found.is_empty() {
-        return Err(Error::NoMatch { pattern: text.into_owned() });
+        return Err(Error::NoMatch { pattern: shown(named) });
     }
     found.sort();
     let mut recordings = Vec::new();
@@ -59,7 +60,7 @@ fn bag(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>> {
     if std::fs::metadata(metadata).map_err(Error::Io)?.len() > LARGEST {
         return crate::log::find_logs::folder(folder);
     }
-    let text = std::fs::read_to_string(metadata).map_err(Error::Io)?;
+    let text = read_text(metadata).map_err(Error::Io)?;
     let mut files = Vec::new();
     let mut lines = text.lines().skip_while(|line| line.trim() != "relative_file_paths:");
     lines.next();

@@ -1,5 +1,6 @@
 //! The unusable parts of a log: position, number of bytes, channels and reason.
 
+use crate::map::LogLoss;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -25,6 +26,19 @@ impl Loss {
     /// Whether the file is damaged or messages could not be read; NaN values are not damage.
     pub fn is_damaged(&self) -> bool {
         !self.places.is_empty() || !self.broken_messages.is_empty()
+    }
+
+    /// The loss as `table1.json` reports it, or `None` when there is none.
+    pub(crate) fn reported(&self) -> Option<LogLoss> {
+        let unreadable_messages = self.broken_messages.values().sum();
+        let loss = LogLoss {
+            messages: self.messages_lost,
+            unreadable_messages,
+            places: self.places.len() as u64,
+            bytes: self.bytes_lost,
+            messages_read: self.messages_read,
+        };
+        (self.is_damaged() || self.messages_lost.is_some_and(|lost| lost > 0)).then_some(loss)
     }
 
     /// The loss in one sentence, or `None` when there is none.

@@ -6,6 +6,7 @@
 
 mod parser;
 
+use crate::text::escaped_in_quotes;
 use std::fmt::{self, Write as _};
 
 /// A place in the messages of a topic.
@@ -76,7 +77,7 @@ impl MessagePath {
 
     /// The path that takes `steps` from the messages of `topic`.
     pub(crate) fn new(topic: String, steps: Vec<PathStep>) -> Self {
-        let mut text = if topic.contains(['.', '[', '{', '"', '\'']) { quoted(&topic) } else { topic.clone() };
+        let mut text = if topic.contains(['.', '[', '{', '"', '\\', '\'']) { quoted(&topic) } else { topic.clone() };
         for step in &steps {
             let _ = write!(text, "{step}");
         }
@@ -86,7 +87,8 @@ impl MessagePath {
 
 /// A string in quotes, as written in paths.
 pub(crate) fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+    let text = text.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{}\"", escaped_in_quotes(&text))
 }
 
 /// A field's name, in quotes where it needs them.
@@ -208,6 +210,14 @@ mod tests {
             let made = MessagePath::new(path.topic.clone(), path.steps.clone());
             assert_eq!((made.to_string(), parse(&made.to_string()).steps), (text.to_owned(), path.steps));
         }
+    }
+
+    #[test]
+    fn a_field_with_an_escape_in_its_name_is_written_out_and_read_back() {
+        let path = MessagePath::new("/a".to_owned(), vec![PathStep::Field("x\u{1b}[2J\n\u{202e}".to_owned())]);
+        assert_eq!(path.to_string(), r#"/a."x\u{1b}[2J\u{a}\u{202e}""#);
+        assert_eq!(parse(&path.to_string()).steps, path.steps);
+        assert_eq!(parse("/a.\"x\u{1b}\"").to_string(), r#"/a."x\u{1b}""#);
     }
 
     #[test]

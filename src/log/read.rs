@@ -9,6 +9,7 @@ use crate::log::file::structure::BlockKind;
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
 use crate::log::find::resolve::Choices;
+use crate::log::limits::MOST_VALUES;
 use crate::log::loss::{Damage, Loss, Why};
 use crate::log::recording::{Origin, Recording, Signal, Signals};
 use crate::log::reference_path::{Lists, polylines};
@@ -17,6 +18,7 @@ use crate::log::timing::log_clock::ClockStep;
 use crate::log::timing::message_times::MessageTimes;
 use crate::log::{Error, Result, Source};
 use crate::map::LogRef;
+use crate::text::shown;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +46,7 @@ pub(crate) fn read_lateral(
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Recording> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = path.file_name().map(shown).unwrap_or_default();
     Ok(read_input(LogInput::open(path)?, (name, path.to_owned(), true), &SignalName::LATERAL, source, overrides, progress)?.finish())
 }
 
@@ -98,7 +100,7 @@ pub(crate) fn part(
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<RecordingPart> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = path.file_name().map(shown).unwrap_or_default();
     read_input(LogInput::open(path)?, (name, path.to_owned(), hashed), &SignalName::ALL, source, overrides, progress)
 }
 
@@ -114,11 +116,21 @@ fn read_input(
     let input = container.input.clone();
     // the hash reads every byte again: it runs in parallel with the decoding, and each is half of the progress
     let half = |bytes: u64| progress(if hashed { bytes.div_ceil(2) } else { bytes });
-    let (sha256, read) = rayon::join(
-        || if hashed { input.sha256(&half) } else { Ok(String::new()) },
+    let ranges: Vec<(u64, u64)> = container.blocks.iter().map(|block| (block.offset, block.length)).collect();
+    let (hash, read) = rayon::join(
+        || if hashed { input.sha256(&ranges, &half).map(Some) } else { Ok(None) },
         || pass(&mut container, wanted, source, overrides, &half),
     );
+    if hashed {
+        input.expect_unchanged()?; // before the errors that a change causes
+    }
+    let hash = hash?;
     let ReadPass { choices, gathered, vehicle } = read?;
+    let sha256 = match hash {
+        Some((sha256, sums)) if are_of(&gathered.read_crc, &sums) => sha256,
+        Some(_) => return Err(Error::Changed),
+        None => String::new(),
+    };
     let vehicle = vehicle.vehicle()?;
     let mut loss = loss(&container, &gathered);
     let mut notes = choices.notes;
@@ -169,13 +181,18 @@ fn read_input(
     if let [x, y] = &reference[..] {
         signals.reference_paths = polylines(x, y);
     }
-    let source = LogRef { sha256: sha256?, file, bytes: input.length() };
+    let source = LogRef { sha256, file, bytes: input.length(), loss: None };
     // the steps count the values of the signals in the order of their names, as `times` has them
     kept.sort_unstable();
     let of_kept = |step: ClockStep| ClockStep { values: kept.iter().map(|(_, column)| step.values[*column]).collect(), ..step };
     let clock_steps = gathered.clock_steps.into_iter().map(of_kept).collect();
     let recording = Recording { source, path, vehicle, signals, origins, loss, notes, clock_notes: Vec::new() };
     Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1, times, span_ns: gathered.span_ns, clock_steps })
+}
+
+/// Whether the blocks that were used are those that were hashed, by the checksums of both.
+fn are_of(used: &[Option<u32>], hashed: &[u32]) -> bool {
+    used.iter().zip(hashed).all(|(used, hashed)| used.is_none_or(|used| used == *hashed))
 }
 
 /// Result of a pass over the messages.
@@ -193,6 +210,7 @@ fn pass(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<ReadPass> {
     let mut samples = message_pass::explore(container);
+    container.expect_bounded()?;
     let from_map = match source {
         Source::Map(map) => map.vehicle,
         Source::Preset(_) | Source::Detect => VehicleOverrides::default(),
@@ -213,11 +231,15 @@ fn pass(
             Err(error) => (Choices::default(), BTreeMap::new(), Some(error)),
         };
         let mut gathered = message_pass::all(container, &plans, choices.found.len(), progress);
+        if gathered.values > MOST_VALUES {
+            return Err(Error::TooManyValues { allowed: MOST_VALUES });
+        }
         if gathered.tallies.is_empty() {
             let damage = loss(container, &gathered).summary();
             return Err(Error::NoMessages { damage });
         }
         let new = container.learn(std::mem::take(&mut gathered.learned));
+        container.expect_bounded()?;
         if !new || number == MAX_PASSES {
             return error.map_or(Ok(ReadPass { choices, gathered, vehicle }), Err);
         }

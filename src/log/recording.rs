@@ -105,6 +105,13 @@ impl Signal {
     }
 }
 
+impl Recording {
+    /// Number of values of all signals.
+    pub(crate) fn values(&self) -> u64 {
+        SignalName::ALL.iter().filter_map(|name| self.signals.get(*name)).map(|signal| signal.len() as u64).sum()
+    }
+}
+
 impl Signals {
     /// The signal with that name, if the log has it.
     pub fn get(&self, name: SignalName) -> Option<&Signal> {

@@ -8,7 +8,7 @@ mod shape;
 
 use crate::log::schema_error::SchemaError;
 pub(crate) use descriptor::{ProtobufField, ProtobufKind, ProtobufMessage};
-pub(crate) use leaves::{Leaf, LeafKind};
+pub(crate) use leaves::{LONGEST_PATH, Leaf, LeafKind};
 pub(crate) use shape::{Kind, Names, Shape, Size, Structure};
 
 use crate::log::file::structure::Schema;

@@ -10,6 +10,7 @@ use crate::log::timing::message_times::SignalTimes;
 use crate::log::timing::true_times;
 use crate::log::{Error, Result, Source, read};
 use crate::map::LogRef;
+use crate::text::shown;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -36,7 +37,7 @@ pub(crate) fn read_split(
             Err(error @ (Error::NoMessages { .. } | Error::NoValues { .. } | Error::NoTopic { .. } | Error::MissingSignal { .. }))
                 if paths.len() > 1 =>
             {
-                let file = path.file_name().unwrap_or_default().to_string_lossy();
+                let file = shown(path.file_name().unwrap_or_default());
                 skipped.push(format!("{file} is skipped: {error}"));
                 first_error.get_or_insert(error);
                 continue;
@@ -79,7 +80,7 @@ impl RecordingPart {
         self.unnamed.extend(next.unnamed);
         let next_times = next.times;
         let (whole, next) = (&mut self.recording, next.recording);
-        let LogRef { sha256, file, bytes } = next.source;
+        let LogRef { sha256, file, bytes, .. } = next.source;
         whole.source.sha256 += &sha256;
         whole.source.bytes += bytes;
         let first = whole.source.file.split(" … ").next().unwrap_or_default();
@@ -134,6 +135,7 @@ impl RecordingPart {
         let signals: Vec<SignalTimes> = self.times.iter().map(|(signal, times)| SignalTimes { signal: *signal, times }).collect();
         let (true_times, clock_notes) = true_times(&signals, &self.clock_steps);
         recording.clock_notes = clock_notes;
+        recording.source.loss = recording.loss.reported();
         for (name, times) in self.times.keys().zip(true_times) {
             let mut signal = recording.signals.get(*name).cloned().unwrap_or_default();
             (signal.time_ns, signal.time_std_s) = (times.time_ns, times.std_s);

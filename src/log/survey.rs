@@ -14,6 +14,7 @@ use crate::log::signal_map::SignalName;
 use crate::log::timing::message_times::SignalTimes;
 use crate::log::timing::true_times;
 use crate::log::{Error, MessageKind, Result, Signal, Source};
+use crate::text::shown;
 use crate::units::NS_PER_S;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -121,7 +122,7 @@ pub enum Depth {
 /// # Errors
 /// The file is not a log or, if all messages are read, holds no message.
 pub fn survey(path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
-    let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let file = path.file_name().map(shown).unwrap_or_default();
     survey_input(LogInput::open(path)?, file, source, depth, progress)
 }
 

@@ -11,7 +11,7 @@ use crate::guidance::route::path_position::{Leg, lateral_error_m};
 use crate::manoeuvre::drive::ManoeuvreMoment;
 use crate::manoeuvre::planned_task::Planned;
 use crate::manoeuvre::scenario::{Manoeuvre, ManoeuvreKind};
-use crate::map::{FORMAT_VERSION, Gear, expect_format};
+use crate::map::{FORMAT_VERSION, Gear, parse_file};
 use crate::units::RAD_PER_DEG;
 use crate::verify::{Maps, Result, ScenarioVerdict};
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,9 @@ pub(crate) struct ManoeuvreTraces {
     pub format_version: u32,
     /// Version of the program that wrote it.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// SHA-256 of the Table 2 files that were judged, forward first.
     pub table2_csv_sha256: Vec<String>,
     /// Perturbed plants per manoeuvre.
@@ -86,6 +89,7 @@ impl ManoeuvreTraces {
             format: FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            generation: maps.table1.generation.clone(),
             table2_csv_sha256: maps.csv_sha256.clone(),
             draws,
             manoeuvres,
@@ -105,7 +109,7 @@ impl ManoeuvreTraces {
     /// # Errors
     /// JSON that is not of this format and version.
     pub(crate) fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(parse_file(text, FORMAT)?)
     }
 }
 

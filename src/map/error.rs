@@ -1,5 +1,6 @@
 //! Errors of a table or its file.
 
+use crate::text::shown;
 use std::path::PathBuf;
 
 /// Result of this room.
@@ -48,6 +49,8 @@ pub enum Error {
     Curve { field: &'static str, index: usize, value: f64, allowed: &'static str },
     #[error("the JSON cannot be read: {0}")]
     Json(#[from] serde_json::Error),
-    #[error("{}: {source}", path.display())]
+    #[error("{}: another pivot-cal is writing into this folder; wait until it has finished, or give another folder", shown(folder))]
+    Busy { folder: PathBuf },
+    #[error("{}: {source}", shown(path))]
     Io { path: PathBuf, source: std::io::Error },
 }

@@ -1,5 +1,6 @@
 //! Why there is no report.
 
+use crate::text::shown;
 use std::path::PathBuf;
 
 /// Result of this module.
@@ -10,13 +11,13 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 #[allow(missing_docs)] // the message explains the fields
 pub enum Error {
-    #[error("{}: {source}; fit logs first, or give the folder that holds table1.json", path.display())]
+    #[error("{}: {source}; fit logs first, or give the folder that holds table1.json", shown(path))]
     NoTable1 { path: PathBuf, source: std::io::Error },
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Read { path: PathBuf, source: std::io::Error },
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Map { path: PathBuf, source: crate::map::Error },
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Verdict { path: PathBuf, source: crate::verify::Error },
     #[error(transparent)]
     Table(#[from] crate::map::Error),

@@ -2,7 +2,9 @@
 
 use crate::check::campaign_checks::all_checks;
 use crate::manoeuvre::ManoeuvreTraces;
-use crate::map::{Check, FitTraces, FolderError, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File};
+use crate::map::{
+    Check, FitTraces, FolderError, FolderView, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File, read_settled,
+};
 use crate::report::{Error, Result};
 use crate::verify::{ClosedLoop, MapVerdict, Scenario, Status};
 use std::path::{Path, PathBuf};
@@ -42,7 +44,28 @@ impl ReportFiles {
     /// # Errors
     /// No `table1.json`, or an existing file that cannot be read.
     pub fn read(folder: &Path) -> Result<Self> {
-        let (maps, mismatches) = MapFolder::read(folder).map_err(|error| unread(folder, error))?;
+        Self::read_from(&folder.into())
+    }
+
+    /// The same for a folder that this process has the right to write into.
+    ///
+    /// # Errors
+    /// As [`ReportFiles::read`].
+    pub(crate) fn read_own(folder: &Path) -> Result<Self> {
+        Self::read_once(&FolderView::own(folder))
+    }
+
+    /// The same for a folder whose files may not be written yet. While another process writes there, it is read again.
+    ///
+    /// # Errors
+    /// As [`ReportFiles::read`].
+    pub(crate) fn read_from(view: &FolderView) -> Result<Self> {
+        read_settled(view, || Self::read_once(view), |read| read.as_ref().is_ok_and(|files| files.notes.is_empty()))
+    }
+
+    fn read_once(view: &FolderView) -> Result<Self> {
+        let folder = &view.path;
+        let (maps, mismatches) = MapFolder::read(view).map_err(|error| unread(folder, error))?;
         let mut beside = Beside { maps: &maps, files: Vec::new() };
         let verdict = beside.read("verify.json", MapVerdict::from_json, verdict_error)?;
         let fit_traces = beside.read("fit_traces.json", FitTraces::from_json, map_error)?;
@@ -61,9 +84,13 @@ impl ReportFiles {
         let mut table2 = table2.map(|(file, _)| file);
         let sha1 = table1_json.sha256;
         let csvs: Option<Vec<String>> = table2.as_ref().map(|t| t.maps.iter().map(|m| m.csv.sha256.clone()).collect());
-        let of_table2 = |judged: &[String]| csvs.as_ref().is_some_and(|csvs| judged.iter().all(|sha256| csvs.contains(sha256)));
-        let verdict_is_current = fits_together && verdict.as_ref().is_some_and(|v| of_table2(&v.table2_csv_sha256));
-        notes.extend(verdict_note(table2.is_some(), verdict.as_ref(), of_table2));
+        let generation = table1.generation.clone();
+        let of_table2 = |of: &str, judged: &[String]| {
+            of == generation && csvs.as_ref().is_some_and(|csvs| judged.iter().all(|sha256| csvs.contains(sha256)))
+        };
+        let is_judged = verdict.as_ref().is_some_and(|v| of_table2(&v.generation, &v.table2_csv_sha256));
+        let verdict_is_current = fits_together && is_judged;
+        notes.extend(verdict_note(table2.is_some(), verdict.as_ref(), is_judged));
 
         let mut left_out = |belongs: bool, note: &str| {
             if !belongs {
@@ -73,20 +100,20 @@ impl ReportFiles {
         };
         let fit_traces = fit_traces.filter(|t| {
             let note = "fit_traces.json belongs to another table1.json and is left out: run `pivot-cal fit` again";
-            left_out(t.table1.sha256 == sha1, note)
+            left_out(t.generation == generation && t.table1.sha256 == sha1, note)
         });
         let closed_loop = closed_loop.filter(|t| {
             let note = "verify_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify` again";
-            left_out(of_table2(&t.table2_csv_sha256), note)
+            left_out(of_table2(&t.generation, &t.table2_csv_sha256), note)
         });
         let manoeuvres = manoeuvres.filter(|t| {
             let note =
                 "manoeuvre_traces.json belongs to another Table 2 and is left out: run `pivot-cal verify --scenario manoeuvres` again";
-            left_out(of_table2(&t.table2_csv_sha256), note)
+            left_out(of_table2(&t.generation, &t.table2_csv_sha256), note)
         });
         let plan = plan.filter(|p| {
             let note = "plan.json was made from another table1.json and is left out: run `pivot-cal plan` again";
-            left_out(p.table1_sha256 == sha1, note)
+            left_out(p.generation == generation && p.table1_sha256 == sha1, note)
         });
         let checks = all_checks(&table1);
         let verdict = verdict.map(|v| if verdict_is_current { v.on(&table1) } else { v });
@@ -136,8 +163,8 @@ impl Beside<'_> {
         from_json: impl Fn(&str) -> std::result::Result<T, E>,
         error: impl Fn(PathBuf, E) -> Error,
     ) -> Result<Option<T>> {
-        let path = || self.maps.path.join(name);
-        let Some(file) = self.maps.other(name).map_err(|e| unread(&self.maps.path, e))? else { return Ok(None) };
+        let path = || self.maps.view.path.join(name);
+        let Some(file) = self.maps.other(name).map_err(|e| unread(&self.maps.view.path, e))? else { return Ok(None) };
         let text = file.text().map_err(|source| Error::Read { path: path(), source })?;
         let read = from_json(text).map_err(|e| error(path(), e))?;
         self.files.push((file.name, file.sha256));
@@ -167,6 +194,9 @@ fn mismatch_note(mismatch: &Mismatch, maps: &MapFolder) -> Option<String> {
         Mismatch::Hash { file, expected, .. } if *file == maps.table1_json.name => {
             Some(format!("table2.json was made from another table1.json ({expected:.12}…): run `pivot-cal invert` again"))
         }
+        Mismatch::Generation { file, by, found, expected } => {
+            Some(format!("{file} is of generation {found}, {by} of {expected}: run `pivot-cal invert` again"))
+        }
         Mismatch::Hash { file, .. } => {
             Some(format!("{file} is not the file that its JSON describes: it was edited, or belongs to another map"))
         }
@@ -176,12 +206,12 @@ fn mismatch_note(mismatch: &Mismatch, maps: &MapFolder) -> Option<String> {
 }
 
 /// Note on an incomplete verdict.
-fn verdict_note(has_table2: bool, verdict: Option<&MapVerdict>, of_table2: impl Fn(&[String]) -> bool) -> Option<String> {
+fn verdict_note(has_table2: bool, verdict: Option<&MapVerdict>, is_judged: bool) -> Option<String> {
     if !has_table2 {
         return Some("there is no table2.json: run `pivot-cal invert`".to_owned());
     }
     let Some(verdict) = verdict else { return Some("there is no verify.json: run `pivot-cal verify`".to_owned()) };
-    if !of_table2(&verdict.table2_csv_sha256) {
+    if !is_judged {
         return Some("verify.json judged another Table 2: run `pivot-cal verify` again".to_owned());
     }
     let missing = pivots_left_out(verdict);

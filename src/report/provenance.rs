@@ -1,5 +1,6 @@
 //! Provenance: logs, files, settings and versions of the page.
 
+use crate::map::LogRef;
 use crate::report::ReportFiles;
 use crate::report::html::{
     TableColumn::{Number, Text},
@@ -30,8 +31,10 @@ pub(crate) fn provenance(inputs: &ReportFiles) -> super::Result<Section> {
 
 fn logs(inputs: &ReportFiles) -> Markup {
     let logs = inputs.table1.logs.iter();
-    let rows: Vec<_> = logs.map(|l| vec![html! { (l.file) }, html! { (l.bytes) }, html! { code { (l.sha256) } }]).collect();
-    table("", &[Text("log"), Number("bytes"), Text("SHA-256")], &rows)
+    let lost = |log: &LogRef| log.loss.as_ref().map_or("nothing".to_owned(), ToString::to_string);
+    let rows: Vec<_> =
+        logs.map(|l| vec![html! { (l.file) }, html! { (l.bytes) }, html! { (lost(l)) }, html! { code { (l.sha256) } }]).collect();
+    table("", &[Text("log"), Number("bytes"), Text("lost"), Text("SHA-256")], &rows)
 }
 
 fn files(inputs: &ReportFiles) -> Markup {
@@ -50,7 +53,9 @@ fn vehicle_and_signals(inputs: &ReportFiles) -> Vec<Vec<String>> {
             .flatten()
             .map(String::as_str)
             .collect();
+    let generation = if file.generation.is_empty() { "not given".to_owned() } else { file.generation.clone() };
     let mut rows = vec![
+        vec!["generation".to_owned(), generation],
         vec!["wheelbase".to_owned(), format!("{} m", num(vehicle.wheelbase_m, 3))],
         vec!["wheel radius".to_owned(), format!("{} m", num(vehicle.wheel_radius_m, 4))],
         vec!["wheel angle".to_owned(), format!("{}°, left positive{others}", num(vehicle.test_angle_deg, 1))],

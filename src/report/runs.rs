@@ -37,6 +37,9 @@ pub(crate) fn runs(inputs: &ReportFiles) -> Section {
         } @else {
             p.absent { "The traces of the runs are not here: fit_traces.json is missing or belongs to another fit." }
         }
+        @if let Some(counts) = inputs.table1.report.listed_runs {
+            p { "Of " (counts.all) " runs table1.json lists " (counts.listed) ": those with the largest residual, and evenly spaced ones." }
+        }
         @if shown.len() < rows.len() {
             p { "Of " (rows.len()) " runs the " (MOST_ROWS) " with the largest residual are listed." }
         }

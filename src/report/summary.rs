@@ -112,7 +112,7 @@ fn value(number: &str, unit: &str) -> Markup {
 fn unseen_runs(inputs: &ReportFiles) -> Figure {
     let held_out = &inputs.table1.report.diagnostics["held_out"];
     let (rmse, r_squared) = (held_out["rmse"].as_f64(), held_out["r_squared"].as_f64());
-    let runs = inputs.table1.report.runs.iter().filter(|r| r.used_s > 0.0).count();
+    let runs = inputs.table1.report.used_runs();
     Figure {
         title: "Table 1 on runs that it was not fitted to",
         value: rmse.map_or_else(|| html! { "none" }, |v| value(&num(v, 3), "m/s")),
@@ -210,7 +210,7 @@ fn facts(inputs: &ReportFiles) -> Markup {
     let report = &file.report;
     let used = report.ledger.iter().find(|r| r.verdict == SampleVerdict::Used).map_or(0.0, |r| r.seconds);
     let total: f64 = report.ledger.iter().map(|r| r.seconds).sum();
-    let runs = report.runs.iter().filter(|r| r.used_s > 0.0).count();
+    let runs = report.used_runs();
     let facts = [
         ("Data used", format!("{} s of {} s, {runs} runs", num(used, 1), num(total, 1))),
         ("Coverage", format!("{} % of the cells measured", num(100.0 * report.coverage, 0))),

@@ -184,6 +184,7 @@ mod tests {
             format: crate::map::TABLE1_FORMAT.into(),
             format_version: crate::map::FORMAT_VERSION,
             tool_version: String::new(),
+            generation: String::new(),
             units: crate::map::Units::default(),
             vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
             torque_limit_driven: true,

@@ -1,6 +1,7 @@
 //! Why a map cannot be judged. A map that is judged and fails is a verdict, not an error.
 
 use crate::map::{FolderError, Gear};
+use crate::text::shown;
 use std::path::PathBuf;
 
 /// Result of this module.
@@ -11,16 +12,22 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 #[allow(missing_docs)] // the message explains the fields
 pub enum Error {
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Read { path: PathBuf, source: std::io::Error },
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     File { path: PathBuf, source: crate::map::Error },
     #[error(
         "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it was edited, or belongs to another map; \
          invert Table 1 again",
-        path.display(), by.display()
+        shown(path), shown(by)
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
+    #[error(
+        "{} is of generation {found:?}, {} of {expected:?}: one of them was left by another run; run `pivot-cal invert` again, or continue with --force",
+        shown(path),
+        shown(by)
+    )]
+    Generation { path: PathBuf, by: PathBuf, found: String, expected: String },
     #[error("there is no {gear} map at {angle_deg}° in {table}; it has {found}")]
     NoMap { gear: Gear, angle_deg: f64, table: &'static str, found: String },
     #[error("there is no scenario {found:?}; the nearest is {nearest}")]

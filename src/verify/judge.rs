@@ -75,6 +75,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         format: FORMAT.to_owned(),
         format_version: FORMAT_VERSION,
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        generation: maps.table1.generation.clone(),
         status: Status::Pass,
         reason: String::new(),
         scope: Vec::new(),

@@ -1,6 +1,8 @@
 //! The maps under test: `table2.csv`, the file that is deployed, with the JSON files that belong to it.
 
-use crate::map::{Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable};
+use crate::map::{
+    FolderView, Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable,
+};
 use crate::verify::{Error, Result};
 use std::path::Path;
 
@@ -43,7 +45,16 @@ impl Maps {
     /// A file that is missing or cannot be read; a CSV or a `table1.json` that is not the one `table2.json` was written with, unless
     /// `force` accepts that.
     pub fn read(folder: &Path, force: bool) -> Result<Self> {
-        let (files, mismatches) = MapFolder::read(folder)?;
+        Self::read_from(&folder.into(), force)
+    }
+
+    /// The same for a folder whose files may not be written yet.
+    ///
+    /// # Errors
+    /// As [`Maps::read`].
+    pub(crate) fn read_from(view: &FolderView, force: bool) -> Result<Self> {
+        let folder = &view.path;
+        let (files, mismatches) = MapFolder::read(view)?;
         let lateral = files.lateral()?;
         let mut forced = Vec::new();
         let (lateral, of_lateral) = lateral.map_or((None, None), |(table, mismatch)| (Some(table), mismatch));
@@ -127,8 +138,13 @@ impl Maps {
 /// A mismatch as a note if `force` is set, otherwise as an error. A file that cannot be read is always an error.
 fn let_pass(folder: &Path, mismatch: Mismatch, force: bool) -> Result<String> {
     match mismatch {
-        Mismatch::Hash { file, by, .. } if force => Ok(format!("{file} is not the file that {by} describes")),
+        Mismatch::Hash { file, by, .. } | Mismatch::Generation { file, by, .. } if force => {
+            Ok(format!("{file} is not the file that {by} describes"))
+        }
         Mismatch::Hash { file, by, found, expected } => Err(Error::Hash { path: folder.join(file), by: folder.join(by), found, expected }),
+        Mismatch::Generation { file, by, found, expected } => {
+            Err(Error::Generation { path: folder.join(file), by: folder.join(by), found, expected })
+        }
         Mismatch::Unreadable { file, source, .. } => Err(Error::Read { path: folder.join(file), source }),
     }
 }

@@ -77,6 +77,7 @@ mod tests {
             format: FORMAT.to_owned(),
             format_version: 1,
             tool_version: String::new(),
+            generation: String::new(),
             status: Status::Pass,
             reason: String::new(),
             scope: Vec::new(),

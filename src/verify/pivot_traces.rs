@@ -2,7 +2,7 @@
 //! over the draws. For display only; the verdict does not depend on it.
 
 use crate::control::{DriveLaw, Phase};
-use crate::map::{FORMAT_VERSION, expect_format};
+use crate::map::{FORMAT_VERSION, parse_file};
 use crate::units::RAD_PER_DEG;
 use crate::verify::drive::{Observer, Period};
 use crate::verify::metric::quantile;
@@ -23,6 +23,9 @@ pub(crate) struct ClosedLoop {
     pub format_version: u32,
     /// Version of the program that wrote it.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// SHA-256 of the Table 2 files that were used, forward first.
     pub table2_csv_sha256: Vec<String>,
     /// The scenario.
@@ -140,6 +143,7 @@ impl ClosedLoop {
             format: FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            generation: maps.table1.generation.clone(),
             table2_csv_sha256: maps.csv_sha256.clone(),
             scenario: scenario.name.clone(),
             what: scenario.what.clone(),
@@ -155,7 +159,7 @@ impl ClosedLoop {
     /// # Errors
     /// Not JSON, another format or version, a missing field.
     pub(crate) fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(parse_file(text, FORMAT)?)
     }
 
     /// The text of `verify_traces.json`, with a final line end.

@@ -25,6 +25,7 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
         format: TABLE1_FORMAT.to_owned(),
         format_version: FORMAT_VERSION,
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+        generation: String::new(),
         units: Units::default(),
         vehicle: world.vehicle,
         torque_limit_driven: false,
@@ -52,10 +53,12 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
             table1.maps.push(map);
         }
     }
+    let table1 = table1.with_generation()?;
     let mut table2 = Table2File {
         format: TABLE2_FORMAT.to_owned(),
         format_version: FORMAT_VERSION,
         tool_version: table1.tool_version.clone(),
+        generation: table1.generation.clone(),
         units: Units::default(),
         vehicle: world.vehicle,
         logs: Vec::new(),

@@ -1,7 +1,7 @@
 //! The verdict: the content of `verify.json`.
 
 use crate::control::HeadingLawSettings;
-use crate::map::{Check, expect_format};
+use crate::map::{Check, parse_file};
 use crate::verify::basis::Basis;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
 use crate::verify::metric::MetricSummary;
@@ -39,6 +39,9 @@ pub struct MapVerdict {
     pub format_version: u32,
     /// Version of the program that wrote it.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// Whether the map passes: no check is an objection, the round trip and every tested scenario pass, and enough was tested.
     pub status: Status,
     /// The verdict as one line: pass with its scope, or the cause with figure and limit.
@@ -197,7 +200,7 @@ impl MapVerdict {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub fn from_json(text: &str) -> crate::verify::Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        Ok(parse_file(text, FORMAT)?)
     }
 
     /// Whether the map passes.

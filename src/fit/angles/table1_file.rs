@@ -5,6 +5,7 @@ use crate::check::campaign_checks::content_checks;
 use crate::fit::Result;
 use crate::fit::angles::family::families;
 use crate::fit::angles::fitted_angles::FittedAngles;
+use crate::fit::angles::listed_runs::{counts, listed};
 use crate::fit::angles::shrink_together::draw_together;
 use crate::fit::table1::actuator::actuator;
 use crate::fit::table1::angle_fit::AngleFit;
@@ -41,9 +42,13 @@ impl FittedAngles<'_> {
         let csvs = maps.iter().map(|map| Ok((map.csv.file.clone(), map.table()?.to_matrix().to_csv()))).collect::<Result<_>>()?;
         let (logs, surveys): (Vec<_>, Vec<_>) = self.logs().into_iter().unzip();
         let seconds = verdicts.iter().zip(&surveys).flat_map(|(v, s)| v.iter().copied().zip(s.seconds.iter().copied()));
+        let all: Vec<RunRow> = self.runs().into_iter().map(|run| run.row).collect();
+        let all: Vec<&RunRow> = all.iter().collect();
+        let listed = listed(&all);
         let report = Stage1Report {
             ledger: with_missing(ledger(seconds), surveys.iter().map(|survey| survey.missing_s()).sum()),
-            runs: self.runs().into_iter().map(|run| run.row).collect(),
+            runs: listed.iter().map(|k| all[*k].clone()).collect(),
+            listed_runs: counts(&all, listed.len()),
             residual_rms_mps2: round(self.residual_rms_mps2(), 1e5),
             coverage: round(coverage(&maps), 1e4),
             iterations: self.angles.iter().map(|fit| fit.estimate.rounds.count as u32).max().unwrap_or(0),
@@ -54,6 +59,7 @@ impl FittedAngles<'_> {
             format: TABLE1_FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            generation: String::new(),
             units: Units::default(),
             vehicle: self.vehicle(),
             torque_limit_driven: self.logs()[0].1.track.vehicle.torque_limit_nm.is_none(),
@@ -69,6 +75,7 @@ impl FittedAngles<'_> {
         };
         let of_content = content_checks(&file);
         file.checks.extend(of_content);
+        let file = file.with_generation()?;
         let sound = !file.checks.iter().any(Check::objects);
         Ok(Fit { file, csvs, verdicts, sound })
     }

@@ -12,6 +12,7 @@ use crate::log::file::block::{Scratch, load, lost};
 use crate::log::file::container::Container;
 use crate::log::file::record::{PREFIX, RawMessage, Records, parse};
 use crate::log::file::structure::{Block, BlockKind, Inventory};
+use crate::log::limits::{MOST_DESCRIPTION, MOST_VALUES};
 use crate::log::loss::{Damage, Why};
 use crate::log::timing::log_clock::{ClockStep, LEAST_STEP_NS};
 use crate::log::timing::message_times::MessageTimes;
@@ -75,6 +76,10 @@ pub(crate) struct Gathered {
     /// The first and the latest time of the log so far, and where it goes back.
     pub span_ns: Option<(i64, i64)>,
     pub clock_steps: Vec<ClockStep>,
+    /// Checksum of the bytes of each block, as they were read; `None` where none could be.
+    pub read_crc: Vec<Option<u32>>,
+    /// Number of values, those beyond [`MOST_VALUES`] included, which are not kept.
+    pub values: u64,
 }
 
 /// Reads every block; `columns` is the number of columns that `plans` fill. `progress` receives the number of bytes read.
@@ -87,7 +92,8 @@ pub(crate) fn all(container: &Container, plans: &BTreeMap<u16, ChannelPlan>, col
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(block) = container.blocks.get(number) else { return };
-            let part = one(container, block, &known, columns, &mut scratch);
+            let mut part = one(container, block, &known, columns, &mut scratch);
+            part.read_crc = vec![scratch.read_crc];
             // a panic leaves no half-written data under this lock
             joined.lock().unwrap_or_else(PoisonError::into_inner).add(number, part);
             progress(block.length);
@@ -152,7 +158,7 @@ fn one(container: &Container, block: &Block, known: &Known<'_>, columns: usize, 
             let lost = found.undescribed.entry(message.channel).or_insert((block.offset + inside - PREFIX, 0));
             lost.1 += PREFIX + body.len() as u64;
             if message.payload.len() <= MAX_SAMPLE {
-                found.samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
+                keep_sample(&mut found.samples, message.channel, || message.payload.to_vec());
             }
             continue;
         };
@@ -268,6 +274,7 @@ impl Gathered {
     }
 
     fn append(&mut self, part: Self) {
+        self.read_crc.extend(part.read_crc);
         if let Some((first, latest)) = part.span_ns {
             self.log_time(first);
             let so_far: Vec<usize> = self.columns.iter().map(|column| column.value.len()).collect();
@@ -275,8 +282,12 @@ impl Gathered {
             self.clock_steps.truncate(MOST_STEPS);
             self.span_ns = self.span_ns.map(|(first, _)| (first, latest));
         }
-        for (whole, part) in self.columns.iter_mut().zip(part.columns) {
-            whole.append(part);
+        let more: usize = part.columns.iter().map(|column| column.value.len()).sum();
+        self.values += more as u64;
+        if self.values <= MOST_VALUES {
+            for (whole, part) in self.columns.iter_mut().zip(part.columns) {
+                whole.append(part);
+            }
         }
         for (channel, tally) in part.tallies {
             self.count(channel, tally);
@@ -290,14 +301,16 @@ impl Gathered {
         self.refused.extend(part.refused);
         self.damage.extend(part.damage);
         for (id, payload) in part.samples {
-            self.samples.entry(id).or_insert(payload);
+            keep_sample(&mut self.samples, id, || payload);
         }
-        for (id, schema) in part.learned.schemas {
-            self.learned.schemas.entry(id).or_insert(schema);
-        }
-        for (id, channel) in part.learned.channels {
-            self.learned.channels.entry(id).or_insert(channel);
-        }
+        self.learned.merge(part.learned);
+    }
+}
+
+/// Keeps the first message of a channel, as long as all of them together are small.
+fn keep_sample(samples: &mut BTreeMap<u16, Vec<u8>>, id: u16, payload: impl FnOnce() -> Vec<u8>) {
+    if !samples.contains_key(&id) && samples.values().map(|kept| kept.len() as u64).sum::<u64>() < MOST_DESCRIPTION {
+        samples.insert(id, payload());
     }
 }
 
@@ -326,7 +339,7 @@ pub(crate) fn explore(container: &mut Container) -> BTreeMap<u16, Vec<u8>> {
         for (opcode, body) in Records::new(data) {
             if opcode == op::MESSAGE {
                 if let Some(message) = RawMessage::parse(body).filter(|message| message.payload.len() <= MAX_SAMPLE) {
-                    samples.entry(message.channel).or_insert_with(|| message.payload.to_vec());
+                    keep_sample(&mut samples, message.channel, || message.payload.to_vec());
                 }
             } else if let (op::SCHEMA | op::CHANNEL, Some(record)) = (opcode, parse(opcode, body)) {
                 learned.learn(record);

@@ -16,6 +16,8 @@ pub(crate) struct Scratch {
     raw: Vec<u8>,
     records: Vec<u8>,
     zstd: Option<zstd::bulk::Decompressor<'static>>,
+    /// Checksum of the bytes of the block that was read last; `None` if none could be read.
+    pub read_crc: Option<u32>,
 }
 
 /// Buffers above this size are freed after use, so that one giant image does not stay in memory [bytes].
@@ -30,11 +32,13 @@ pub(crate) fn load<'s>(input: &LogInput, block: &Block, scratch: &'s mut Scratch
         scratch.raw = Vec::new();
         scratch.records = Vec::new();
     }
+    scratch.read_crc = None;
     // a block never exceeds the file; chunks have the same size limit as their decompressed content
     if block.kind != BlockKind::Loose && block.length > MAX_CHUNK {
         return Err(Why::TooLarge { declared: block.length, allowed: MAX_CHUNK });
     }
     input.read_into(block.offset, block.length as usize, &mut scratch.raw).map_err(|error| Why::Io(error.to_string()))?;
+    scratch.read_crc = Some(crc32fast::hash(&scratch.raw));
     if block.kind == BlockKind::Loose {
         return Ok(&scratch.raw);
     }

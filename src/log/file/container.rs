@@ -7,7 +7,10 @@ use crate::log::file::channel_set::{ChannelSet, ChannelSets};
 use crate::log::file::input::LogInput;
 use crate::log::file::record::MAX_SMALL;
 use crate::log::file::structure::{Block, Inventory};
+use crate::log::limits::MOST_DESCRIPTION;
 use crate::log::loss::{Damage, Why};
+use crate::log::{Error, Result};
+use crate::text::owned_name;
 use mcap::records::{Record, Statistics};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,6 +28,8 @@ pub(crate) struct Container {
     pub statistics: Option<Statistics>,
     /// Metadata records by name. If two have the same name, the later one counts.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Size of all metadata records [bytes], those that are not kept included.
+    pub metadata_size: u64,
     pub attachments: u64,
     /// Whether the summary's chunk index was valid and used.
     pub indexed: bool,
@@ -42,27 +47,33 @@ impl Container {
         !self.blocks.is_empty() && self.blocks.iter().all(|block| block.channels.as_ref().is_some_and(described))
     }
 
+    /// Whether the descriptions are within the memory that is kept for them.
+    ///
+    /// # Errors
+    /// They are not.
+    pub(crate) fn expect_bounded(&self) -> Result<()> {
+        let is_overfull = self.inventory.is_overfull() || self.metadata_size > MOST_DESCRIPTION;
+        if is_overfull { Err(Error::TooMuchDescription { allowed: MOST_DESCRIPTION }) } else { Ok(()) }
+    }
+
     /// Adds channels and schemas found inside chunks; returns whether a channel was new.
     pub(crate) fn learn(&mut self, learned: Inventory) -> bool {
-        for (id, schema) in learned.schemas {
-            self.inventory.schemas.entry(id).or_insert(schema);
-        }
-        let before = self.inventory.channels.len();
-        for (id, channel) in learned.channels {
-            self.inventory.channels.entry(id).or_insert(channel);
-        }
-        self.inventory.channels.len() > before
+        self.inventory.merge(learned)
     }
 
     /// Adds a record found at the top level that is neither a message nor a chunk.
     pub(crate) fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Header(header) => {
-                self.library = header.library;
-                self.profile = header.profile;
+                self.library = owned_name(header.library);
+                self.profile = owned_name(header.profile);
             }
             Record::Metadata(metadata) => {
-                self.metadata.insert(metadata.name, metadata.metadata);
+                let size: usize = metadata.metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
+                self.metadata_size += size as u64;
+                if self.metadata_size <= MOST_DESCRIPTION {
+                    self.metadata.insert(owned_name(metadata.name), metadata.metadata);
+                }
             }
             other => {
                 self.inventory.learn(other);

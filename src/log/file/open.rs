@@ -34,6 +34,7 @@ pub(crate) fn open(input: LogInput) -> Result<Container> {
         sets: ChannelSets::default(),
         statistics: None,
         metadata: BTreeMap::new(),
+        metadata_size: 0,
         attachments: 0,
         indexed: false,
         data_end: None,
@@ -76,6 +77,7 @@ pub(crate) fn open(input: LogInput) -> Result<Container> {
     }
     container.blocks.sort_by_key(|block| block.offset);
     container.damage.sort_by_key(|damage| damage.offset);
+    container.expect_bounded()?;
     Ok(container)
 }
 

@@ -3,6 +3,7 @@
 //! Source: the MCAP specification, <https://mcap.dev/spec>.
 
 use crate::log::file::bytes::Bytes;
+use crate::text::owned_name;
 use mcap::records::{Record, op};
 
 /// The first and the last eight bytes of a log.
@@ -124,7 +125,7 @@ impl ChunkHeader {
             b"" => Compression::None,
             b"lz4" => Compression::Lz4,
             b"zstd" => Compression::Zstd,
-            other => Compression::Unknown(String::from_utf8_lossy(other).into_owned()),
+            other => Compression::Unknown(owned_name(String::from_utf8_lossy(other).into_owned())),
         };
         let compressed = bytes.u64()?;
         let length = (body.len() - bytes.rest().len()) as u64;

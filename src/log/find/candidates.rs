@@ -5,7 +5,7 @@ use crate::log::extract::extractor::json_literals::quoted_literals;
 use crate::log::extract::extractor::taken::Taken;
 use crate::log::file::container::Container;
 use crate::log::path::{MessagePath, PathStep, quoted};
-use crate::log::schema::{Layout, Leaf, LeafKind, Names};
+use crate::log::schema::{LONGEST_PATH, Layout, Leaf, LeafKind, Names};
 use crate::log::value::Raw;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -103,7 +103,10 @@ fn expand(layout: &Layout, topic: &str, leaves: Vec<Leaf>, sample: Option<&[u8]>
 /// The strings at the start of `array`.
 fn element_names(layout: &Layout, array: &str, payload: &[u8]) -> Vec<String> {
     let paths: Vec<MessagePath> = (0..MAX_ELEMENTS).filter_map(|index| format!("{array}[{index}]").parse().ok()).collect();
-    let text = |raw: &Raw<'_>| if let Raw::Text(name) = raw { Some(name.clone().into_owned()) } else { None };
+    let text = |raw: &Raw<'_>| match raw {
+        Raw::Text(name) if name.len() <= LONGEST_PATH => Some(name.clone().into_owned()),
+        _ => None,
+    };
     taken(layout, &paths.iter().collect::<Vec<_>>(), payload, text).unwrap_or_default().into_iter().map_while(|name| name).collect()
 }
 
@@ -138,13 +141,13 @@ pub(crate) fn json_leaves(sample: Option<&[u8]>) -> Vec<Leaf> {
 
 fn descend(value: &serde_json::Value, path: String, found: &mut Vec<Leaf>) {
     use serde_json::Value;
-    if found.len() >= MAX_PER_TOPIC {
+    if found.len() >= MAX_PER_TOPIC || path.len() > LONGEST_PATH {
         return;
     }
     let kind = match value {
         Value::Object(fields) => {
             for (name, value) in fields {
-                descend(value, format!("{path}{}", PathStep::Field(name.clone())), found);
+                descend(value, format!("{path}{}", PathStep::Field(name.chars().take(LONGEST_PATH + 1).collect())), found);
             }
             return;
         }

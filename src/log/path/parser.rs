@@ -2,6 +2,7 @@
 
 use crate::log::path::{Compare, Literal, MessagePath, PathStep, Test};
 use crate::log::{Error, Result};
+use crate::text::{name_from_outside, owned_name};
 use std::str::FromStr;
 
 /// Largest number of steps of one path.
@@ -26,8 +27,20 @@ impl FromStr for MessagePath {
                 return parser.wrong("the end: no message is that deep,");
             }
         }
-        Ok(Self { topic, steps, text: text.to_owned() })
+        // the text as it was given, unless it would do more than be read
+        let shown = name_from_outside(text);
+        if shown == text {
+            return Ok(Self { topic: owned_name(topic), steps, text: text.to_owned() });
+        }
+        Ok(Self::new(owned_name(topic), steps))
     }
+}
+
+/// The character of `{1b}` at the start of `text`, and its length in bytes.
+fn code_point(text: &str) -> Option<(char, usize)> {
+    let (digits, _) = text.strip_prefix('{')?.split_once('}')?;
+    let character = char::from_u32(u32::from_str_radix(digits, 16).ok()?)?;
+    Some((character, digits.len() + 2))
 }
 
 struct PathParser<'a> {
@@ -69,9 +82,21 @@ impl<'a> PathParser<'a> {
         self.at += 1;
         let mut value = String::new();
         let mut escaped = false;
+        let mut skipped = 0; // bytes of a `{1b}` that were taken already
         for (index, character) in self.rest().char_indices() {
-            if escaped {
-                value.push(character);
+            if skipped > 0 {
+                skipped -= character.len_utf8();
+            } else if escaped {
+                match character {
+                    'u' => match code_point(&self.rest()[index + 1..]) {
+                        Some((written, code)) => {
+                            value.push(written);
+                            skipped = code;
+                        }
+                        None => value.push('u'),
+                    },
+                    other => value.push(other),
+                }
                 escaped = false;
             } else if character == '\\' {
                 escaped = true;

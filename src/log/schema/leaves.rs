@@ -14,6 +14,9 @@ const MAX_LEAVES: usize = 2000;
 /// Largest number of fields examined, over all messages nested in one.
 const MAX_FIELDS: usize = 20_000;
 
+/// Longest path that is listed [bytes]: names of megabytes are nobody's signals.
+pub(crate) const LONGEST_PATH: usize = 1024;
+
 /// A place of a message that holds a single value.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Leaf {
@@ -67,6 +70,12 @@ impl<T> Search<T> {
         self.ahead.pop_front()
     }
 
+    fn add(&mut self, leaf: Leaf) {
+        if leaf.path.len() <= LONGEST_PATH {
+            self.found.push(leaf);
+        }
+    }
+
     /// Whether one more field may be examined.
     fn may_look(&mut self) -> bool {
         self.fields += 1;
@@ -74,7 +83,7 @@ impl<T> Search<T> {
     }
 
     fn enter(&mut self, message: T, path: String, depth: usize) {
-        if depth <= MAX_DEPTH {
+        if depth <= MAX_DEPTH && path.len() <= LONGEST_PATH {
             self.ahead.push_back(Ahead { message, path, depth });
         }
     }
@@ -104,7 +113,7 @@ pub(crate) fn leaves(structure: &Structure) -> Vec<Leaf> {
                     (leaf_kind(kind), Some(ListLeaf { names: names.map(|(name, _)| name.clone()), length }))
                 }
             };
-            search.found.push(Leaf { path, kind, names: message.constants.clone(), list });
+            search.add(Leaf { path, kind, names: message.constants.clone(), list });
         }
     }
     search.found
@@ -149,7 +158,7 @@ pub(crate) fn protobuf_leaves(message: &ProtobufMessage) -> Vec<Leaf> {
                 ProtobufKind::Scalar(_) => LeafKind::Integer,
             };
             let list = field.repeated.then_some(ListLeaf { names: None, length: None });
-            search.found.push(Leaf { path, kind, names: names.clone(), list });
+            search.add(Leaf { path, kind, names: names.clone(), list });
         }
     }
     search.found

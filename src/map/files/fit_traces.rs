@@ -1,6 +1,6 @@
 //! `fit_traces.json`: the signals of a fit along the runs, thinned for people to look at. Nothing is computed from it.
 
-use crate::map::files::format::{FIT_TRACES_FORMAT, expect_format};
+use crate::map::files::format::{FIT_TRACES_FORMAT, parse_file};
 use crate::map::{CsvRef, Gear, Result};
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +13,9 @@ pub struct FitTraces {
     pub(crate) format_version: u32,
     /// Version of the program that wrote the file.
     pub(crate) tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub(crate) generation: String,
     /// The `table1.json` of the same fit.
     pub(crate) table1: CsvRef,
     /// Names of the verdicts, by which [`RunTrace::verdicts`] numbers them.
@@ -105,7 +108,7 @@ impl FitTraces {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FIT_TRACES_FORMAT)?)?)
+        parse_file(text, FIT_TRACES_FORMAT)
     }
 
     /// The JSON text, indented, with arrays of numbers on one line and a final line end.

@@ -1,7 +1,7 @@
 //! `lateral_table.json`: the mean lateral error that a compensation angle adds, with everything that is not in its CSV.
 
 use crate::map::decimal;
-use crate::map::files::format::{LATERAL_TABLE_FORMAT, expect_format};
+use crate::map::files::format::{LATERAL_TABLE_FORMAT, parse_file};
 use crate::map::{CsvRef, Error, LogRef, Result, Vehicle};
 use serde::{Deserialize, Serialize};
 
@@ -76,7 +76,7 @@ impl LateralTableFile {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing field, or a curve that is not monotone.
     pub fn from_json(text: &str) -> Result<Self> {
-        let file: Self = serde_json::from_value(expect_format(text, LATERAL_TABLE_FORMAT)?)?;
+        let file: Self = parse_file(text, LATERAL_TABLE_FORMAT)?;
         file.vehicle.checked()?;
         file.curve.check()?;
         if let Some((index, entry)) = file.entries.iter().enumerate().find(|(_, e)| !(e.angle_rad.is_finite() && e.error_m.is_finite())) {

@@ -1,7 +1,8 @@
 //! `plan.json`: the runs that `pivot-cal plan` proposes after a Table 1, for the report. Nothing is computed from it.
 
-use crate::map::files::format::{FORMAT_VERSION, expect_format};
+use crate::map::files::format::{FORMAT_VERSION, parse_file};
 use crate::map::files::json_text;
+use crate::map::files::table1_file::Table1File;
 use crate::map::{Gear, Result};
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,9 @@ pub(crate) struct PlanFile {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// SHA-256 of the `table1.json` that it was made from.
     pub table1_sha256: String,
     /// The proposal.
@@ -86,11 +90,12 @@ pub struct PlannedRun {
 
 impl PlanFile {
     /// Of a proposal made from the `table1.json` of that SHA-256.
-    pub(crate) fn new(table1_sha256: String, plan: Proposal) -> Self {
+    pub(crate) fn new(table1: &Table1File, table1_sha256: String, plan: Proposal) -> Self {
         Self {
             format: FORMAT.to_owned(),
             format_version: FORMAT_VERSION,
             tool_version: env!("CARGO_PKG_VERSION").to_owned(),
+            generation: table1.generation.clone(),
             table1_sha256,
             plan,
         }
@@ -109,7 +114,7 @@ impl PlanFile {
     /// # Errors
     /// Not JSON, another format, an unknown version, a missing or misplaced field.
     pub(crate) fn from_json(text: &str) -> Result<Self> {
-        Ok(serde_json::from_value(expect_format(text, FORMAT)?)?)
+        parse_file(text, FORMAT)
     }
 }
 
@@ -148,7 +153,8 @@ mod tests {
             reason: "few runs".to_owned(),
         };
         let plan = Proposal { budget_s: 30.0, seconds: 3.2, runs: 2, std_err_nm: 1.4, std_err_after_nm: 1.2, entries: vec![entry] };
-        PlanFile::new("0".repeat(64), plan)
+        let table1 = Table1File::from_json(include_str!("../../../maps/table1.json")).unwrap();
+        PlanFile::new(&table1, "0".repeat(64), plan)
     }
 
     #[test]

@@ -2,8 +2,10 @@
 
 use crate::map::files::actuator::Actuator;
 use crate::map::files::check::Check;
-use crate::map::files::format::{TABLE1_FORMAT, expect_format};
+use crate::map::files::format::{TABLE1_FORMAT, parse_file};
+use crate::map::files::log_ref::LogRef;
 use crate::map::files::named;
+use crate::map::files::save::sha256_hex;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::{SampleVerdict, SpeedSource};
 use crate::map::{
@@ -20,6 +22,10 @@ pub struct Table1File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
+    /// Identifier of the generation: every file that is made from this Table 1 carries the same. The first 16 hexadecimal digits of the SHA-256
+    /// of this file without it; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle, from the signal map or the log.
@@ -64,17 +70,6 @@ impl Default for Units {
     fn default() -> Self {
         Self { speed: "m/s".into(), torque: "N.m".into(), accel: "m/s^2".into() }
     }
-}
-
-/// A log that was read.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct LogRef {
-    /// SHA-256 of the file; of a recording in several files, of their hashes in hexadecimal, one after the other.
-    pub sha256: String,
-    /// File name without its folder; of several files `first … last`.
-    pub file: String,
-    /// Size [bytes].
-    pub bytes: u64,
 }
 
 /// A CSV beside the JSON.
@@ -175,8 +170,11 @@ pub struct BreakawayTorque {
 pub struct Stage1Report {
     /// Samples per verdict, over all logs.
     pub ledger: Vec<LedgerRow>,
-    /// The runs, in the order of their logs and times.
+    /// The runs, in the order of their logs and times; of a large campaign those that [`Stage1Report::listed_runs`] counts.
     pub runs: Vec<RunRow>,
+    /// Counts of a campaign of which some runs are not listed; absent if all are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub listed_runs: Option<ListedRuns>,
     /// Root mean square of the one-step residual over the used samples, as acceleration [m/s²].
     pub residual_rms_mps2: f64,
     /// Cells that were measured, of those within the axes (0 to 1).
@@ -188,6 +186,31 @@ pub struct Stage1Report {
     /// Figures of the estimator's own choices (models compared, cross-validation), in a layout that may grow.
     #[serde(default)]
     pub diagnostics: serde_json::Value,
+}
+
+/// Counts of the runs, of which `table1.json` lists some: those with the largest residual, and evenly spaced ones.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ListedRuns {
+    /// Runs that are listed.
+    pub listed: usize,
+    /// All runs.
+    pub all: usize,
+    /// Runs of which the fit used something.
+    pub used: usize,
+    /// Their used time [s].
+    pub used_s: f64,
+}
+
+impl Stage1Report {
+    /// Number of runs of which the fit used something, those that are not listed included.
+    pub fn used_runs(&self) -> usize {
+        self.listed_runs.map_or_else(|| self.runs.iter().filter(|run| run.used_s > 0.0).count(), |counts| counts.used)
+    }
+
+    /// Number of runs, those that are not listed included.
+    pub fn all_runs(&self) -> usize {
+        self.listed_runs.map_or(self.runs.len(), |counts| counts.all)
+    }
 }
 
 /// One line of the ledger.
@@ -242,8 +265,7 @@ impl Table1File {
     /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
     /// that of its axes, or tables that [`AccelTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value = expect_format(text, TABLE1_FORMAT)?;
-        let file: Self = serde_json::from_value(value)?;
+        let file: Self = parse_file(text, TABLE1_FORMAT)?;
         file.vehicle.checked()?;
         file.maps.iter().enumerate().try_for_each(|(k, map)| map.check(&format!("maps[{k}]")))?;
         file.families.iter().try_for_each(AngleFamily::check)?;
@@ -256,6 +278,16 @@ impl Table1File {
     /// None in practice; serialisation is fallible by its signature.
     pub fn to_json(&self) -> Result<String> {
         crate::map::files::json_text::to_text(self)
+    }
+
+    /// The file with the identifier of its generation, which follows from all that is in it.
+    ///
+    /// # Errors
+    /// None in practice; serialisation is fallible by its signature.
+    pub(crate) fn with_generation(mut self) -> Result<Self> {
+        self.generation.clear();
+        self.generation = sha256_hex(self.to_json()?.as_bytes())[..16].to_owned();
+        Ok(self)
     }
 
     /// The map of a gear at a wheel angle.

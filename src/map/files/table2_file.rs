@@ -1,11 +1,12 @@
 //! `table2.json`: Table 2 with everything that is not in its CSV.
 
-use crate::map::files::format::{TABLE2_FORMAT, expect_format};
+use crate::map::files::format::{TABLE2_FORMAT, parse_file};
 use crate::map::files::identified_drive::IdentifiedDrive;
+use crate::map::files::log_ref::LogRef;
 use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::ZeroRow;
-use crate::map::files::table1_file::{CsvRef, LogRef, Units};
+use crate::map::files::table1_file::{CsvRef, Units};
 use crate::map::{ACCEL_AXIS, AngleFamily, Axis, CellStatus, Gear, Result, SPEED_AXIS, TorqueTable, Vehicle, WheelAngle};
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,9 @@ pub struct Table2File {
     pub format_version: u32,
     /// Version of the program that wrote the file.
     pub tool_version: String,
+    /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub generation: String,
     /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle.
@@ -116,8 +120,7 @@ impl Table2File {
     /// Not JSON, another format, an unknown version, a missing or misplaced field, a text that is not allowed, an array whose size is not
     /// that of its axes, or tables that [`TorqueTable::new`] refuses.
     pub fn from_json(text: &str) -> Result<Self> {
-        let value = expect_format(text, TABLE2_FORMAT)?;
-        let file: Self = serde_json::from_value(value)?;
+        let file: Self = parse_file(text, TABLE2_FORMAT)?;
         file.vehicle.checked()?;
         file.maps.iter().enumerate().try_for_each(|(k, map)| map.check(&format!("maps[{k}]")))?;
         file.families.iter().try_for_each(AngleFamily::check)?;

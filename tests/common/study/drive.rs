@@ -138,7 +138,7 @@ impl Drive {
         let gear = Series { t_s: encoder.t_s.clone(), value: vec![1.0; encoder.len()] };
         let vehicle = Vehicle { wheelbase_m: 1.2, wheel_radius_m: 0.1, test_angle_deg: 90.0, torque_limit_nm: Some(40.0) };
         let track = Track {
-            source: LogRef { sha256: format!("{seed:064x}"), file: format!("seed_{seed}"), bytes: 0 },
+            source: LogRef { sha256: format!("{seed:064x}"), file: format!("seed_{seed}"), bytes: 0, loss: None },
             vehicle,
             wheel_angle_deg: vehicle.test_angle_deg,
             start_ns: 0,
