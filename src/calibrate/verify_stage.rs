@@ -21,7 +21,7 @@ pub(crate) fn verify_accepting(folder: &Path, accept: &[String], listen: &Listen
     let maps = Maps::read(folder, false)?;
     let settings = VerifySettings { accept: accept.to_vec(), ..VerifySettings::new()? };
     let progress = |total| listen(StageEvent::Simulated { total });
-    let wanted = Wanted { traces: true, logs: false, progress: Some(&progress) };
+    let wanted = Wanted { traces: true, logs: false, worst_logs: false, progress: Some(&progress) };
     let Verified { verdict, traces, .. } = verify_with(&maps, &settings, wanted)?;
     listen(StageEvent::Complete);
     save_verdict(&verdict, traces.as_ref(), folder)?;

@@ -3,6 +3,7 @@
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
 use crate::guidance::parking::Tolerance;
+use crate::guidance::parking::method::ParkingMethod;
 use crate::guidance::parking::start::ParkingStart;
 use crate::guidance::{BodyShape, Error, PlanePoint, Polygon, Result};
 use crate::map::Gear;
@@ -58,6 +59,8 @@ pub(crate) struct ParkingScene {
     pub wheel_reserve_rad: f64,
     /// Tolerances of the parked pose.
     pub tolerance: Tolerance,
+    /// Choices where this planner departs from the published method.
+    pub method: ParkingMethod,
 }
 
 impl ParkingScene {
@@ -72,6 +75,7 @@ impl ParkingScene {
             safety_m: 0.2,
             wheel_reserve_rad: 5.0_f64.to_radians(),
             tolerance: Tolerance::default(),
+            method: ParkingMethod::default(),
         }
     }
 
@@ -83,6 +87,7 @@ impl ParkingScene {
         self.body.checked()?;
         self.look_ahead.checked()?;
         self.tolerance.checked()?;
+        self.method.checked()?;
         within("line_distance_m", self.line_distance_m, 0.0, 10.0, "0 to 10")?;
         within("safety_m", self.safety_m, 0.0, 5.0, "0 to 5")?;
         within("wheel_reserve_rad", self.wheel_reserve_rad, 0.0, 0.9 * self.look_ahead.wheel_limit_rad, "0 to 0.9 of the wheel's limit")?;
