@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
 use pivot_cal::internals::{
-    DEMO_POINTS, DriveStage, demo_points, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, PolylinePlan, PolylineSettings, replay_manoeuvre,
+    DEMO_POINTS, DriveStage, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, PolylinePlan, PolylineSettings, demo_points, replay_manoeuvre,
 };
 use pivot_cal::verify::{Maps, Metric};
 use std::error::Error;

@@ -59,12 +59,19 @@ fn others(case: &PublishedCase, body: BodyShape) -> Outcome<()> {
     for rate in [200.0, 400.0] {
         let track = PublishedCase::track(body, 11.0, 6.0, rate, &settings)?;
         let turn_s: f64 = track.phases_s.iter().sum();
-        println!("6 m/s, {rate}°/s: the turn takes {turn_s:.2} s, which leaves {:.2} s of 6.18 s; from rest at 3 m/s² 2.00 s are needed", 6.18 - turn_s);
+        println!(
+            "6 m/s, {rate}°/s: the turn takes {turn_s:.2} s, which leaves {:.2} s of 6.18 s; from rest at 3 m/s² 2.00 s are needed",
+            6.18 - turn_s
+        );
     }
     println!("largest speed that just touches the border, after its own run-up: {:.4} m/s", case.largest_speed_mps(body, 400.0)?);
     for rate in [200.0, 400.0] {
         let turn = FullLock::drive(body, 11.0, 6.0, rate);
-        println!("full lock and back without holding, {rate}°/s: turned by {:.1}°, lane {:?}", turn.turned_deg, turn.bodies.last().and_then(|body| case.lane_of(body)));
+        println!(
+            "full lock and back without holding, {rate}°/s: turned by {:.1}°, lane {:?}",
+            turn.turned_deg,
+            turn.bodies.last().and_then(|body| case.lane_of(body))
+        );
     }
     let turn = FullLock::drive(body, 11.0, 3.4, 100.0);
     let least_m = turn.bodies.iter().map(|body| case.scene.field.inside_margin_m(body)).fold(f64::INFINITY, f64::min);

@@ -49,7 +49,9 @@ mod tests {
         let with_speeds = points("x_m,y_m,speed_mps\n0,0,0.5\n4,0,\n4,4,0.3").unwrap();
         assert_eq!(with_speeds, [at(0.0, 0.0, Some(0.5)), at(4.0, 0.0, None), at(4.0, 4.0, Some(0.3))]);
         assert!(points("").unwrap().is_empty());
-        for (text, place) in [("0,0\n1", "line 2"), ("0,0\n1,x", "line 2"), ("0,0,fast", "line 1"), ("0,0,0,0", "line 1"), ("x,y\nx,y", "line 2")] {
+        for (text, place) in
+            [("0,0\n1", "line 2"), ("0,0\n1,x", "line 2"), ("0,0,fast", "line 1"), ("0,0,0,0", "line 1"), ("x,y\nx,y", "line 2")]
+        {
             assert!(points(text).unwrap_err().to_string().contains(place), "{text}");
         }
         assert!(points(&"0,1\n".repeat(MOST + 1)).is_err());

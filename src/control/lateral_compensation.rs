@@ -94,6 +94,21 @@ impl CompensationTable {
         Ok(table)
     }
 
+    /// The measured entries.
+    pub fn entries(&self) -> &[CompensationEntry] {
+        &self.entries[..self.entry_count]
+    }
+
+    /// The points of the curve, errors ascending.
+    pub fn points(&self) -> &[CompensationEntry] {
+        &self.points[..self.point_count]
+    }
+
+    /// Slope of the monotone cubic at each point [rad/m].
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes[..self.point_count]
+    }
+
     /// The angle [rad] whose entry is `error_m`: an entry within `exact_m` of it, otherwise the curve; beyond its ends the angle at the
     /// end.
     pub fn angle_rad(&self, error_m: f64, exact_m: f64) -> f64 {
@@ -318,7 +333,8 @@ mod tests {
     fn by_periods_the_mean_is_over_readings_and_by_distance_over_the_way() {
         // 3 readings of 0.02 m over 0.01 m each, 1 of −0.01 m over 0.09 m: the mean of the readings is 0.0125 m, that of the way −0.0025 m
         let mean = |accumulation| {
-            let settings = CompensationSettings { accumulation, settle_m: 0.0, rate_rad_s: 10.0, exact_m: 0.0, ..CompensationSettings::default() };
+            let settings =
+                CompensationSettings { accumulation, settle_m: 0.0, rate_rad_s: 10.0, exact_m: 0.0, ..CompensationSettings::default() };
             let mut law = LateralCompensation::new(settings.checked().unwrap(), table(-1.0));
             for (error_m, travelled_m) in [(0.02, 0.01), (0.02, 0.01), (0.02, 0.01), (-0.01, 0.0900001)] {
                 law.step(Gear::Forward, error_m, travelled_m, 0.0, true);

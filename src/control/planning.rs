@@ -195,7 +195,9 @@ mod tests {
         assert!((right.path.length_m() - 2.0_f64.sqrt() * TAU / 2.0).abs() < 1e-9);
         // hold-left has no use for the second preset
         settings_hold_left(settings);
-        for (right_deg, return_deg, field) in [(5.0, 0.0, "right_angle_deg"), (-9.0, 0.0, "right_angle_deg"), (-90.0, 101.0, "return_angle_deg")] {
+        for (right_deg, return_deg, field) in
+            [(5.0, 0.0, "right_angle_deg"), (-9.0, 0.0, "right_angle_deg"), (-90.0, 101.0, "return_angle_deg")]
+        {
             let (right_angle_rad, return_angle_rad) = (right_deg * RAD_PER_DEG, return_deg * RAD_PER_DEG);
             let found = PlanningSettings { right_angle_rad, return_angle_rad, ..settings }.checked();
             assert!(matches!(found, Err(Error::Setting { field: named, .. }) if named == field), "{found:?}");

@@ -1,7 +1,8 @@
 //! DCM 2.0 (data conservation format of calibration tools): one `KENNFELD` per gear with axes and units, and the drive's constants as
-//! `FESTWERT`. X is the desired acceleration, Y the speed.
+//! `FESTWERT`. X is the desired acceleration, Y the speed. The lateral compensation is a `KENNLINIE` with its law's settings.
 
 use crate::export::file::File;
+use crate::export::lateral::LateralSource;
 use crate::export::number::plain;
 use crate::export::{MapSource, provenance};
 use crate::map::Gear;
@@ -17,7 +18,7 @@ pub(crate) fn file(source: &MapSource) -> File {
     }
     text.push_str("\nKONSERVIERUNG_FORMAT 2.0\n\nFUNKTIONEN\n");
     let _ = write!(text, "   FKT PIVOT_MAP \"{}\" \"Torque map for turning on the spot\"\nEND\n", env!("CARGO_PKG_VERSION"));
-    for constant in constants(source) {
+    for constant in constants(source).into_iter().chain(source.lateral.iter().flat_map(LateralSource::constants)) {
         let _ = write!(
             text,
             "\nFESTWERT {}\n   LANGNAME \"{}\"\n   FUNKTION PIVOT_MAP\n   EINHEIT_W \"{}\"\n   WERT {}\nEND\n",
@@ -39,6 +40,14 @@ pub(crate) fn file(source: &MapSource) -> File {
         }
         text.push_str("END\n");
     }
+    if let Some(law) = &source.lateral {
+        let (errors, angles) = (&law.file.curve.error_m, &law.file.curve.angle_rad);
+        let _ = write!(text, "\nKENNLINIE {LATERAL} {}\n   LANGNAME \"{LATERAL_WHAT}\"\n   FUNKTION PIVOT_MAP\n", errors.len());
+        text.push_str("   EINHEIT_X \"m\"\n   EINHEIT_W \"rad\"\n");
+        numbers(&mut text, "ST/X", errors);
+        numbers(&mut text, "WERT", angles);
+        text.push_str("END\n");
+    }
     File::new("pivot_map.dcm", text)
 }
 
@@ -53,6 +62,10 @@ fn numbers(text: &mut String, keyword: &str, values: &[f64]) {
         text.push('\n');
     }
 }
+
+/// Name and description of the lateral compensation's curve in calibration data.
+pub(crate) const LATERAL: &str = "LATERAL_COMPENSATION_ANGLE";
+pub(crate) const LATERAL_WHAT: &str = "Compensation angle over the mean lateral error that it adds";
 
 /// Name of a gear's map in calibration data.
 pub(crate) fn name(gear: Gear) -> &'static str {

@@ -82,7 +82,10 @@ impl CompensationScenario {
     ) -> Result<(Values, DriveEnd)> {
         let (before, before_end) = self.once(bench, plant, seed, None, uncompensated)?;
         let law = match &bench.maps.lateral {
-            Some(file) => Some(LateralCompensation::new(CompensationSettings { accumulation: self.accumulation, ..CompensationSettings::default() }.checked()?, table(file)?)),
+            Some(file) => Some(LateralCompensation::new(
+                CompensationSettings { accumulation: self.accumulation, ..CompensationSettings::default() }.checked()?,
+                table(file)?,
+            )),
             None => None,
         };
         let (after, after_end) = self.once(bench, plant, seed, law, observer)?;

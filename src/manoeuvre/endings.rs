@@ -118,7 +118,10 @@ mod tests {
         let notes = endings(&judged(&runs), &runs[0].1, &runs);
         assert_eq!(notes[0], "nominal run: arrived, leg 7, at (1.000, 2.000) m, heading 28.65°, after 60.0 s");
         assert!(notes[1].starts_with("2 of 4 perturbed runs: arrived, leg 7; the first is draw 1, "), "{notes:?}");
-        assert!(notes[2].starts_with("2 of 4 perturbed runs: the heading was not reached in the corrections allowed, leg 3; the first is draw 2"));
+        assert!(
+            notes[2]
+                .starts_with("2 of 4 perturbed runs: the heading was not reached in the corrections allowed, leg 3; the first is draw 2")
+        );
         // both miss the end; the one with the larger error comes first because it is found first
         assert!(notes[3].starts_with("worst draw 2: ended as expected 0.0 %, corner position error 0.030 m"), "{notes:?}");
     }

@@ -82,11 +82,17 @@ impl ManoeuvreStage<'_> {
         let (settings, vehicle) = (self.settings, &self.settings.vehicle);
         let (name, class) = (&manoeuvre.name, manoeuvre.class);
         if let Some(why) = manoeuvre.reason_against(self.maps, vehicle) {
-            return Ok(JudgedManoeuvre { verdict: ScenarioVerdict::not_tested(name, &manoeuvre.what, class, why), trace: None, logs: Vec::new() });
+            return Ok(JudgedManoeuvre {
+                verdict: ScenarioVerdict::not_tested(name, &manoeuvre.what, class, why),
+                trace: None,
+                logs: Vec::new(),
+            });
         }
         let planned = manoeuvre.plan(self.bench.vehicle.wheelbase_m)?;
         let what = &match planned.as_ref().and_then(|planned| planned.moves) {
-            Some([moves, shuffles]) if shuffles > 0 => format!("{}; {moves} moves, {shuffles} of them along the slot's axis", manoeuvre.what),
+            Some([moves, shuffles]) if shuffles > 0 => {
+                format!("{}; {moves} moves, {shuffles} of them along the slot's axis", manoeuvre.what)
+            }
             _ => manoeuvre.what.clone(),
         };
         let bench = ManoeuvreBench { planned: planned.as_ref(), ..self.bench.clone() };
@@ -162,7 +168,10 @@ mod tests {
         assert_eq!((traces.manoeuvres.len(), logs), (1, vec!["polyline-lqr", "polyline-lqr.worst"]));
         assert!(rich.logs[0].bytes != rich.logs[1].bytes, "another vehicle");
         // a map of one wheel angle drives the turns on the spot alone
-        assert_eq!(rich.verdicts[0].about.as_deref(), Some("the path planner and its laws, not the map: torque away from 90° is the plant's exact inverse"));
+        assert_eq!(
+            rich.verdicts[0].about.as_deref(),
+            Some("the path planner and its laws, not the map: torque away from 90° is the plant's exact inverse")
+        );
         assert_eq!(traces.manoeuvres[0].verdict, rich.verdicts[0]);
         assert!(traces.manoeuvres[0].driven_m.len() > 20 && !traces.manoeuvres[0].errors.is_empty());
     }

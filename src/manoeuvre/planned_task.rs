@@ -102,12 +102,12 @@ fn parked(scene: &parking::ParkingScene, start: parking::ParkingStart, cruise_mp
     })
 }
 
-/// The scene of parking with shuffling for a wheelbase: a slot 0.45 m wider than the vehicle, an aisle of ten sevenths of its length, and a wheel
-/// limit of 50°; the start 12° askew, near the row.
+/// The scene of parking with shuffling for a wheelbase: a slot 0.45 m wider than the vehicle, an aisle 0.55 m wider than its length, and a wheel limit
+/// of 50°; the start 12° askew, near the row.
 pub(crate) fn shuffle_scene(wheelbase_m: f64) -> (parking::ParkingScene, parking::ParkingStart) {
     let (mut scene, mut start) = parking_scene(wheelbase_m, 90.0, true);
     scene.slot.width_m = scene.body.width_m + 0.45;
-    scene.slot.aisle_m = scene.body.length_m() / 0.7;
+    scene.slot.aisle_m = scene.body.length_m() + 0.55;
     scene.look_ahead.wheel_limit_rad = 50.0 * RAD_PER_DEG;
     (start.y_m, start.heading_rad) = (0.95 * wheelbase_m, 12.0 * RAD_PER_DEG);
     (scene, start)

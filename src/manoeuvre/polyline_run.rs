@@ -123,7 +123,8 @@ impl<'a> PolylineMetrics<'a> {
             self.count += 1.0;
         }
         // at rest at its start after the turn: position error of the turn
-        if moment.command.stage == DriveStage::Driving && self.leg > 0 && moved_m < 1e-9 {
+        let at_start = self.legs[self.leg].way_m < 0.05;
+        if moment.command.stage == DriveStage::Driving && self.leg > 0 && at_start && moved_m < 1e-9 {
             let start = self.plan.legs[self.leg].poses[0];
             let error_m = f64::hypot(pose.x_m - start.x_m, pose.y_m - start.y_m);
             let before = &mut self.legs[self.leg - 1];

@@ -6,9 +6,9 @@ use crate::guidance::parking::ParkingScene;
 use crate::guidance::parking::check::{PathJudgement, judge};
 use crate::guidance::parking::entry::{SlotEntry, entry_circle};
 use crate::guidance::parking::method::{EntryMethod, StraightIn};
-use crate::guidance::parking::tight::shuffled;
 use crate::guidance::parking::stage::{ParkingStage, StageSpan};
 use crate::guidance::parking::start::ParkingStart;
+use crate::guidance::parking::tight::shuffled;
 use crate::guidance::reference::{ReferenceLine, ahead};
 use crate::guidance::{Error, PathPose, PlanePoint, PosePath, Result};
 use crate::map::Gear;
@@ -56,7 +56,11 @@ pub(crate) fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingP
     if let StraightIn::Thresholds { .. } = scene.method.straight_in
         && let Some(plan) = direct(&scene, start)
     {
-        return if plan.judgement.pass { Ok(plan) } else { Err(no_path(start, &plan, "with other thresholds for going straight in".to_owned())) };
+        return if plan.judgement.pass {
+            Ok(plan)
+        } else {
+            Err(no_path(start, &plan, "with other thresholds for going straight in".to_owned()))
+        };
     }
     let entry = entry_circle(&scene);
     let grown = scene.method.entry == EntryMethod::GrownRadius;
@@ -280,7 +284,12 @@ fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &Reference
     follower.follow(way, scene.gear_in(), room, |_, s| s >= end_m);
 }
 
-pub(crate) fn finish(scene: &ParkingScene, follower: LookAheadFollower, mut stages: Vec<StageSpan>, entry: Option<SlotEntry>) -> ParkingPlan {
+pub(crate) fn finish(
+    scene: &ParkingScene,
+    follower: LookAheadFollower,
+    mut stages: Vec<StageSpan>,
+    entry: Option<SlotEntry>,
+) -> ParkingPlan {
     stages.dedup_by(|next, before| {
         next.from == before.from && {
             before.stage = next.stage;

@@ -5,8 +5,8 @@
 
 use crate::control::numeric::sin_cos;
 use crate::control::{Arrival, Inputs, Preview, SpeedLoop, SpeedLoopSettings, UnderWay};
-use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
 use crate::guidance::route::leg_speed::LegSpeed;
+use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::guidance::route::track::{Limits, TrackState};
@@ -52,7 +52,7 @@ impl FollowerSettings {
             speed_loop: SpeedLoopSettings { min_accel_mps2: -1.5, max_accel_mps2: 1.0, ..SpeedLoopSettings::default() },
             standstill_mps: 0.02,
             angle_tolerance_rad: 2.0 * RAD_PER_DEG,
-            stop_decel_mps2: tune("T_DECEL", 0.3),
+            stop_decel_mps2: 0.3,
             reaction_s: vehicle.reaction_s(),
             stall_s: 4.0,
         }
@@ -151,14 +151,11 @@ pub(crate) struct PathFollower {
     creeps: u32,
 }
 
-/// Acceleration that ends at the end of the way [m/s²], at most three times the planned deceleration; `None` if the commands under way suffice
+/// Acceleration that ends at the end of the way [m/s²], 0.8 to 3 times the planned deceleration: a gentler stop would be at the mercy of
+/// friction; `None` if the commands under way suffice
 /// to stop, so that friction does the rest: a braking torque that acts after the stop would drive the vehicle back.
 pub(crate) fn stop_accel(arrival: Arrival, planned_mps2: f64) -> Option<f64> {
-    (arrival.speed_mps > 0.0).then(|| -arrival.needed_mps2().max(tune("T_FLOOR", 0.8) * planned_mps2).min(tune("T_CEIL", 3.0) * planned_mps2))
-}
-
-pub(crate) fn tune(name: &str, usual: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(usual)
+    (arrival.speed_mps > 0.0).then(|| -arrival.needed_mps2().max(0.8 * planned_mps2).min(3.0 * planned_mps2))
 }
 
 /// Time at zero speed that counts as at rest [s].
@@ -166,7 +163,7 @@ const AT_REST_S: f64 = 0.3;
 /// It drives on after a stop if more than this is left [m]: half of what a corner may be missed by.
 const SHORT_M: f64 = 0.01;
 /// Speed at which it drives on [m/s], and how often at most.
-const CREEP_MPS: f64 = 0.06;
+const CREEP_MPS: f64 = 0.09;
 const CREEPS: u32 = 3;
 /// Remaining distance that counts as none [m]: more than the rounding of a place on the path, far less than any sensor shows.
 const AT_END_M: f64 = 1e-6;
@@ -177,7 +174,18 @@ impl PathFollower {
         let law = TrackingLaw::new(settings.tracking);
         let under_way = UnderWay::new(settings.reaction_s, settings.limits.period_s);
         let speed_loop = SpeedLoop::default();
-        Self { settings, law, speed: None, speed_loop, stage: DriveStage::Steering, index: 0, accel_mps2: 0.0, under_way, standing_s: 0.0, creeps: 0 }
+        Self {
+            settings,
+            law,
+            speed: None,
+            speed_loop,
+            stage: DriveStage::Steering,
+            index: 0,
+            accel_mps2: 0.0,
+            under_way,
+            standing_s: 0.0,
+            creeps: 0,
+        }
     }
 
     /// Resets the state for a new leg, with its own speeds or the usual one.
@@ -229,7 +237,7 @@ impl PathFollower {
                 let slow = speed_mps <= 1.3 * settings.speed.switch_mps;
                 let needed_mps2 = arrival.needed_mps2();
                 let must = needed_mps2 >= 3.0 * settings.stop_decel_mps2;
-                if left_m <= AT_END_M || must || (slow && needed_mps2 >= tune("T_TRIG", 1.0) * settings.stop_decel_mps2) {
+                if left_m <= AT_END_M || must || (slow && needed_mps2 >= settings.stop_decel_mps2) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled, inputs, gear);
@@ -237,7 +245,7 @@ impl PathFollower {
             }
             DriveStage::Stopping if self.standing_s >= AT_REST_S => {
                 // at rest short of the end: on, slowly
-                if left_m > tune("T_TOL", SHORT_M) && self.creeps < CREEPS {
+                if left_m > SHORT_M && self.creeps < CREEPS {
                     (self.stage, self.standing_s, self.creeps) = (DriveStage::Driving, 0.0, self.creeps + 1);
                     self.speed_loop = SpeedLoop::default();
                     self.under_way = UnderWay::new(settings.reaction_s, period_s);
@@ -256,7 +264,7 @@ impl PathFollower {
                 let (length_m, stop_m) = (leg.end_m() - leg.start_m(), settings.stop_m());
                 let usual = || settings.speed.speed_at(at_m, length_m - stop_m.min(0.5 * length_m));
                 let planned = self.speed.as_ref().map_or_else(usual, |speed| speed.speed_at(at_m, stop_m));
-                let target = if self.creeps > 0 { planned.min(tune("T_CREEP", CREEP_MPS)) } else { planned };
+                let target = if self.creeps > 0 { planned.min(CREEP_MPS) } else { planned };
                 (target, self.speed_loop.step(&settings.speed_loop, target - speed_mps, false, period_s).0)
             }
             DriveStage::Stopping => {
@@ -286,5 +294,32 @@ impl PathFollower {
     fn fail(&mut self, trouble: Trouble, inputs: &Inputs, gear: Gear) -> DriveCommand {
         self.stage = DriveStage::Failed(trouble);
         DriveCommand::hold(inputs.wheel_angle_rad, Some(gear), self.stage)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guidance::route::tracking::LawName;
+
+    #[test]
+    fn a_stop_that_is_already_under_way_brakes_no_further() {
+        // 0.1 m/s, and −0.5 m/s² under way for 0.215 s: at rest before a new command acts
+        assert_eq!(stop_accel(Arrival::after(0.215, 0.1, -0.5, 0.02), 0.3), None);
+        // nothing under way: after 0.215 s 28.5 mm of 50 are left, and 0.1²/(2·0.0285) = 0.1754 m/s² are needed: 0.8·0.3 at least
+        assert_eq!(stop_accel(Arrival::after(0.215, 0.1, 0.0, 0.05), 0.3), Some(-0.24));
+        let needed = stop_accel(Arrival::after(0.215, 0.1, 0.0, 0.034), 0.3);
+        assert!(needed.is_some_and(|a| (a + 0.005 / 0.0125).abs() < 1e-9), "{needed:?}");
+        // past the end: three times as hard
+        assert!(stop_accel(Arrival::after(0.215, 0.2, 0.0, 0.0), 0.3).is_some_and(|a| (a + 0.9).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_slower_vehicle_begins_its_stop_earlier() {
+        let quick = VehicleResponse::quick(0.9);
+        let slow = VehicleResponse { dead_time_s: 0.085, lag_s: 0.11, ..quick };
+        let stop_m = |vehicle: &VehicleResponse| FollowerSettings::new(vehicle, TrackingSettings::new(LawName::Lqr)).stop_m();
+        // 0.12 m/s over 0.12 s or 0.215 s, and 0.12²/(2·0.3) of braking
+        assert!((stop_m(&quick) - (0.0144 + 0.024)).abs() < 1e-12 && (stop_m(&slow) - (0.0258 + 0.024)).abs() < 1e-12);
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::control::numeric::{sqrt, wrapped};
 use crate::control::{Arrival, Inputs, SpeedLoop, SpeedLoopSettings, UnderWay};
-use crate::guidance::route::follower::{tune, DriveCommand, DriveStage, Trouble, stop_accel};
+use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_accel};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::torque_source::TorqueSource;
 use crate::map::Gear;
@@ -37,7 +37,7 @@ impl Default for TurnRate {
             small_gain_per_s: 0.7,
             large_rad: 25.0 * RAD_PER_DEG,
             dead_zone_rad: 0.5 * RAD_PER_DEG,
-            min_rad_s: tune("T_MIN", 0.08),
+            min_rad_s: 0.08,
             max_rad_s: 0.6,
         }
     }
@@ -91,15 +91,15 @@ impl TurnSettings {
             rate: TurnRate::default(),
             wheelbase_m: vehicle.wheelbase_m,
             period_s: PERIOD_S,
-            accel_mps2: tune("T_ACCEL", 0.4),
+            accel_mps2: 0.4,
             speed_loop: SpeedLoopSettings::default(),
             angle_tolerance_rad: 1.5 * RAD_PER_DEG,
             standstill_mps: 0.02,
             reaction_s: vehicle.reaction_s(),
-            stop_decel_mps2: tune("T_DECEL", 0.3),
+            stop_decel_mps2: 0.3,
             preview_s: 0.3 + (vehicle.reaction_s() - 0.12).max(0.0),
             stall_s: 4.0,
-            corrections: tune("T_CORR", 3.0) as u32,
+            corrections: 3,
         }
     }
 }
@@ -120,9 +120,17 @@ pub(crate) struct SpotTurn {
 impl SpotTurn {
     /// A turn that has not begun.
     pub(crate) fn new(settings: TurnSettings) -> Self {
-        let _ = ();
         let (speed_loop, under_way) = (SpeedLoop::default(), UnderWay::new(settings.reaction_s, settings.period_s));
-        Self { settings, stage: DriveStage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, under_way, standing_s: 0.0, stops: 0 }
+        Self {
+            settings,
+            stage: DriveStage::Steering,
+            gear: Gear::Forward,
+            asked_mps: 0.0,
+            speed_loop,
+            under_way,
+            standing_s: 0.0,
+            stops: 0,
+        }
     }
 
     /// One period towards `heading_rad`. The wheel is at 90° to the left; forward gear turns left, reverse gear right.
@@ -152,7 +160,7 @@ impl SpotTurn {
                 let slow = (self.gear.sign() * front_mps) <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
                 let needed_mps2 = arrival.needed_mps2();
                 let must = needed_mps2 >= 3.0 * settings.stop_decel_mps2;
-                if left_m <= 0.0 || must || (slow && needed_mps2 >= tune("T_TRIG", 1.0) * settings.stop_decel_mps2) {
+                if left_m <= 0.0 || must || (slow && needed_mps2 >= settings.stop_decel_mps2) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled);
