@@ -5,7 +5,7 @@
 
 use crate::export::dcm::{LATERAL, LATERAL_WHAT, constants, name, what};
 use crate::export::file::File;
-use crate::export::lateral::LateralSource;
+use crate::export::lateral_source::LateralSource;
 use crate::export::number::plain;
 use crate::export::{MapSource, provenance};
 use std::fmt::Write as _;

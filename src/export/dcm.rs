@@ -1,8 +1,9 @@
 //! DCM 2.0 (data conservation format of calibration tools): one `KENNFELD` per gear with axes and units, and the drive's constants as
 //! `FESTWERT`. X is the desired acceleration, Y the speed. The lateral compensation is a `KENNLINIE` with its law's settings.
 
+use crate::export::constant::Constant;
 use crate::export::file::File;
-use crate::export::lateral::LateralSource;
+use crate::export::lateral_source::LateralSource;
 use crate::export::number::plain;
 use crate::export::{MapSource, provenance};
 use crate::map::Gear;
@@ -78,14 +79,6 @@ pub(crate) fn name(gear: Gear) -> &'static str {
 /// Description of a gear's map.
 pub(crate) fn what(gear: Gear) -> String {
     format!("Torque over front-wheel speed and desired acceleration, {gear} gear")
-}
-
-/// A number that belongs to the map.
-pub(crate) struct Constant {
-    pub(crate) name: String,
-    pub(crate) what: String,
-    pub(crate) unit: &'static str,
-    pub(crate) value: f64,
 }
 
 /// The drive's delays, geometry and dead bands.

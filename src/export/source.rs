@@ -1,6 +1,6 @@
 //! The map to export, from files that belong together.
 
-use crate::export::lateral::LateralSource;
+use crate::export::lateral_source::LateralSource;
 use crate::export::{Error, Result};
 use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table2File, TorqueMap, TorqueTable, WheelAngle};
 use std::path::Path;

@@ -7,6 +7,7 @@
 mod check;
 mod entry;
 mod method;
+mod parked_path;
 mod plan;
 mod scene;
 mod shuffle;

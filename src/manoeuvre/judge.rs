@@ -177,6 +177,20 @@ mod tests {
     }
 
     #[test]
+    fn both_bundled_vehicles_drive_every_polyline_within_the_gate() {
+        for vehicle in [include_str!("../../data/vehicles/scrubber.toml"), include_str!("../../data/vehicles/sweeper.toml")] {
+            let vehicle = crate::sim::VehicleFile::from_toml(vehicle).unwrap().settings();
+            let (table1, table2) = known_maps(&vehicle).unwrap();
+            let maps = Maps::new(table1, table2).unwrap();
+            let manoeuvres: Vec<Manoeuvre> = Manoeuvre::all().into_iter().filter(|m| m.class == crate::verify::Class::Polyline).collect();
+            let settings = ManoeuvreSettings { draws: 8, vehicle, manoeuvres, ..ManoeuvreSettings::new().unwrap() };
+            for verdict in judge_manoeuvres(&maps, &settings, Wanted::default()).unwrap().verdicts {
+                assert_eq!(verdict.status, Status::Pass, "{}: {:?}", verdict.name, verdict.notes);
+            }
+        }
+    }
+
+    #[test]
     fn without_a_manoeuvre_there_is_nothing_to_note() {
         let settings = ManoeuvreSettings::new().unwrap();
         let (table1, table2) = known_maps(&settings.vehicle).unwrap();

@@ -8,8 +8,6 @@
 
 use crate::guidance::Result;
 use crate::guidance::body::within;
-use crate::guidance::parking::ParkingScene;
-use crate::guidance::parking::start::ParkingStart;
 use serde::Serialize;
 
 /// Place of the first line.
@@ -90,19 +88,6 @@ impl ParkingMethod {
             }
         };
         within("method.straight_in.heading_rad", heading_rad, 0.0, 1.5, "0 to 1.5 (86°)").map(|()| self)
-    }
-}
-
-impl ParkingScene {
-    /// The scene with the first line that the method chooses for a start.
-    pub(crate) fn with_line_for(&self, start: ParkingStart) -> Self {
-        let half_m = 0.5 * self.body.width_m;
-        let mut scene = *self;
-        if self.method.first_line == FirstLine::ThroughStart {
-            let most_m = (self.slot.aisle_m - self.body.width_m - self.safety_m).max(self.safety_m);
-            scene.line_distance_m = (start.y_m - half_m).max(self.safety_m).min(most_m);
-        }
-        scene
     }
 }
 

@@ -3,42 +3,16 @@
 
 use crate::guidance::look_ahead::{LookAheadFollower, finite_start};
 use crate::guidance::parking::ParkingScene;
-use crate::guidance::parking::check::{PathJudgement, judge};
 use crate::guidance::parking::entry::{SlotEntry, entry_circle};
 use crate::guidance::parking::method::{EntryMethod, StraightIn};
+use crate::guidance::parking::parked_path::{ParkingPlan, axis_from, finish, follower, on_line};
 use crate::guidance::parking::stage::{ParkingStage, StageSpan};
 use crate::guidance::parking::start::ParkingStart;
 use crate::guidance::parking::tight::shuffled;
-use crate::guidance::reference::{ReferenceLine, ahead};
-use crate::guidance::{Error, PathPose, PlanePoint, PosePath, Result};
+use crate::guidance::reference::ReferenceLine;
+use crate::guidance::{Error, PlanePoint, Result};
 use crate::map::Gear;
-use serde::Serialize;
 use std::f64::consts::PI;
-
-/// A path into the slot.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct ParkingPlan {
-    /// Poses of the rear axle's middle, every step.
-    pub path: PosePath,
-    /// Its stages in order.
-    pub stages: Vec<StageSpan>,
-    /// The entry circle; `None` when the vehicle goes straight in.
-    pub entry: Option<SlotEntry>,
-    /// Results of the checks: all within limits.
-    pub judgement: PathJudgement,
-}
-
-impl ParkingPlan {
-    /// Number of moves: stretches without a change of direction.
-    pub(crate) fn moves(&self) -> usize {
-        1 + self.path.poses.windows(2).filter(|pair| pair[0].direction != pair[1].direction).count()
-    }
-
-    /// Number of moves along the slot's axis after the entry.
-    pub(crate) fn shuffles(&self) -> usize {
-        self.stages.iter().filter(|s| s.stage == ParkingStage::Shuffle).count()
-    }
-}
 
 /// Radii that are tried, as factors of the smallest: a larger circle may avoid the other obstacles.
 const RADII: [f64; 7] = [1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75];
@@ -163,11 +137,6 @@ fn attempt(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> (Par
     (best.unwrap_or_else(|| by_circle(scene, start, entry, true)), false)
 }
 
-/// Whether the vehicle is aligned with the first line y = `line_m`.
-pub(crate) fn on_line(p: &PathPose, line_m: f64) -> bool {
-    (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02 && p.heading_rad.cos() > 0.0 && p.wheel_angle_rad.abs() < 0.05
-}
-
 /// Straight in along the axis alone. Only from before the mouth with a heading within the method's angle of the axis, 80° by default: outward, or
 /// inward for nose in.
 fn direct(scene: &ParkingScene, start: ParkingStart) -> Option<ParkingPlan> {
@@ -265,39 +234,12 @@ fn nose_in(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_u
     finish(scene, follower, stages, Some(*entry))
 }
 
-pub(crate) fn follower(scene: &ParkingScene, start: ParkingStart) -> LookAheadFollower {
-    let body = &scene.body;
-    LookAheadFollower::new(start.x_m, start.y_m, start.heading_rad, start.wheel_angle_rad, body.wheelbase_m, scene.look_ahead)
-}
-
-/// The slot's axis inward, from `outward_m` before the mouth to the goal.
-pub(crate) fn axis_from(scene: &ParkingScene, outward_m: f64) -> ReferenceLine {
-    let angle = scene.slot.angle_rad;
-    ReferenceLine::starting(ahead(PlanePoint::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
-}
-
 /// Follows `way` to its end, within half a step.
 fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &ReferenceLine) {
     let end_m = way.length_m() - 0.5 * scene.look_ahead.step_m;
     let start_m = follower.last();
     let room = way.length_m() + 2.0 * start_m.x_m.hypot(start_m.y_m);
     follower.follow(way, scene.gear_in(), room, |_, s| s >= end_m);
-}
-
-pub(crate) fn finish(
-    scene: &ParkingScene,
-    follower: LookAheadFollower,
-    mut stages: Vec<StageSpan>,
-    entry: Option<SlotEntry>,
-) -> ParkingPlan {
-    stages.dedup_by(|next, before| {
-        next.from == before.from && {
-            before.stage = next.stage;
-            true
-        }
-    });
-    let judgement = judge(scene, &follower.path);
-    ParkingPlan { path: follower.path, stages, entry, judgement }
 }
 
 #[cfg(test)]

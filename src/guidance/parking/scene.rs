@@ -3,7 +3,7 @@
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
 use crate::guidance::parking::Tolerance;
-use crate::guidance::parking::method::ParkingMethod;
+use crate::guidance::parking::method::{FirstLine, ParkingMethod};
 use crate::guidance::parking::start::ParkingStart;
 use crate::guidance::{BodyShape, Error, PlanePoint, Polygon, Result};
 use crate::map::Gear;
@@ -122,6 +122,15 @@ impl ParkingScene {
     /// Distance of the first line from the row's edge, for the middle of the rear axle [m].
     pub(crate) fn line_m(&self) -> f64 {
         self.line_distance_m + 0.5 * self.body.width_m
+    }
+
+    /// The scene with the first line that the method chooses for a start: within the aisle, the safety distance from its borders.
+    pub(crate) fn with_line_for(&self, start: ParkingStart) -> Self {
+        if self.method.first_line == FirstLine::SetDistance {
+            return *self;
+        }
+        let most_m = (self.slot.aisle_m - self.body.width_m - self.safety_m).max(self.safety_m);
+        Self { line_distance_m: (start.y_m - 0.5 * self.body.width_m).max(self.safety_m).min(most_m), ..*self }
     }
 
     /// Direction of travel into the slot.

@@ -6,7 +6,7 @@
 //! straight or three pairs of them have brought it no nearer.
 
 use crate::guidance::look_ahead::LookAheadFollower;
-use crate::guidance::parking::plan::axis_from;
+use crate::guidance::parking::parked_path::axis_from;
 use crate::guidance::parking::scene::ParkingScene;
 use crate::guidance::parking::stage::{ParkingStage, StageSpan};
 use crate::guidance::reference::ReferenceLine;

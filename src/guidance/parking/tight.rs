@@ -1,10 +1,10 @@
 //! Parking where no single entry ends straight: enter as far as there is room, then shuffle on the axis. The plan with the fewest moves of those
 //! from several first lines and entry circles.
 
-use crate::guidance::parking::ParkingScene;
 use crate::guidance::parking::entry::SlotEntry;
 use crate::guidance::parking::method::EntryMethod;
-use crate::guidance::parking::plan::{ParkingPlan, finish, follower, on_line};
+use crate::guidance::parking::parked_path::{ParkingPlan, finish, follower, on_line};
+use crate::guidance::parking::scene::ParkingScene;
 use crate::guidance::parking::shuffle::{MOST_MOVES, Room, shuffle};
 use crate::guidance::parking::stage::{ParkingStage, StageSpan};
 use crate::guidance::parking::start::ParkingStart;

@@ -65,7 +65,7 @@ mod tests {
         let turned = FrontAxle::default().wheel_angle_rad(&state(&path, 2.0, 0.0, 0.1, 0.5));
         assert!((turned + 0.1 + (0.9 * 0.1_f64.sin() / 0.8).atan()).abs() < 1e-12, "{turned}");
         // the gain and the softening speed are where the equation has them
-        let law = FrontAxle { gain_per_s: 2.0, softening_mps: 0.5, ..FrontAxle::default() };
+        let mut law = FrontAxle { gain_per_s: 2.0, softening_mps: 0.5, ..FrontAxle::default() };
         let angle = law.wheel_angle_rad(&state(&path, 2.0, 0.3, 0.2, 0.5));
         assert!((angle + 0.2 + (2.0 * (0.3 + 0.9 * 0.2_f64.sin())).atan()).abs() < 1e-12, "{angle}");
     }

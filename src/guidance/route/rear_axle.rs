@@ -63,7 +63,7 @@ mod tests {
         let angle = RearAxle::default().wheel_angle_rad(&track);
         assert!((angle + 0.425_500_323_6).abs() < 1e-9, "{angle}");
         // other gains
-        let law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 0.5 };
+        let mut law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 0.5 };
         let wanted = 0.2 * 0.3_f64.cos() / 0.98 - 0.4 * 0.3_f64.sin() / 0.3 - 0.15;
         assert!((law.wheel_angle_rad(&track) - (0.9 * wanted).atan()).abs() < 1e-12);
     }
