@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout)] // the picture is what this program is for
 
 use pivot_cal::internals::{
-    DEMO_POINTS, DriveStage, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, PolylinePlan, PolylineSettings, replay_manoeuvre,
+    DEMO_POINTS, DriveStage, Manoeuvre, ManoeuvreMoment, ManoeuvreSettings, PolylinePlan, PolylineSettings, demo_points, replay_manoeuvre,
 };
 use pivot_cal::verify::{Maps, Metric};
 use std::error::Error;
@@ -52,7 +52,7 @@ fn line(picture: &mut String, colour: &str, width: f64, points: &[(f64, f64)]) {
 
 /// The rear axle's middle of the five laws from above, and its lateral error over the way travelled.
 fn polyline(maps: &Maps, settings: &ManoeuvreSettings) -> Result<String, Box<dyn Error>> {
-    let plan = PolylinePlan::new(&DEMO_POINTS, &PolylineSettings::default())?;
+    let plan = PolylinePlan::new(&demo_points(), &PolylineSettings::default())?;
     let scale = 52.0;
     let (left, base) = (60.0, 285.0);
     let at = |x_m: f64, y_m: f64| (left + scale * x_m, base - scale * y_m);

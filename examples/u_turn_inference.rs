@@ -2,16 +2,16 @@
 //!
 //! Unknown are wheelbase, width and overhangs (taken as equal front and rear: the rear one hardly shows), and what "just clears", "just touches"
 //! and "between" mean. For each reading the four dimensions that leave the least sum of squares of the four answers in metres are looked for by
-//! a pattern search from several starts; the lanes and the curvature that follow are then printed. Finally, other readings of the two lanes are tried.
+//! a pattern search from three starts; the lanes and the curvature that follow are then printed. Finally, other readings of the two lanes are tried.
 
 #![allow(clippy::print_stdout)] // the table is what this program is for
 
-#[path = "../tests/common/published_u_turn.rs"]
-mod published_u_turn;
+#[path = "u_turn_inference/published.rs"]
+mod published;
 
 use pivot_cal::internals::BodyShape;
 use pivot_cal::internals::u_turn::{Lane, Method, UTurnSettings, UTurnShape, drive, largest_difference_m};
-use published_u_turn::{Answer, Hypothesis, PublishedCase, PublishedFinding, YAW_RATE_RAD_S};
+use published::{Answer, FullLock, Hypothesis, PublishedCase, PublishedFinding, YAW_RATE_RAD_S};
 use std::error::Error;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -48,7 +48,34 @@ fn main() -> Outcome<()> {
         let (along, end) = largest_difference_m(&of(Method::Euler)?, &of(Method::RungeKutta)?);
         println!("Euler beside Runge-Kutta at {speed} m/s and {rate}°/s: {along:.4} m along, {end:.4} m at the end");
     }
+    others(&case, body)?;
     lanes(&case, body);
+    Ok(())
+}
+
+/// The answers beside the four lengths: times, the largest speed, and a wheel that does not hold.
+fn others(case: &PublishedCase, body: BodyShape) -> Outcome<()> {
+    let settings = UTurnSettings::default();
+    for rate in [200.0, 400.0] {
+        let track = PublishedCase::track(body, 11.0, 6.0, rate, &settings)?;
+        let turn_s: f64 = track.phases_s.iter().sum();
+        println!(
+            "6 m/s, {rate}°/s: the turn takes {turn_s:.2} s, which leaves {:.2} s of 6.18 s; from rest at 3 m/s² 2.00 s are needed",
+            6.18 - turn_s
+        );
+    }
+    println!("largest speed that just touches the border, after its own run-up: {:.4} m/s", case.largest_speed_mps(body, 400.0)?);
+    for rate in [200.0, 400.0] {
+        let turn = FullLock::drive(body, 11.0, 6.0, rate);
+        println!(
+            "full lock and back without holding, {rate}°/s: turned by {:.1}°, lane {:?}",
+            turn.turned_deg,
+            turn.bodies.last().and_then(|body| case.lane_of(body))
+        );
+    }
+    let turn = FullLock::drive(body, 11.0, 3.4, 100.0);
+    let least_m = turn.bodies.iter().map(|body| case.scene.field.inside_margin_m(body)).fold(f64::INFINITY, f64::min);
+    println!("the same at 3.4 m/s, 100°/s: turned by {:.1}°, least distance from the border {least_m:.2} m", turn.turned_deg);
     Ok(())
 }
 
@@ -86,15 +113,15 @@ fn lanes(case: &PublishedCase, body: BodyShape) {
 
 /// Which law the two pairs of entry speed and curvature follow.
 fn relation() {
-    let pairs = [(1.63_f64, 0.205_f64), (1.585, 0.21)];
-    println!("law: value at the two pairs, how far apart, how far rounding of the third digit can put them apart");
+    // (speed, half of its last digit), (curvature, half of its last digit): 0.21 has two digits, and is not 0.210
+    let pairs = [((1.63_f64, 0.005), (0.205_f64, 0.0005)), ((1.585, 0.0005), (0.21, 0.005))];
+    println!("law: value at the two pairs, how far apart, how far rounding of the last digits can put them apart");
     for (name, speed_power, curvature_power) in
         [("v κ (yaw rate)", 1.0, 1.0), ("v² κ (lateral acceleration)", 2.0, 1.0), ("v κ² (wheel rate)", 1.0, 2.0)]
     {
-        let value = |(v, k): (f64, f64)| v.powf(speed_power) * k.powf(curvature_power);
+        let value = |((v, _), (k, _)): ((f64, f64), (f64, f64))| v.powf(speed_power) * k.powf(curvature_power);
         let (a, b) = (value(pairs[0]), value(pairs[1]));
-        // half of the last digit that both numbers of a kind share: 0.005 m/s and 0.0005 per metre
-        let rounding: f64 = pairs.iter().map(|p| speed_power * 0.0005 / p.0 + curvature_power * 0.0005 / p.1).sum();
+        let rounding: f64 = pairs.iter().map(|((v, dv), (k, dk))| speed_power * dv / v + curvature_power * dk / k).sum();
         println!("  {name}: {a:.4}, {b:.4}; {:.2} % apart; rounding allows {:.2} %", 100.0 * (a / b - 1.0), 100.0 * rounding);
     }
     println!("  taken: yaw rate {YAW_RATE_RAD_S:.4} rad/s");
@@ -120,7 +147,7 @@ fn infer(case: &PublishedCase, hypothesis: &Hypothesis) -> Outcome<BodyShape> {
         Ok(if possible { cost(&case.findings(body(at), hypothesis, &settings)?) } else { f64::INFINITY })
     };
     let mut best = (f64::INFINITY, [2.1, 1.6, 0.6]);
-    for start in [[2.1, 1.6, 0.6]] {
+    for start in [[2.1, 1.6, 0.6], [1.6, 1.2, 1.0], [2.6, 2.0, 0.2]] {
         let (mut at, mut step) = (start, 0.2);
         let mut here = value(at)?;
         while step > 2e-3 {

@@ -1,17 +1,21 @@
 //! A map in the form that controllers and calibration tools load.
 //!
 //! In: the folder of a map, whose files must belong together. Out: files, as names and texts. All are written from `table2.json`, except
-//! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal. The same map gives the same bytes.
+//! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal, and the lateral compensation from
+//! `lateral_table.json`. The same map gives the same bytes.
 
 mod apollo;
 mod autoware;
 mod c;
 mod cdfx;
+mod constant;
 mod crc;
 mod dcm;
 mod error;
 mod file;
 mod json;
+mod lateral;
+mod lateral_source;
 mod number;
 mod provenance;
 mod rust;
@@ -67,8 +71,8 @@ impl Format {
     /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo.
     pub fn files(self, source: &MapSource, precision: Precision) -> Result<Vec<File>> {
         match self {
-            Self::C => Ok(c::files(source, precision)),
-            Self::Rust => Ok(vec![rust::file(source, precision)]),
+            Self::C => Ok(c::files(source, precision).into_iter().chain(lateral::c_files(source, precision)).collect()),
+            Self::Rust => Ok(std::iter::once(rust::file(source, precision)).chain(lateral::rust_files(source, precision)).collect()),
             Self::Autoware => autoware::files(source),
             Self::Apollo => apollo::files(source),
             Self::Dcm => Ok(vec![dcm::file(source)]),

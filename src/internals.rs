@@ -5,7 +5,7 @@
 
 pub use crate::campaign::{ledger, with_missing};
 pub use crate::guidance::route::follower::DriveStage;
-pub use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
+pub use crate::guidance::route::polyline::{PolylinePlan, PolylinePoint, PolylineSettings};
 pub use crate::guidance::u_turn;
 pub use crate::guidance::{BodyShape, PlanePoint, Polygon};
 pub use crate::log::extract::fields::FieldReader;
@@ -14,7 +14,7 @@ pub use crate::log::path::MessagePath;
 pub use crate::log::read::{read_lateral_bytes, read_signals};
 pub use crate::log::survey::survey_bytes;
 pub use crate::manoeuvre::picture::picture;
-pub use crate::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreKind, ManoeuvreMoment, ManoeuvreSettings, replay_manoeuvre};
+pub use crate::manoeuvre::{DEMO_POINTS, Manoeuvre, ManoeuvreKind, ManoeuvreMoment, ManoeuvreSettings, demo_points, replay_manoeuvre};
 pub use crate::map::files::lateral_table_file::LateralTableFile;
 pub use crate::map::numbers::AccelMaps;
 pub use crate::plan::expected::{ExpectedCell, expected};

@@ -7,6 +7,7 @@
 mod bench;
 mod compensation_run;
 mod drive;
+mod endings;
 mod error;
 mod judge;
 mod lateral_metrics;
@@ -28,7 +29,7 @@ pub(crate) use drive::Mounting;
 pub(crate) use error::Result;
 pub(crate) use judge::judge_manoeuvres;
 pub(crate) use lateral_run::{CalibrationDrive, LoggedReference, lateral_log};
-pub use polyline_run::DEMO_POINTS;
+pub use polyline_run::{DEMO_POINTS, demo_points};
 pub use run::replay_manoeuvre;
 pub use scenario::{Manoeuvre, ManoeuvreKind};
 pub use settings::ManoeuvreSettings;

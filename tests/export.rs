@@ -42,6 +42,16 @@ fn expect_maps(read: &Value, maps: &Path) {
     assert_eq!(read["constants"]["PIVOT_MAP_DEAD_BAND_HIGH_FORWARD"], serde_json::json!([file.maps[0].dead_band.high_nm, "Nm"]));
 }
 
+/// The lateral compensation as a calibration tool read it: its curve to the last bit, and the settings of its law.
+fn expect_lateral(read: &Value, maps: &Path) {
+    let file: Value = serde_json::from_str(&text(maps, "lateral_table.json")).unwrap();
+    let curve = &read["curves"]["LATERAL_COMPENSATION_ANGLE"];
+    assert_eq!((&curve["x"], &curve["values"]), (&file["curve"]["error_m"], &file["curve"]["angle_rad"]));
+    assert_eq!(curve["units"], serde_json::json!(["m", "rad"]));
+    assert_eq!(read["constants"]["LATERAL_COMPENSATION_THRESHOLD"], serde_json::json!([5.0, "m"]));
+    assert_eq!(read["constants"]["LATERAL_COMPENSATION_PERIOD"], serde_json::json!([0.02, "s"]));
+}
+
 #[test]
 fn dcm_is_read_by_dcmreader() {
     let Some(python) = readers::python(&["dcmReader"], "DCM export") else { return };
@@ -50,6 +60,7 @@ fn dcm_is_read_by_dcmreader() {
     let read = readers::read_with(&python, "dcm.py", &[&maps.join("export/pivot_map.dcm")], "");
     assert_eq!(read["complaints"], serde_json::json!([]));
     expect_maps(&read, &maps);
+    expect_lateral(&read, &maps);
 }
 
 #[test]
@@ -60,6 +71,7 @@ fn cdfx_is_valid_and_read_by_asamint() {
     let read = readers::read_with(&python, "cdfx.py", &[&maps.join("export/pivot_map.cdfx")], "");
     assert_eq!(read["valid"], true, "{}", read["errors"]);
     expect_maps(&read, &maps);
+    expect_lateral(&read, &maps);
 }
 
 #[test]
@@ -284,6 +296,9 @@ fn the_same_map_gives_the_same_bytes_wherever_it_is_written() {
             "brake_map.reverse.csv",
             "calibration_table.pb.txt",
             "calibration_table.reverse.pb.txt",
+            "lateral_compensation.c",
+            "lateral_compensation.h",
+            "lateral_compensation.rs",
             "pivot_map.c",
             "pivot_map.cdfx",
             "pivot_map.dcm",

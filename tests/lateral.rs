@@ -108,7 +108,8 @@ fn the_compensation_passes_with_its_table_and_fails_with_one_of_the_wrong_sign()
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let to = maps(folder);
-    let args = ["verify", "--scenario", "lateral-forward", "--scenario", "lateral-reverse", "--draws", "1"];
+    let names = ["lateral-forward", "lateral-reverse", "lateral-forward-periods", "lateral-reverse-periods"];
+    let args: Vec<&str> = ["verify", "--draws", "1"].into_iter().chain(names.into_iter().flat_map(|name| ["--scenario", name])).collect();
     let (status, said, errors) = run(folder, &args);
     assert_eq!(status, 0, "{said}{errors}");
     // the same entries, angles negated: the compensation drives the vehicle away
@@ -278,8 +279,24 @@ fn a_polyline_of_ones_own_is_driven_and_what_is_none_is_refused_with_what_would_
     let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 0.03;
     assert!(near(end(0), [20.0, 10.0]) && near(end(driven.len() - 1), [18.0, 12.5]), "{:?} {:?}", end(0), end(driven.len() - 1));
 
+    // with a set speed of 0.3 m/s from the second point on: some 14 s for its 4 m instead of 6 s
+    let time_s = |said: &str| {
+        let verdict: serde_json::Value = serde_json::from_str(said).unwrap();
+        let metrics = verdict["scenarios"][0]["metrics"].as_array().unwrap();
+        metrics.iter().find(|m| m["metric"] == "time_s").unwrap()["nominal"].as_f64().unwrap()
+    };
+    let (status, slow, errors) =
+        verify("x_m,y_m,speed_mps\n20,10,\n20,14,0.3\n16,14,\n18,12.5,\n", &["--json", "--log", "logs", "--log-worst"]);
+    assert_eq!(status, 0, "{errors}");
+    assert!((5.0..12.0).contains(&(time_s(&slow) - time_s(&said))), "{} and {}", time_s(&slow), time_s(&said));
+    // the worst of the perturbed runs beside the nominal one, and what the pass is about
+    assert!(folder.join("logs/polyline-lqr.mcap").exists() && folder.join("logs/polyline-lqr.worst.mcap").exists());
+    let reason = serde_json::from_str::<serde_json::Value>(&slow).unwrap()["reason"].as_str().unwrap().to_owned();
+    assert!(reason.contains("manoeuvres prove the path planner and its laws, not the map"), "{reason}");
+
     std::fs::remove_file(folder.join("maps/verify.json")).unwrap();
     for (points, words) in [
+        ("0,0,0.5\n5,0,9\n5,5,\n", "the set speed at point 2 is 9 m/s; allowed: 0.05 to 5 m/s"),
         ("3,4\n", "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first"),
         ("", "at least 2 points, 0 found"),
         (

@@ -1,26 +1,59 @@
 //! The published U-turn: which of its known answers the inferred body meets.
 #![allow(clippy::unwrap_used)]
 
-#[path = "common/published_u_turn.rs"]
-mod published_u_turn;
+#[path = "../examples/u_turn_inference/published.rs"]
+mod published;
 
 use pivot_cal::internals::BodyShape;
 use pivot_cal::internals::u_turn::{Lane, Method, Ranges, UTurnSettings, largest_difference_m, search};
-use published_u_turn::{Answer, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, entry_speed_mps};
+use published::{Answer, FullLock, Hypothesis, INFERRED_BODY, INFERRED_HYPOTHESIS, PublishedCase, entry_speed_mps};
 
 #[test]
-fn the_inferred_body_meets_every_length_and_no_body_can_meet_the_lanes() {
+fn the_inferred_body_meets_every_length_with_the_turn_of_one_figure_and_misses_by_half_a_metre_with_the_turn_that_is_named() {
     let case = PublishedCase::new().unwrap();
-    let findings = case.findings(INFERRED_BODY, &INFERRED_HYPOTHESIS, &UTurnSettings::default()).unwrap();
+    let settings = UTurnSettings::default();
+    let findings = case.findings(INFERRED_BODY, &INFERRED_HYPOTHESIS, &settings).unwrap();
     for finding in &findings {
         match finding.answer {
-            // the published lanes are the reverse: the slower wheel makes the wider turn, whatever the dimensions
+            // the slower wheel makes the wider turn, whatever the dimensions
             Answer::MiddleLane => assert_eq!(finding.lane, Some(Lane::Number(2))),
+            // one caption has the outer lane, which is missed, another one the middle lane, which is met
             Answer::OuterLane => assert_eq!(finding.lane, Some(Lane::Number(1))),
             // four answers, three dimensions: 1 cm on lengths of 10 m and more
             _ => assert!(finding.met(0.01), "{finding:?}"),
         }
     }
+    let named = Hypothesis { run_up_turn: (1.63, 400.0), ..INFERRED_HYPOTHESIS };
+    let run_ups = case.run_ups(INFERRED_BODY, named.run_up_turn, &settings).unwrap();
+    let missed = [run_ups[0] - 10.0150, run_ups[1] - 21.6913];
+    assert!(missed.iter().all(|m| (0.3..0.8).contains(&m.abs())), "{missed:?}");
+}
+
+#[test]
+fn the_published_times_leave_too_little_for_the_run_up_and_the_largest_speed_just_touches_the_border() {
+    let case = PublishedCase::new().unwrap();
+    let track = PublishedCase::track(INFERRED_BODY, 11.0, 6.0, 200.0, &UTurnSettings::default()).unwrap();
+    let left_s = 6.18 - track.phases_s.iter().sum::<f64>();
+    // both published tracks end at 6.18 s; 6 m/s from rest at 3 m/s² takes 2 s
+    assert!((left_s - 1.74).abs() < 0.02 && left_s < 2.0, "{left_s}");
+    let largest_mps = case.largest_speed_mps(INFERRED_BODY, 400.0).unwrap();
+    assert!((largest_mps / 10.0519 - 1.0).abs() < 0.001, "{largest_mps}");
+}
+
+#[test]
+fn a_wheel_that_does_not_hold_puts_both_tracks_into_the_middle_lane_and_breaks_the_fourth_figure() {
+    let case = PublishedCase::new().unwrap();
+    let slow = FullLock::drive(INFERRED_BODY, 11.0, 6.0, 200.0);
+    assert!((slow.turned_deg - 202.2).abs() < 0.1, "{}", slow.turned_deg);
+    assert_eq!(case.lane_of(slow.bodies.last().unwrap()), Some(1));
+    // in and out alone turn by less than 180°: the wheel holds, as in every reading
+    assert!(FullLock::drive(INFERRED_BODY, 11.0, 6.0, 400.0).turned_deg < 180.0);
+    let fast = PublishedCase::track(INFERRED_BODY, 11.0, 6.0, 400.0, &UTurnSettings::default()).unwrap();
+    assert_eq!(case.scene.lane(&fast, 0.0).0, Lane::Number(1));
+    // the figure in which 3.4 m/s with 100°/s just clears the border by 0.3 m
+    let border = FullLock::drive(INFERRED_BODY, 11.0, 3.4, 100.0);
+    let least_m = border.bodies.iter().map(|body| case.scene.field.inside_margin_m(body)).fold(f64::INFINITY, f64::min);
+    assert!(border.turned_deg > 220.0 && (least_m - 0.3).abs() > 0.2, "{} {least_m}", border.turned_deg);
 }
 
 #[test]

@@ -46,13 +46,13 @@ fn a_pass_names_what_was_not_tested_in_its_first_line() {
     let (_folder, maps) = copied();
     let (status, first, all) = verify(&maps, &SHORT);
     assert_eq!(status, 0, "{all}");
-    assert_eq!(first, "verdict: pass: 90° only, forward gear only, left turns only, 1 of 25 pivots only; assumed: scale of the torque");
+    assert_eq!(first, "verdict: pass: 90° only, forward gear only, left turns only, 1 of 26 pivots only; assumed: scale of the torque");
     assert_eq!(verdict(&maps)["scope"][1], "forward gear only");
     assert_eq!(verdict(&maps)["reason"], first.strip_prefix("verdict: ").unwrap());
     change_table1(&maps, |file| file.witnesses.retain(|w| w.name == SpeedSource::Encoder));
     let (status, first, all) = verify(&maps, &["--draws", "4", "--scenario", "left-90", "--scenario", "right-90"]);
     assert_eq!(status, 0, "{all}");
-    assert!(first.ends_with("2 of 25 pivots only; assumed: scale of the torque, wheelbase 0.9 m, wheel radius 0.12 m"), "{first}");
+    assert!(first.ends_with("2 of 26 pivots only; assumed: scale of the torque, wheelbase 0.9 m, wheel radius 0.12 m"), "{first}");
 }
 
 #[test]

@@ -91,7 +91,7 @@ fn the_messages_between_the_modules_are_in_the_log() {
     let phases: Vec<String> = of("/pivot/phase").iter().map(|d| text(d)).collect();
     assert_eq!(phases, ["Idle", "WaitingForAngle", "SettingGear", "Driving", "WaitingForStandstill", "RestoringAngle", "Succeeded"]);
     let tasks: Vec<String> = of("/pivot/task").iter().map(|d| text(d)).collect();
-    assert_eq!(tasks, ["rest", "hold 90.00°", "restore"]);
+    assert_eq!(tasks, ["rest", "hold 90.00°", "restore 0.00°"]);
     // planning to longitudinal: the pivot flag, the direction flag 3 for right, the waypoints
     assert_eq!((of("/pivot/pivot_flag")[0][4], of("/pivot/direction_flag")[0][4]), (1, 3));
     let waypoints = text(&of("/pivot/waypoints")[0]);

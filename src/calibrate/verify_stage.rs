@@ -27,7 +27,7 @@ pub(crate) fn verify_into(folder: &mut FolderWriter, accept: &[String], listen: 
     let maps = Maps::read_from(&folder.view(), false)?;
     let settings = VerifySettings { accept: accept.to_vec(), ..VerifySettings::new()? };
     let progress = |total| listen(StageEvent::Simulated { total });
-    let wanted = Wanted { traces: true, logs: false, progress: Some(&progress) };
+    let wanted = Wanted { traces: true, logs: false, worst_logs: false, progress: Some(&progress) };
     let Verified { verdict, traces, .. } = verify_with(&maps, &settings, wanted)?;
     listen(StageEvent::Complete);
     put_verdict(&verdict, traces.as_ref(), folder)?;

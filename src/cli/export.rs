@@ -18,6 +18,7 @@ Examples:
 
   c         pivot_map.h, pivot_map.c        C99, no dependency, no allocation, checksum with self-test
   rust      pivot_map.rs                    a module that needs core only
+            lateral_compensation.*          with c and rust, if the folder has lateral_table.json
   autoware  accel_map.csv, brake_map.csv    acceleration over speed and pedal, from Table 1
   apollo    calibration_table.pb.txt        protobuf text
   dcm       pivot_map.dcm                   DCM 2.0

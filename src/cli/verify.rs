@@ -46,6 +46,9 @@ pub(crate) struct Arguments {
     /// Write a log of each scenario's nominal run into this folder
     #[arg(long, value_name = "DIR")]
     log: Option<PathBuf>,
+    /// Beside each manoeuvre's nominal run also log its worst perturbed one, as NAME.worst.mcap
+    #[arg(long, requires = "log")]
+    log_worst: bool,
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
@@ -59,15 +62,16 @@ pub(crate) struct Arguments {
     /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
     #[arg(long, value_name = "NAME", requires = "replay")]
     preset: Option<Preset>,
-    /// Points of the polyline manoeuvres instead of the built-in ones (CSV: x and y in metres, one point per line)
+    /// Points of the polyline manoeuvres instead of the built-in ones (CSV: x and y in metres, one point per line, optionally the set speed in m/s of
+    /// the segment that begins there)
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
     /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
     #[arg(long, value_name = "FILE")]
     vehicle: Option<PathBuf>,
-    /// Perturbed plants per scenario
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    draws: usize,
+    /// Perturbed plants per scenario; by default 200, and 20 for manoeuvres
+    #[arg(long, value_name = "N")]
+    draws: Option<usize>,
     /// Overrule the objection of this check; it is written into verify.json and onto the page (may be repeated)
     #[arg(long, value_name = "NAME")]
     accept: Vec<String>,
@@ -97,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let defaults = ManoeuvreSettings::new()?;
     let driven = ManoeuvreSettings {
         manoeuvres,
-        draws: arguments.draws.min(defaults.draws),
+        draws: arguments.draws.unwrap_or(defaults.draws),
         vehicle: match &arguments.vehicle {
             Some(path) => {
                 let text = read_file(path)?;
@@ -110,7 +114,9 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         ..defaults
     };
     let accept = arguments.accept.clone();
-    let settings = VerifySettings { scenarios, draws: arguments.draws, seed: arguments.seed, gate, accept, ..VerifySettings::new()? };
+    let usual = VerifySettings::new()?;
+    let draws = arguments.draws.unwrap_or(usual.draws);
+    let settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, ..usual };
     if !arguments.maps.exists() {
         Maps::read(&arguments.maps, arguments.force)?; // the error
     }
@@ -121,10 +127,11 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let logs_wanted = arguments.log.is_some();
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
-        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
+        Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress), ..Wanted::default() })?)
     })?;
     let judged = with_progress("driving manoeuvres", ui, |progress| {
-        Ok(judge_manoeuvres(&maps, &driven, Wanted { traces: true, logs: logs_wanted, progress: Some(progress) })?)
+        let wanted = Wanted { traces: true, logs: logs_wanted, worst_logs: arguments.log_worst, progress: Some(progress) };
+        Ok(judge_manoeuvres(&maps, &driven, wanted)?)
     })?;
     logs.extend(judged.logs);
     let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?);

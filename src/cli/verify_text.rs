@@ -31,6 +31,11 @@ pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     for scenario in &verdict.scenarios {
         detail(scenario, ui);
     }
+    for scenario in verdict.scenarios.iter().filter(|s| s.status == Status::Fail) {
+        for note in &scenario.notes {
+            ui.say(format!("{}: {note}", scenario.name));
+        }
+    }
     manoeuvres(verdict, Class::Polyline, &[Metric::CornerErrorM, Metric::SegmentErrorM, Metric::SegmentRmsM, Metric::TimeS], ui);
     let compensated = [Metric::LateralBeforeM, Metric::LateralAfterM, Metric::LateralRatio, Metric::HeadingRateRatio];
     manoeuvres(verdict, Class::Compensation, &compensated, ui);

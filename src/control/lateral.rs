@@ -81,9 +81,9 @@ impl Lateral {
             self.task = task;
             self.forget();
             match task {
-                LateralTask::Hold(target) if target.is_finite() => self.target_rad = target,
-                LateralTask::Rest | LateralTask::Restore => self.target_rad = 0.0,
-                LateralTask::Hold(_) | LateralTask::Freeze => {}
+                LateralTask::Hold(target) | LateralTask::Restore(target) if target.is_finite() => self.target_rad = target,
+                LateralTask::Rest => self.target_rad = 0.0,
+                LateralTask::Hold(_) | LateralTask::Restore(_) | LateralTask::Freeze => {}
             }
         }
         (self.target_rad, self.watch(angle_rad))
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_wheel_that_passes_through_has_not_arrived() {
-        let (_, status) = outcome(LateralTask::Restore, |t| 60.0 - 60.0 * t);
+        let (_, status) = outcome(LateralTask::Restore(0.0), |t| 60.0 - 60.0 * t);
         assert_eq!(status, AngleStatus::Fault(SteeringFault::Implausible));
     }
 
@@ -189,6 +189,7 @@ mod tests {
         assert_eq!(lateral.step(LateralTask::Rest, 0.0).0, 0.0);
         assert_eq!(lateral.step(LateralTask::Hold(-TARGET), 0.0).0, -TARGET);
         assert_eq!(lateral.step(LateralTask::Freeze, 0.0).0, -TARGET);
-        assert_eq!(lateral.step(LateralTask::Restore, 0.0).0, 0.0);
+        assert_eq!(lateral.step(LateralTask::Restore(0.3), 0.0).0, 0.3);
+        assert_eq!(lateral.step(LateralTask::Restore(f64::NAN), 0.0).0, 0.3, "an angle that is none changes nothing");
     }
 }

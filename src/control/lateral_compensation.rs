@@ -94,6 +94,21 @@ impl CompensationTable {
         Ok(table)
     }
 
+    /// The measured entries.
+    pub fn entries(&self) -> &[CompensationEntry] {
+        &self.entries[..self.entry_count]
+    }
+
+    /// The points of the curve, errors ascending.
+    pub fn points(&self) -> &[CompensationEntry] {
+        &self.points[..self.point_count]
+    }
+
+    /// Slope of the monotone cubic at each point [rad/m].
+    pub fn slopes(&self) -> &[f64] {
+        &self.slopes[..self.point_count]
+    }
+
     /// The angle [rad] whose entry is `error_m`: an entry within `exact_m` of it, otherwise the curve; beyond its ends the angle at the
     /// end.
     pub fn angle_rad(&self, error_m: f64, exact_m: f64) -> f64 {
@@ -183,6 +198,30 @@ impl Default for CompensationSettings {
             plausible_m: 0.5,
             period_s: 0.02,
         }
+    }
+}
+
+impl CompensationSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first out of its range.
+    pub fn checked(self) -> Result<Self> {
+        let check = |field, value: f64, low: f64, high: f64, allowed| {
+            if value >= low && value <= high { Ok(()) } else { Err(Error::Setting { field, value, allowed }) }
+        };
+        match self.accumulation {
+            Accumulation::Distance(distance_m) => check("accumulation distance_m", distance_m, 0.1, 1000.0, "0.1 to 1000")?,
+            Accumulation::Periods(count) => check("accumulation periods", f64::from(count), 1.0, 1e6, "1 to 1000000")?,
+        }
+        check("exact_m", self.exact_m, 0.0, 1.0, "0 to 1")?;
+        check("dead_zone_m", self.dead_zone_m, 0.0, 1.0, "0 to 1")?;
+        check("limit_rad", self.limit_rad, 0.0, 1.0, "0 to 1")?;
+        check("rate_rad_s", self.rate_rad_s, 1e-6, 10.0, "0.000001 to 10")?;
+        check("settle_m", self.settle_m, 0.0, 1000.0, "0 to 1000")?;
+        check("straight_per_m", self.straight_per_m, 0.0, 10.0, "0 to 10")?;
+        check("plausible_m", self.plausible_m, 0.0, 100.0, "0 to 100")?;
+        check("period_s", self.period_s, 1e-4, 1.0, "0.0001 to 1").map(|()| self)
     }
 }
 
@@ -288,6 +327,36 @@ mod tests {
         assert!(angles[3000..].iter().all(|a| (a - 0.05).abs() < 0.0015));
         let steepest = angles.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
         assert!(steepest <= CompensationSettings::default().rate_rad_s * 0.02 + 1e-15);
+    }
+
+    #[test]
+    fn by_periods_the_mean_is_over_readings_and_by_distance_over_the_way() {
+        // 3 readings of 0.02 m over 0.01 m each, 1 of −0.01 m over 0.09 m: the mean of the readings is 0.0125 m, that of the way −0.0025 m
+        let mean = |accumulation| {
+            let settings =
+                CompensationSettings { accumulation, settle_m: 0.0, rate_rad_s: 10.0, exact_m: 0.0, ..CompensationSettings::default() };
+            let mut law = LateralCompensation::new(settings.checked().unwrap(), table(-1.0));
+            for (error_m, travelled_m) in [(0.02, 0.01), (0.02, 0.01), (0.02, 0.01), (-0.01, 0.0900001)] {
+                law.step(Gear::Forward, error_m, travelled_m, 0.0, true);
+            }
+            law.in_force_rad(Gear::Forward)
+        };
+        // the angle whose entry is −m, on a curve of −1 rad/m
+        assert!((mean(Accumulation::Periods(4)) - 0.0125).abs() < 1e-9, "{}", mean(Accumulation::Periods(4)));
+        assert!((mean(Accumulation::Distance(0.12)) + 0.0025).abs() < 1e-6, "{}", mean(Accumulation::Distance(0.12)));
+        // a fifth period would begin the next mean
+        assert_eq!(mean(Accumulation::Periods(5)), 0.0);
+        for accumulation in [Accumulation::Periods(0), Accumulation::Distance(0.0), Accumulation::Distance(f64::NAN)] {
+            assert!(CompensationSettings { accumulation, ..CompensationSettings::default() }.checked().is_err(), "{accumulation:?}");
+        }
+    }
+
+    #[test]
+    fn by_periods_the_error_goes_to_zero_as_well() {
+        let settings = CompensationSettings { accumulation: Accumulation::Periods(300), ..CompensationSettings::default() };
+        let mut law = LateralCompensation::new(settings, table(-1.0));
+        let (error_m, angles) = drive(0.05, 6000, &mut law);
+        assert!(error_m.abs() <= 0.001 && angles[3000..].iter().all(|a| (a - 0.05).abs() < 0.0015), "{error_m}");
     }
 
     #[test]

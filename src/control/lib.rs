@@ -66,4 +66,6 @@ pub use heading_law::{HeadingLaw, HeadingLawSettings};
 #[doc(hidden)]
 pub use speed_loop::SpeedLoop;
 #[doc(hidden)]
+pub use stopping::{Arrival, UnderWay};
+#[doc(hidden)]
 pub use torque_map::ConstantGain;

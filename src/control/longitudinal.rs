@@ -246,7 +246,7 @@ impl<L: DriveLaw> Longitudinal<L> {
     fn task(&self) -> LateralTask {
         match (self.phase, self.request.as_ref()) {
             (Phase::Idle, _) | (_, None) => LateralTask::Rest,
-            (Phase::RestoringAngle | Phase::Succeeded, _) => LateralTask::Restore,
+            (Phase::RestoringAngle | Phase::Succeeded, Some(request)) => LateralTask::Restore(request.return_angle_rad),
             (Phase::Failed(_), _) => LateralTask::Freeze,
             (_, Some(request)) => LateralTask::Hold(request.wheel_angle_rad),
         }

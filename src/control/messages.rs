@@ -118,6 +118,8 @@ pub struct PivotRequest {
     pub direction: Direction,
     /// Angle that the front wheel holds [rad], left positive.
     pub wheel_angle_rad: f64,
+    /// Angle to which it returns after the turn [rad], left positive.
+    pub return_angle_rad: f64,
     /// Gear for that direction at that angle.
     pub gear: Gear,
     /// Size of the turn [rad], positive.
@@ -135,8 +137,8 @@ pub enum LateralTask {
     Rest,
     /// Turn the wheel to this angle [rad] and hold it.
     Hold(f64),
-    /// Return the wheel to 0.
-    Restore,
+    /// Return the wheel to this angle [rad].
+    Restore(f64),
     /// Keep the target: something failed.
     Freeze,
 }
@@ -182,7 +184,7 @@ pub enum Phase {
     Driving,
     /// The end is reached; no torque until the wheel rests.
     WaitingForStandstill,
-    /// At rest until the wheel is back at 0.
+    /// At rest until the wheel is at its return angle.
     RestoringAngle,
     /// Done.
     Succeeded,

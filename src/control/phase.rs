@@ -21,7 +21,7 @@ pub enum Event {
     EndReached,
     /// The front wheel rests.
     StoodStill,
-    /// The wheel is back at 0.
+    /// The wheel is at its return angle.
     AngleRestored,
     /// Something failed.
     Broken(Failure),
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wheel_back_at_zero_is_success() {
+    fn the_wheel_back_at_its_return_angle_is_success() {
         assert_eq!(changes(Event::AngleRestored), [(Phase::RestoringAngle, Phase::Succeeded)]);
     }
 

@@ -96,7 +96,7 @@ impl<L: DriveLaw> PivotController<L> {
             direction: self.longitudinal.current().map(|request| request.direction),
             angle,
             task: self.task,
-            restore: self.task == LateralTask::Restore,
+            restore: matches!(self.task, LateralTask::Restore(_)),
             drive: done.drive,
         }
     }
@@ -216,6 +216,29 @@ mod tests {
                 // the end threshold is 0.02 m of arc, 1.25°; coasting covers part of it
                 assert!(error_deg.abs() < 1.25, "{policy:?} {turn_deg}°: {error_deg}°");
             }
+        }
+    }
+
+    #[test]
+    fn the_wheel_turns_right_at_its_second_preset_and_returns_to_its_third() {
+        let mut settings = settings(WheelPolicy::Mirror);
+        (settings.planning.right_angle_rad, settings.planning.return_angle_rad) = (-70.0 * RAD_PER_DEG, 25.0 * RAD_PER_DEG);
+        let law = WaypointLaw::new(WaypointLawSettings::new(WHEELBASE_M), ToyMap);
+        let (mut controller, mut toy) = (PivotController::new(&settings, law).unwrap(), Toy::new());
+        let mut held_deg = Vec::new();
+        let mut heading_deg = 0.0;
+        for (turn_deg, wheel_deg) in [(90.0, 90.0), (-90.0, -70.0), (180.0, 90.0)] {
+            held_deg.clear();
+            let phases = run(&mut controller, &mut toy, turn_deg, |toy, phase| {
+                if phase == Phase::Driving {
+                    held_deg.push(toy.inputs.wheel_angle_rad / RAD_PER_DEG);
+                }
+            });
+            assert_eq!(phases, SUCCESS);
+            assert!(held_deg.iter().all(|deg| (deg - wheel_deg).abs() < 1.6), "{turn_deg}°: {held_deg:?}");
+            assert!((toy.inputs.wheel_angle_rad / RAD_PER_DEG - 25.0).abs() < 1.6, "{turn_deg}°: {}", toy.inputs.wheel_angle_rad);
+            heading_deg += turn_deg;
+            assert!((toy.inputs.pose.heading_rad / RAD_PER_DEG - heading_deg).abs() < 1.25 * 3.0);
         }
     }
 

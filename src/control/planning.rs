@@ -18,18 +18,17 @@ pub enum WheelPolicy {
     /// The wheel always at its test angle: left in forward gear, right in reverse gear.
     #[default]
     HoldLeft,
-    /// The wheel to the left for left turns, to the right for right turns; always forward gear.
+    /// The wheel to the left for left turns, to its second preset on the right for right turns; always forward gear.
     Mirror,
 }
 
 impl WheelPolicy {
-    /// Wheel angle [rad] and gear that turn in `direction`, for a map measured at `test_angle_rad`.
-    pub fn wheel_and_gear(self, direction: Direction, test_angle_rad: f64) -> (f64, Gear) {
-        let left_rad = if test_angle_rad < 0.0 { -test_angle_rad } else { test_angle_rad };
+    /// Wheel angle [rad] and gear that turn in `direction`, with the wheel's presets for the left and the right.
+    pub fn wheel_and_gear(self, direction: Direction, left_rad: f64, right_rad: f64) -> (f64, Gear) {
         match (self, direction) {
             (_, Direction::Left) => (left_rad, Gear::Forward),
             (Self::HoldLeft, Direction::Right) => (left_rad, Gear::Reverse),
-            (Self::Mirror, Direction::Right) => (-left_rad, Gear::Forward),
+            (Self::Mirror, Direction::Right) => (right_rad, Gear::Forward),
         }
     }
 }
@@ -40,8 +39,13 @@ impl WheelPolicy {
 pub struct PlanningSettings {
     /// Distance from the rear axle to the front wheel's centre [m].
     pub wheelbase_m: f64,
-    /// Wheel angle that the map belongs to [rad], left positive. Default 90°.
+    /// First preset: wheel angle that the map belongs to [rad], left positive. Default 90°. Turns to the left use its size.
     pub test_angle_rad: f64,
+    /// Second preset: wheel angle of turns to the right with [`WheelPolicy::Mirror`] [rad], negative, −10° to −120°. Default the mirror of
+    /// the first: at another angle the map is not the one that was measured.
+    pub right_angle_rad: f64,
+    /// Third preset: wheel angle to which the wheel returns after a pivot [rad], left positive, at most 100° either way. Default 0.
+    pub return_angle_rad: f64,
     /// Wheel policy. Default hold-left.
     pub policy: WheelPolicy,
     /// Speeds along the arc.
@@ -53,7 +57,15 @@ pub struct PlanningSettings {
 impl PlanningSettings {
     /// The defaults for a wheelbase [m] and a test angle [rad].
     pub fn new(wheelbase_m: f64, test_angle_rad: f64) -> Self {
-        Self { wheelbase_m, test_angle_rad, policy: WheelPolicy::default(), profile: Profile::default(), spacing_m: 0.02 }
+        Self {
+            wheelbase_m,
+            test_angle_rad,
+            right_angle_rad: -test_angle_rad.abs(),
+            return_angle_rad: 0.0,
+            policy: WheelPolicy::default(),
+            profile: Profile::default(),
+            spacing_m: 0.02,
+        }
     }
 
     /// Checks that every number is finite and possible.
@@ -65,9 +77,18 @@ impl PlanningSettings {
         check("wheelbase_m", self.wheelbase_m, "0.05 to 20", (0.05..=20.0).contains(&self.wheelbase_m))?;
         let angle_deg = self.test_angle_rad / RAD_PER_DEG;
         check("test_angle_deg", angle_deg, "10 to 120 either way", (10.0..=120.0).contains(&angle_deg.abs()))?;
+        let right_deg = self.right_angle_rad / RAD_PER_DEG;
+        check("right_angle_deg", right_deg, "-120 to -10", (-120.0..=-10.0).contains(&right_deg))?;
+        let return_deg = self.return_angle_rad / RAD_PER_DEG;
+        check("return_angle_deg", return_deg, "0 to 100 either way", return_deg.abs() <= 100.0)?;
         check("spacing_m", self.spacing_m, "0.001 to 1", (0.001..=1.0).contains(&self.spacing_m))?;
         self.profile.checked()?;
         Ok(self)
+    }
+
+    /// Wheel angle [rad] and gear of turns in `direction`.
+    pub fn wheel_and_gear(&self, direction: Direction) -> (f64, Gear) {
+        self.policy.wheel_and_gear(direction, self.test_angle_rad.abs(), self.right_angle_rad)
     }
 
     /// Places the waypoints of a turn of `turn_rad` (left positive, at most a full turn) from `pose`.
@@ -80,7 +101,7 @@ impl PlanningSettings {
             return Err(Error::Pose { x_m: pose.x_m, y_m: pose.y_m, heading_rad: pose.heading_rad });
         }
         let direction = if turn_rad < 0.0 { Direction::Right } else { Direction::Left };
-        let (wheel_angle_rad, gear) = self.policy.wheel_and_gear(direction, self.test_angle_rad);
+        let (wheel_angle_rad, gear) = self.wheel_and_gear(direction);
         let (sin_wheel, cos_wheel) = sin_cos(wheel_angle_rad);
         let size_rad = turn_rad.abs();
         let radius_m = self.wheelbase_m / sin_wheel.abs();
@@ -114,7 +135,8 @@ impl PlanningSettings {
             path.push(point);
             last = Some(point);
         }
-        Ok(PivotRequest { pivot: true, direction, wheel_angle_rad, gear, turn_rad: size_rad, planned_s, path })
+        let return_angle_rad = self.return_angle_rad;
+        Ok(PivotRequest { pivot: true, direction, wheel_angle_rad, return_angle_rad, gear, turn_rad: size_rad, planned_s, path })
     }
 }
 
@@ -156,6 +178,35 @@ mod tests {
         assert!(mirror.wheel_angle_rad < 0.0);
         let [p, q] = [&hold, &mirror].map(|r| *r.path.waypoints().last().unwrap());
         assert!((p.x_m - q.x_m).abs() < 1e-12 && (p.y_m - q.y_m).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_second_preset_sets_the_circle_of_turns_to_the_right_and_the_third_is_in_the_request() {
+        let mut settings = PlanningSettings::new(1.0, 90.0 * RAD_PER_DEG);
+        settings.policy = WheelPolicy::Mirror;
+        (settings.right_angle_rad, settings.return_angle_rad) = (-45.0 * RAD_PER_DEG, 20.0 * RAD_PER_DEG);
+        let settings = settings.checked().unwrap();
+        let [left, right] = [0.5, -0.5].map(|turn: f64| settings.plan(turn * TAU, Pose::default()).unwrap());
+        assert_eq!((left.wheel_angle_rad, right.wheel_angle_rad), (90.0 * RAD_PER_DEG, -45.0 * RAD_PER_DEG));
+        assert_eq!((left.return_angle_rad, right.return_angle_rad), (20.0 * RAD_PER_DEG, 20.0 * RAD_PER_DEG));
+        // L/tan 45° = 1 m to the right: half a turn carries the front wheel from (1, 0) to (−1, −2), on a radius of √2 m
+        let end = right.path.waypoints().last().unwrap();
+        assert!((end.x_m + 1.0).abs() < 1e-9 && (end.y_m + 2.0).abs() < 1e-9, "{end:?}");
+        assert!((right.path.length_m() - 2.0_f64.sqrt() * TAU / 2.0).abs() < 1e-9);
+        // hold-left has no use for the second preset
+        settings_hold_left(settings);
+        for (right_deg, return_deg, field) in
+            [(5.0, 0.0, "right_angle_deg"), (-9.0, 0.0, "right_angle_deg"), (-90.0, 101.0, "return_angle_deg")]
+        {
+            let (right_angle_rad, return_angle_rad) = (right_deg * RAD_PER_DEG, return_deg * RAD_PER_DEG);
+            let found = PlanningSettings { right_angle_rad, return_angle_rad, ..settings }.checked();
+            assert!(matches!(found, Err(Error::Setting { field: named, .. }) if named == field), "{found:?}");
+        }
+    }
+
+    fn settings_hold_left(settings: PlanningSettings) {
+        let request = PlanningSettings { policy: WheelPolicy::HoldLeft, ..settings }.plan(-1.0, Pose::default()).unwrap();
+        assert_eq!((request.wheel_angle_rad, request.gear), (90.0 * RAD_PER_DEG, Gear::Reverse));
     }
 
     #[test]

@@ -7,11 +7,11 @@
 
 /// The wheel at the time when a command that is given now acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Arrival {
+pub struct Arrival {
     /// Speed [m/s], 0 or more.
-    pub(crate) speed_mps: f64,
+    pub speed_mps: f64,
     /// Remaining path [m]; negative past the end.
-    pub(crate) left_m: f64,
+    pub left_m: f64,
 }
 
 /// The remaining path counts as at least this [m].
@@ -19,7 +19,7 @@ const LEAST_LEFT_M: f64 = 5e-3;
 
 impl Arrival {
     /// From the speed [m/s], the mean pending acceleration [m/s²], the remaining path [m], and the reaction time [s].
-    pub(crate) fn after(reaction_s: f64, speed_mps: f64, accel_mps2: f64, left_m: f64) -> Self {
+    pub fn after(reaction_s: f64, speed_mps: f64, accel_mps2: f64, left_m: f64) -> Self {
         let now_mps = speed_mps.max(0.0);
         let later_mps = (now_mps + accel_mps2 * reaction_s).max(0.0);
         Self { speed_mps: later_mps, left_m: left_m - 0.5 * (now_mps + later_mps) * reaction_s }
@@ -27,7 +27,7 @@ impl Arrival {
 
     /// Deceleration that stops the wheel at the end [m/s²], positive; computed with at least 5 mm remaining, so that noise
     /// does not command more than the brakes can give.
-    pub(crate) fn needed_mps2(self) -> f64 {
+    pub fn needed_mps2(self) -> f64 {
         self.speed_mps * self.speed_mps / (2.0 * self.left_m.max(LEAST_LEFT_M))
     }
 }
@@ -37,7 +37,7 @@ const MOST_PERIODS: usize = 64;
 
 /// The pending accelerations: commanded, not yet acting.
 #[derive(Debug, Clone)]
-pub(crate) struct UnderWay {
+pub struct UnderWay {
     accel_mps2: [f64; MOST_PERIODS],
     next: usize,
     periods: usize,
@@ -45,14 +45,14 @@ pub(crate) struct UnderWay {
 
 impl UnderWay {
     /// None pending; `reaction_s` is rounded to whole periods, and cut at `MOST_PERIODS`.
-    pub(crate) fn new(reaction_s: f64, period_s: f64) -> Self {
+    pub fn new(reaction_s: f64, period_s: f64) -> Self {
         // a negative float or NaN becomes 0
         let periods = ((reaction_s / period_s + 0.5) as usize).min(MOST_PERIODS);
         Self { accel_mps2: [0.0; MOST_PERIODS], next: 0, periods }
     }
 
     /// Adds a command [m/s²].
-    pub(crate) fn push(&mut self, accel_mps2: f64) {
+    pub fn push(&mut self, accel_mps2: f64) {
         if let Some(place) = self.accel_mps2.get_mut(self.next) {
             *place = accel_mps2;
         }
@@ -60,7 +60,7 @@ impl UnderWay {
     }
 
     /// Mean of the commands of the last reaction time [m/s²].
-    pub(crate) fn mean_mps2(&self) -> f64 {
+    pub fn mean_mps2(&self) -> f64 {
         let sum: f64 = self.accel_mps2.iter().take(self.periods).sum();
         if self.periods > 0 { sum / self.periods as f64 } else { 0.0 }
     }

@@ -3,8 +3,9 @@
 //!
 //! Source: ASAM MCD-2 CDF V2.0, document type `MSRSW` (`cdf_v2.0.0.sl.dtd`).
 
-use crate::export::dcm::{constants, name, what};
+use crate::export::dcm::{LATERAL, LATERAL_WHAT, constants, name, what};
 use crate::export::file::File;
+use crate::export::lateral_source::LateralSource;
 use crate::export::number::plain;
 use crate::export::{MapSource, provenance};
 use std::fmt::Write as _;
@@ -33,7 +34,7 @@ pub(crate) fn file(source: &MapSource) -> File {
 }
 
 fn instances(xml: &mut Xml, source: &MapSource) {
-    for constant in constants(source) {
+    for constant in constants(source).into_iter().chain(source.lateral.iter().flat_map(LateralSource::constants)) {
         xml.element("SW-INSTANCE", |xml| {
             xml.leaf("SHORT-NAME", &constant.name);
             xml.leaf("LONG-NAME", &constant.what);
@@ -78,6 +79,30 @@ fn instances(xml: &mut Xml, source: &MapSource) {
             });
         });
     }
+    if let Some(law) = &source.lateral {
+        curve(xml, law);
+    }
+}
+
+/// The curve of the lateral compensation.
+fn curve(xml: &mut Xml, law: &LateralSource) {
+    let (errors, angles) = (&law.file.curve.error_m, &law.file.curve.angle_rad);
+    xml.element("SW-INSTANCE", |xml| {
+        xml.leaf("SHORT-NAME", LATERAL);
+        xml.leaf("LONG-NAME", LATERAL_WHAT);
+        xml.leaf("CATEGORY", "CURVE");
+        xml.element("SW-VALUE-CONT", |xml| {
+            xml.leaf("UNIT-DISPLAY-NAME", "rad");
+            xml.element("SW-ARRAYSIZE", |xml| xml.leaf("V", &angles.len().to_string()));
+            xml.element("SW-VALUES-PHYS", |xml| xml.values(angles));
+        });
+        xml.nested(&["SW-AXIS-CONTS", "SW-AXIS-CONT"], |xml| {
+            xml.leaf("CATEGORY", "STD_AXIS");
+            xml.leaf("UNIT-DISPLAY-NAME", "m");
+            xml.element("SW-ARRAYSIZE", |xml| xml.leaf("V", &errors.len().to_string()));
+            xml.element("SW-VALUES-PHYS", |xml| xml.values(errors));
+        });
+    });
 }
 
 /// XML being written.

@@ -1,7 +1,9 @@
 //! DCM 2.0 (data conservation format of calibration tools): one `KENNFELD` per gear with axes and units, and the drive's constants as
-//! `FESTWERT`. X is the desired acceleration, Y the speed.
+//! `FESTWERT`. X is the desired acceleration, Y the speed. The lateral compensation is a `KENNLINIE` with its law's settings.
 
+use crate::export::constant::Constant;
 use crate::export::file::File;
+use crate::export::lateral_source::LateralSource;
 use crate::export::number::plain;
 use crate::export::{MapSource, provenance};
 use crate::map::Gear;
@@ -17,7 +19,7 @@ pub(crate) fn file(source: &MapSource) -> File {
     }
     text.push_str("\nKONSERVIERUNG_FORMAT 2.0\n\nFUNKTIONEN\n");
     let _ = write!(text, "   FKT PIVOT_MAP \"{}\" \"Torque map for turning on the spot\"\nEND\n", env!("CARGO_PKG_VERSION"));
-    for constant in constants(source) {
+    for constant in constants(source).into_iter().chain(source.lateral.iter().flat_map(LateralSource::constants)) {
         let _ = write!(
             text,
             "\nFESTWERT {}\n   LANGNAME \"{}\"\n   FUNKTION PIVOT_MAP\n   EINHEIT_W \"{}\"\n   WERT {}\nEND\n",
@@ -39,6 +41,14 @@ pub(crate) fn file(source: &MapSource) -> File {
         }
         text.push_str("END\n");
     }
+    if let Some(law) = &source.lateral {
+        let (errors, angles) = (&law.file.curve.error_m, &law.file.curve.angle_rad);
+        let _ = write!(text, "\nKENNLINIE {LATERAL} {}\n   LANGNAME \"{LATERAL_WHAT}\"\n   FUNKTION PIVOT_MAP\n", errors.len());
+        text.push_str("   EINHEIT_X \"m\"\n   EINHEIT_W \"rad\"\n");
+        numbers(&mut text, "ST/X", errors);
+        numbers(&mut text, "WERT", angles);
+        text.push_str("END\n");
+    }
     File::new("pivot_map.dcm", text)
 }
 
@@ -54,6 +64,10 @@ fn numbers(text: &mut String, keyword: &str, values: &[f64]) {
     }
 }
 
+/// Name and description of the lateral compensation's curve in calibration data.
+pub(crate) const LATERAL: &str = "LATERAL_COMPENSATION_ANGLE";
+pub(crate) const LATERAL_WHAT: &str = "Compensation angle over the mean lateral error that it adds";
+
 /// Name of a gear's map in calibration data.
 pub(crate) fn name(gear: Gear) -> &'static str {
     match gear {
@@ -65,14 +79,6 @@ pub(crate) fn name(gear: Gear) -> &'static str {
 /// Description of a gear's map.
 pub(crate) fn what(gear: Gear) -> String {
     format!("Torque over front-wheel speed and desired acceleration, {gear} gear")
-}
-
-/// A number that belongs to the map.
-pub(crate) struct Constant {
-    pub(crate) name: String,
-    pub(crate) what: String,
-    pub(crate) unit: &'static str,
-    pub(crate) value: f64,
 }
 
 /// The drive's delays, geometry and dead bands.

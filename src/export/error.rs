@@ -37,6 +37,8 @@ pub enum Error {
     Differs { path: PathBuf, csv: PathBuf },
     #[error("{} holds no map at the wheel angle of {angle_deg}°; its wheel angles are {found}", shown(path))]
     NoMap { path: PathBuf, angle_deg: f64, found: String },
+    #[error("lateral_table.json cannot be used by the run-time law: {0}; make it again with `pivot-cal lateral fit`")]
+    Lateral(#[from] crate::control::Error),
     #[error(
         "{format} needs values that change strictly with the command, and the {gear} map does not: {place}; `pivot-cal check` lists all places"
     )]

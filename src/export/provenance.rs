@@ -1,7 +1,7 @@
 //! Origin of an exported map, as lines for a comment.
 
 use crate::export::MapSource;
-use crate::map::{FixedText, IdentifiedDrive};
+use crate::map::{FixedText, IdentifiedDrive, LateralTableFile};
 
 /// The lines. Without time and machine, so that the same map gives the same bytes; without characters that could end a comment.
 pub(crate) fn lines(source: &MapSource) -> Vec<String> {
@@ -41,6 +41,22 @@ pub(crate) fn lines(source: &MapSource) -> Vec<String> {
         let lost = log.loss.as_ref().map(|loss| format!("log {}: {}", clean(&log.file), clean(&loss.to_string())));
         std::iter::once(format!("log {}: SHA-256 {}", clean(&log.file), clean(&log.sha256))).chain(lost)
     }));
+    lines
+}
+
+/// The lines for the lateral compensation.
+pub(crate) fn lateral_lines(file: &LateralTableFile) -> Vec<String> {
+    let mut lines = vec![
+        format!("Written by pivot-cal {} from lateral_table.json; do not edit.", env!("CARGO_PKG_VERSION")),
+        format!(
+            "Vehicle: wheelbase {} m. {} entries; the curve has {} points.",
+            file.vehicle.wheelbase_m,
+            file.entries.len(),
+            file.curve.error_m.len()
+        ),
+        format!("{}: SHA-256 {}", clean(&file.csv.file), clean(&file.csv.sha256)),
+    ];
+    lines.extend(file.logs.iter().map(|log| format!("log {}: SHA-256 {}", clean(&log.file), clean(&log.sha256))));
     lines
 }
 

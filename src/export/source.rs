@@ -1,5 +1,6 @@
 //! The map to export, from files that belong together.
 
+use crate::export::lateral_source::LateralSource;
 use crate::export::{Error, Result};
 use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table2File, TorqueMap, TorqueTable, WheelAngle};
 use std::path::Path;
@@ -17,6 +18,8 @@ pub struct MapSource {
     pub torque: Vec<(Gear, TorqueTable)>,
     /// Table 1 per gear at the test angle, forward first.
     pub accel: Vec<(Gear, AccelTable)>,
+    /// The lateral compensation, if the folder has its table.
+    pub(crate) lateral: Option<LateralSource>,
 }
 
 impl MapSource {
@@ -77,8 +80,13 @@ impl MapSource {
         other_angles_deg.retain(|a| !angle.is_same_deg(*a));
         table2.vehicle.test_angle_deg = angle.deg();
         table2.maps.retain(|m| m.angle().is_same(angle));
+        let lateral = match files.lateral()? {
+            Some((_, Some(wrong))) => return Err(mismatch(folder, wrong)),
+            Some((file, None)) => Some(LateralSource::new(file)?),
+            None => None,
+        };
         let table2_json = json2.text().map_err(|e| unread(folder, "table2.json", e))?.to_owned();
-        Ok(Self { table2, table2_json, other_angles_deg, torque, accel })
+        Ok(Self { table2, table2_json, other_angles_deg, torque, accel, lateral })
     }
 
     /// The torque that is 100 % of a pedal [N·m]: the vehicle's limit, or without one the largest torque in Table 2.

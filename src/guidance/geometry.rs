@@ -87,6 +87,17 @@ impl Polygon {
         if gap > 0.0 { self.corner_distance_m(other).min(other.corner_distance_m(self)) } else { gap }
     }
 
+    /// The smaller one of `most_m` and the distance of two polygons [m]: faster where they are further apart than that.
+    pub fn separation_or_m(&self, other: &Self, most_m: f64) -> f64 {
+        let gap = self.widest_axis_gap_m(other).max(other.widest_axis_gap_m(self));
+        match gap {
+            // the gap along an edge's normal is never more than the distance
+            gap if gap >= most_m => most_m,
+            gap if gap > 0.0 => most_m.min(self.corner_distance_m(other).min(other.corner_distance_m(self))),
+            gap => gap,
+        }
+    }
+
     /// How far `inner` is inside this polygon [m]: the least distance of its corners from the edges' lines, negative when one is outside.
     pub fn inside_margin_m(&self, inner: &Self) -> f64 {
         let margin = |(a, b): (PlanePoint, PlanePoint)| {
@@ -169,6 +180,9 @@ mod tests {
         fn the_separation_is_the_same_from_either_side(x in -4.0..4.0f64, y in -4.0..4.0f64, half in 0.2..3.0f64) {
             let (one, other) = (square(0.0, 0.0, 1.0), square(x, y, half));
             prop_assert!((one.separation_m(&other) - other.separation_m(&one)).abs() < 1e-9);
+            for most_m in [0.3, 1.0, f64::INFINITY] {
+                prop_assert_eq!(one.separation_or_m(&other, most_m), one.separation_m(&other).min(most_m));
+            }
         }
     }
 }

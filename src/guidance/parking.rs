@@ -6,14 +6,20 @@
 
 mod check;
 mod entry;
+mod method;
+mod parked_path;
 mod plan;
 mod scene;
+mod shuffle;
+mod stage;
 pub(crate) mod start;
 #[cfg(test)]
 mod success;
+mod tight;
 mod tolerance;
 
 pub(crate) use crate::guidance::parking::start::ParkingStart;
+pub(crate) use method::ParkingMethod;
 pub(crate) use plan::plan;
 pub(crate) use scene::{ParkingScene, Slot};
 pub(crate) use tolerance::Tolerance;

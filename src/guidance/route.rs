@@ -5,6 +5,7 @@
 pub(crate) mod clothoid_path;
 pub(crate) mod follower;
 pub(crate) mod front_axle;
+pub(crate) mod leg_speed;
 pub(crate) mod lqr;
 pub(crate) mod mpc;
 pub(crate) mod path_position;
@@ -12,6 +13,7 @@ pub(crate) mod polyline;
 pub(crate) mod polyline_driver;
 pub(crate) mod pure_pursuit;
 pub(crate) mod rear_axle;
+pub(crate) mod response;
 pub(crate) mod segment_speed;
 pub(crate) mod track;
 pub(crate) mod tracking;

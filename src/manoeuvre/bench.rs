@@ -1,9 +1,11 @@
 //! The inputs of a manoeuvre's run.
 
+use crate::guidance::route::response::VehicleResponse;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::planned_task::Planned;
 use crate::manoeuvre::torque::ManoeuvreTorque;
 use crate::sim;
+use crate::units::RAD_PER_DEG;
 use crate::verify::Maps;
 
 /// The inputs of a manoeuvre's run.
@@ -13,8 +15,8 @@ pub(crate) struct ManoeuvreBench<'a> {
     pub(crate) maps: &'a Maps,
     /// Torque for speed, acceleration and angle.
     pub(crate) torque: ManoeuvreTorque<'a>,
-    /// Wheelbase [m].
-    pub(crate) wheelbase_m: f64,
+    /// How fast the vehicle answers: the drive by the map, the steering by the vehicle's file.
+    pub(crate) vehicle: VehicleResponse,
     /// The plan of a planned task, made once for all of its runs.
     pub(crate) planned: Option<&'a Planned>,
 }
@@ -25,6 +27,19 @@ impl<'a> ManoeuvreBench<'a> {
     /// # Errors
     /// A vehicle that cannot be simulated.
     pub(crate) fn new(maps: &'a Maps, vehicle: &sim::WorldSettings) -> Result<Self> {
-        Ok(Self { maps, torque: ManoeuvreTorque::new(Some(maps), vehicle)?, wheelbase_m: vehicle.vehicle.wheelbase_m, planned: None })
+        let torque = ManoeuvreTorque::new(Some(maps), vehicle)?;
+        let response = VehicleResponse { dead_time_s: maps.table2.dead_time_s, lag_s: maps.table2.lag_s, ..response_of(vehicle) };
+        Ok(Self { maps, torque, vehicle: response, planned: None })
+    }
+}
+
+/// How fast a simulated vehicle answers.
+pub(crate) fn response_of(world: &sim::WorldSettings) -> VehicleResponse {
+    VehicleResponse {
+        wheelbase_m: world.vehicle.wheelbase_m,
+        dead_time_s: world.drive.dead_time_s,
+        lag_s: world.drive.lag_s,
+        steering_rate_rad_s: world.steering.rate_deg_s * RAD_PER_DEG,
+        steering_lag_s: world.steering.lag_s,
     }
 }

@@ -1,6 +1,6 @@
 //! The compensation scenario: a path driven with mounting errors, once without and once with the run-time law, on the same noise.
 
-use crate::control::{CompensationEntry, CompensationSettings, CompensationTable, Inputs, LateralCompensation};
+use crate::control::{Accumulation, CompensationEntry, CompensationSettings, CompensationTable, Inputs, LateralCompensation};
 use crate::guidance::path::PosePath;
 use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};
@@ -8,6 +8,7 @@ use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::manoeuvre::Result;
 use crate::manoeuvre::bench::ManoeuvreBench;
 use crate::manoeuvre::drive::{Commanded, ManoeuvreObserver, ManoeuvreStart, Mounting, drive_manoeuvre};
+use crate::manoeuvre::endings::DriveEnd;
 use crate::manoeuvre::lateral_metrics::{LateralFigures, LateralMetrics, compared};
 use crate::manoeuvre::legs_driver::LegsDriver;
 use crate::map::{Gear, LateralTableFile};
@@ -27,11 +28,16 @@ pub struct CompensationScenario {
     pub yaw_deg: f64,
     /// True wheel angle minus reported wheel angle [°]. Default −0.8 forward, 0.8 in reverse, so that both errors push to the same side.
     pub steering_zero_deg: f64,
+    /// Averaging length of the error in the run-time law. Default a distance of 5 m.
+    pub accumulation: Accumulation,
     /// Distance on which the compensation is estimated [m]. Default 50.
     pub learning_m: f64,
     /// Distance on which both drives are compared [m]: a straight, a bend of 90° and a straight. Default 35.
     pub measured_m: f64,
 }
+
+/// Control periods in which 5 m pass at the usual 0.8 m/s.
+pub(crate) const PERIODS: Accumulation = Accumulation::Periods(313);
 
 /// The file's table as the run-time law reads it.
 fn table(file: &LateralTableFile) -> Result<CompensationTable> {
@@ -44,7 +50,9 @@ fn table(file: &LateralTableFile) -> Result<CompensationTable> {
 impl CompensationScenario {
     /// The default errors.
     pub fn new(direction: Gear) -> Self {
-        Self { direction, law: LawName::Lqr, yaw_deg: 1.0, steering_zero_deg: -direction.sign() * 0.8, learning_m: 50.0, measured_m: 35.0 }
+        let accumulation = CompensationSettings::default().accumulation;
+        let steering_zero_deg = -direction.sign() * 0.8;
+        Self { direction, law: LawName::Lqr, yaw_deg: 1.0, steering_zero_deg, accumulation, learning_m: 50.0, measured_m: 35.0 }
     }
 
     /// The path: straight, then the measured stretch with its bend.
@@ -71,15 +79,18 @@ impl CompensationScenario {
         seed: u64,
         uncompensated: impl ManoeuvreObserver,
         observer: impl ManoeuvreObserver,
-    ) -> Result<Values> {
-        let (before, before_stage) = self.once(bench, plant, seed, None, uncompensated)?;
+    ) -> Result<(Values, DriveEnd)> {
+        let (before, before_end) = self.once(bench, plant, seed, None, uncompensated)?;
         let law = match &bench.maps.lateral {
-            Some(file) => Some(LateralCompensation::new(CompensationSettings::default(), table(file)?)),
+            Some(file) => Some(LateralCompensation::new(
+                CompensationSettings { accumulation: self.accumulation, ..CompensationSettings::default() }.checked()?,
+                table(file)?,
+            )),
             None => None,
         };
-        let (after, after_stage) = self.once(bench, plant, seed, law, observer)?;
-        let ended = before_stage == DriveStage::Arrived && after_stage == DriveStage::Arrived;
-        Ok(compared(&before, &after, ended))
+        let (after, after_end) = self.once(bench, plant, seed, law, observer)?;
+        let ended = before_end.arrived() && after_end.arrived();
+        Ok((compared(&before, &after, ended), if before_end.arrived() { after_end } else { before_end }))
     }
 
     /// One of the two drives.
@@ -90,9 +101,9 @@ impl CompensationScenario {
         seed: u64,
         mut law: Option<LateralCompensation>,
         observer: impl ManoeuvreObserver,
-    ) -> Result<(LateralFigures, DriveStage)> {
-        let path = self.path(bench.wheelbase_m);
-        let settings = FollowerSettings::new(bench.wheelbase_m, TrackingSettings::new(self.law));
+    ) -> Result<(LateralFigures, DriveEnd)> {
+        let path = self.path(bench.vehicle.wheelbase_m);
+        let settings = FollowerSettings::new(&bench.vehicle, TrackingSettings::new(self.law));
         let mut driver = LegsDriver::new(&path, settings);
         let mounting = Mounting { yaw_rad: self.yaw_deg * RAD_PER_DEG, steering_zero_rad: self.steering_zero_deg * RAD_PER_DEG };
         let (mut compensation_rad, mut last_s_m) = (0.0, 0.0);
@@ -108,10 +119,10 @@ impl CompensationScenario {
             Commanded { command, compensation_rad: used_rad, leg: driver.leg() }
         };
         let measured_m = self.learning_m..self.learning_m + self.measured_m;
-        let mut observers = (LateralMetrics::new(&path, measured_m, bench.wheelbase_m), observer);
+        let mut observers = (LateralMetrics::new(&path, measured_m, bench.vehicle.wheelbase_m), observer);
         let start = ManoeuvreStart::default();
-        let stage = drive_manoeuvre(plant, seed, &start, &mounting, settings.limits.period_s, controller, &mut observers)?;
-        Ok((observers.0.figures, stage))
+        let end = drive_manoeuvre(plant, seed, &start, &mounting, settings.limits.period_s, controller, &mut observers)?;
+        Ok((observers.0.figures, end))
     }
 }
 

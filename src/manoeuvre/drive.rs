@@ -3,6 +3,7 @@
 use crate::control::{Inputs, Pose};
 use crate::guidance::route::follower::{DriveCommand, DriveStage};
 use crate::manoeuvre::Result;
+use crate::manoeuvre::endings::DriveEnd;
 use crate::sim;
 use crate::sim::{Measurement, TrueState, World, WorldCommand};
 use crate::verify;
@@ -66,6 +67,8 @@ pub(crate) struct ManoeuvreDriver<'a> {
     mounting: &'a Mounting,
     controller: &'a mut dyn FnMut(&Inputs) -> Commanded,
     stage: DriveStage,
+    leg: usize,
+    state: TrueState,
     periods_left: usize,
 }
 
@@ -89,7 +92,7 @@ impl Driver for ManoeuvreDriver<'_> {
     fn command(&mut self, world: &World) -> (ManoeuvreMoment, WorldCommand) {
         let (state, seen) = readings(world, self.start, self.mounting);
         let Commanded { command, compensation_rad, leg } = (self.controller)(&inputs(&seen));
-        self.stage = command.stage;
+        (self.stage, self.leg, self.state) = (command.stage, leg, state);
         let order = WorldCommand {
             torque_nm: command.torque_nm,
             wheel_angle_rad: command.wheel_angle_rad + self.mounting.steering_zero_rad,
@@ -99,7 +102,7 @@ impl Driver for ManoeuvreDriver<'_> {
     }
 }
 
-/// Drives until the controller has arrived or failed, and returns the last stage: [`DriveStage::Driving`] after 15 minutes.
+/// Drives until the controller has arrived or failed, and returns how and where: in [`DriveStage::Driving`] after 15 minutes.
 ///
 /// # Errors
 /// A world that cannot be simulated.
@@ -111,7 +114,7 @@ pub(crate) fn drive_manoeuvre(
     period_s: f64,
     mut controller: impl FnMut(&Inputs) -> Commanded,
     mut observer: impl ManoeuvreObserver,
-) -> Result<DriveStage> {
+) -> Result<DriveEnd> {
     let mut world = World::new(plant, seed)?;
     let wheel_angle_rad = start.wheel_angle_rad + mounting.steering_zero_rad;
     world.place_wheel(wheel_angle_rad);
@@ -124,10 +127,13 @@ pub(crate) fn drive_manoeuvre(
         mounting,
         controller: &mut controller,
         stage: DriveStage::Driving,
+        leg: 0,
+        state: TrueState::default(),
         periods_left: (LONGEST_S / period_s) as usize,
     };
     drive(&mut world, steps_of(period_s, plant.step_s), &mut driver, &mut observer)?;
-    Ok(if driver.has_ended() { driver.stage } else { DriveStage::Driving })
+    let (stage, state) = (if driver.has_ended() { driver.stage } else { DriveStage::Driving }, driver.state);
+    Ok(DriveEnd { stage, leg: driver.leg, at_m: [state.x_m, state.y_m], heading_rad: state.heading_rad, t_s: state.t_s })
 }
 
 /// Truth and readings in the frame of the path, with the mounting errors.
@@ -161,7 +167,7 @@ mod tests {
         let vehicle = VehicleFile::bundled().unwrap().settings();
         let end =
             drive_manoeuvre(&vehicle, 1, start, mounting, 0.02, controller, EachMoment(|m: &ManoeuvreMoment| moments.push(*m))).unwrap();
-        (moments, end)
+        (moments, end.stage)
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::manoeuvre::Result;
 use crate::manoeuvre::bench::ManoeuvreBench;
 use crate::manoeuvre::drive::ManoeuvreMoment;
+use crate::manoeuvre::endings::{DriveEnd, endings, worst_run};
 use crate::manoeuvre::manoeuvre_log::ManoeuvreLog;
 use crate::manoeuvre::scenario::Manoeuvre;
 use crate::manoeuvre::settings::ManoeuvreSettings;
@@ -23,7 +24,7 @@ pub(crate) struct JudgedManoeuvres {
     pub note: Option<String>,
     /// The nominal runs over time; `None` when they were not requested or no manoeuvre was tested.
     pub traces: Option<ManoeuvreTraces>,
-    /// Logs of the nominal runs, one for each manoeuvre that was tested; empty when they were not requested.
+    /// Logs of the nominal runs, one for each manoeuvre that was tested, and of the worst perturbed ones; empty when they were not requested.
     pub logs: Vec<RunLog>,
 }
 
@@ -50,7 +51,7 @@ pub(crate) fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted
     for judged in judged? {
         all.verdicts.push(judged.verdict);
         traces.extend(judged.trace);
-        all.logs.extend(judged.log);
+        all.logs.extend(judged.logs);
     }
     if !traces.is_empty() {
         all.traces = Some(ManoeuvreTraces::new(maps, settings.draws, traces));
@@ -73,21 +74,31 @@ struct ManoeuvreStage<'a> {
 struct JudgedManoeuvre {
     verdict: ScenarioVerdict,
     trace: Option<ManoeuvreTrace>,
-    log: Option<RunLog>,
+    logs: Vec<RunLog>,
 }
 
 impl ManoeuvreStage<'_> {
     fn judge(&self, manoeuvre: &Manoeuvre) -> Result<JudgedManoeuvre> {
         let (settings, vehicle) = (self.settings, &self.settings.vehicle);
-        let (name, what, class) = (&manoeuvre.name, &manoeuvre.what, manoeuvre.class);
+        let (name, class) = (&manoeuvre.name, manoeuvre.class);
         if let Some(why) = manoeuvre.reason_against(self.maps, vehicle) {
-            return Ok(JudgedManoeuvre { verdict: ScenarioVerdict::not_tested(name, what, class, why), trace: None, log: None });
+            return Ok(JudgedManoeuvre {
+                verdict: ScenarioVerdict::not_tested(name, &manoeuvre.what, class, why),
+                trace: None,
+                logs: Vec::new(),
+            });
         }
-        let planned = manoeuvre.plan(self.bench.wheelbase_m)?;
+        let planned = manoeuvre.plan(self.bench.vehicle.wheelbase_m)?;
+        let what = &match planned.as_ref().and_then(|planned| planned.moves) {
+            Some([moves, shuffles]) if shuffles > 0 => {
+                format!("{}; {moves} moves, {shuffles} of them along the slot's axis", manoeuvre.what)
+            }
+            _ => manoeuvre.what.clone(),
+        };
         let bench = ManoeuvreBench { planned: planned.as_ref(), ..self.bench.clone() };
         let path = match &planned {
             Some(planned) => planned.path.clone(),
-            None => manoeuvre.reference(bench.wheelbase_m)?,
+            None => manoeuvre.reference(bench.vehicle.wheelbase_m)?,
         };
         let mut log = if self.wanted.logs { Some(ManoeuvreLog::of_scenario(&vehicle.vehicle, name, what, &path)?) } else { None };
         let (mut uncompensated, mut moments) = (Vec::new(), Vec::new());
@@ -100,19 +111,33 @@ impl ManoeuvreStage<'_> {
         let second = (EachMoment(|moment: &ManoeuvreMoment| keep(&mut moments, moment)), &mut log);
         let nominal = manoeuvre.run(&bench, vehicle, settings.seed, first, second);
         (self.done)();
-        let nominal = nominal?;
+        let (nominal, nominal_end) = nominal?;
         let one = |(plant, seed): &(sim::WorldSettings, u64)| {
-            let values = manoeuvre.run(&bench, plant, *seed, (), ());
+            let ended = manoeuvre.run(&bench, plant, *seed, (), ());
             (self.done)();
-            values
+            ended
         };
-        let runs: Result<Vec<Values>> = self.varied.par_iter().map(one).collect();
-        let metrics = MetricSummary::all(&nominal, &runs?);
-        let verdict = ScenarioVerdict::new(name, what, class, metrics, &settings.gate);
+        let runs: Result<Vec<(Values, DriveEnd)>> = self.varied.par_iter().map(one).collect();
+        let runs = runs?;
+        let metrics = MetricSummary::all(&nominal, &runs.iter().map(|run| run.0).collect::<Vec<_>>());
+        let mut verdict = ScenarioVerdict::new(name, what, class, metrics, &settings.gate);
+        verdict.about = ManoeuvreTorque::about(self.maps);
+        verdict.notes.extend(endings(&verdict, &nominal_end, &runs));
+        let worst = worst_run(runs.iter().map(|run| &run.0), &verdict.checks).filter(|_| self.wanted.worst_logs);
+        let mut logs = Vec::new();
+        if let Some(worst) = worst {
+            let (plant, seed) = &self.varied[worst];
+            let what = format!("{what}; the worst of {} perturbed vehicles, draw {}", runs.len(), worst + 1);
+            let mut log = Some(ManoeuvreLog::of_scenario(&plant.vehicle, name, &what, &path)?);
+            manoeuvre.run(&bench, plant, *seed, (), &mut log)?;
+            let bytes = log.map(ManoeuvreLog::finish).transpose()?;
+            logs.extend(bytes.map(|bytes| RunLog { name: format!("{name}.worst"), bytes }));
+        }
         let nominal = NominalRun { path: &path, planned: planned.as_ref(), uncompensated: &uncompensated, moments: &moments };
         let trace = self.wanted.traces.then(|| ManoeuvreTrace::new(manoeuvre, verdict.clone(), &nominal));
-        let log = log.map(ManoeuvreLog::finish).transpose()?.map(|bytes| RunLog { name: name.clone(), bytes });
-        Ok(JudgedManoeuvre { verdict, trace, log })
+        let bytes = log.map(ManoeuvreLog::finish).transpose()?;
+        logs.splice(0..0, bytes.map(|bytes| RunLog { name: name.clone(), bytes }));
+        Ok(JudgedManoeuvre { verdict, trace, logs })
     }
 }
 
@@ -132,16 +157,37 @@ mod tests {
         let all = Manoeuvre::all().into_iter();
         settings.manoeuvres = all.filter(|m| m.name == "polyline-lqr" || matches!(m.kind, ManoeuvreKind::Compensation(_))).collect();
         let plain = judge_manoeuvres(&maps, &settings, Wanted::default()).unwrap();
-        let rich = judge_manoeuvres(&maps, &settings, Wanted { traces: true, logs: true, progress: None }).unwrap();
+        let rich = judge_manoeuvres(&maps, &settings, Wanted { traces: true, logs: true, worst_logs: true, progress: None }).unwrap();
         assert_eq!((&plain.verdicts, &plain.note), (&rich.verdicts, &rich.note));
         assert!(plain.traces.is_none() && plain.logs.is_empty());
         // without a lateral table nothing is compensated
         let status: Vec<_> = rich.verdicts.iter().map(|v| v.status).collect();
         assert_eq!(status, [Status::Pass, Status::NotTested, Status::NotTested]);
         let traces = rich.traces.unwrap();
-        assert_eq!((traces.manoeuvres.len(), rich.logs.len(), rich.logs[0].name.as_str()), (1, 1, "polyline-lqr"));
+        let logs: Vec<&str> = rich.logs.iter().map(|log| log.name.as_str()).collect();
+        assert_eq!((traces.manoeuvres.len(), logs), (1, vec!["polyline-lqr", "polyline-lqr.worst"]));
+        assert!(rich.logs[0].bytes != rich.logs[1].bytes, "another vehicle");
+        // a map of one wheel angle drives the turns on the spot alone
+        assert_eq!(
+            rich.verdicts[0].about.as_deref(),
+            Some("the path planner and its laws, not the map: torque away from 90° is the plant's exact inverse")
+        );
         assert_eq!(traces.manoeuvres[0].verdict, rich.verdicts[0]);
         assert!(traces.manoeuvres[0].driven_m.len() > 20 && !traces.manoeuvres[0].errors.is_empty());
+    }
+
+    #[test]
+    fn both_bundled_vehicles_drive_every_polyline_within_the_gate() {
+        for vehicle in [include_str!("../../data/vehicles/scrubber.toml"), include_str!("../../data/vehicles/sweeper.toml")] {
+            let vehicle = crate::sim::VehicleFile::from_toml(vehicle).unwrap().settings();
+            let (table1, table2) = known_maps(&vehicle).unwrap();
+            let maps = Maps::new(table1, table2).unwrap();
+            let manoeuvres: Vec<Manoeuvre> = Manoeuvre::all().into_iter().filter(|m| m.class == crate::verify::Class::Polyline).collect();
+            let settings = ManoeuvreSettings { draws: 8, vehicle, manoeuvres, ..ManoeuvreSettings::new().unwrap() };
+            for verdict in judge_manoeuvres(&maps, &settings, Wanted::default()).unwrap().verdicts {
+                assert_eq!(verdict.status, Status::Pass, "{}: {:?}", verdict.name, verdict.notes);
+            }
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::guidance::route::clothoid_path::{course, lateral_task};
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::manoeuvre::Result;
+use crate::manoeuvre::bench::response_of;
 use crate::manoeuvre::drive::{Commanded, ManoeuvreObserver, ManoeuvreStart, Mounting, drive_manoeuvre};
 use crate::manoeuvre::legs_driver::LegsDriver;
 use crate::manoeuvre::manoeuvre_log::ManoeuvreLog;
@@ -45,14 +46,15 @@ fn task(vehicle: &sim::WorldSettings) -> PosePath {
 /// Drives the path of the lateral calibration; returns the last stage.
 fn lateral_run(vehicle: &sim::WorldSettings, run: &CalibrationDrive, observer: impl ManoeuvreObserver) -> Result<DriveStage> {
     let path = task(vehicle);
-    let settings = FollowerSettings::new(vehicle.vehicle.wheelbase_m, TrackingSettings::new(run.law));
+    let settings = FollowerSettings::new(&response_of(vehicle), TrackingSettings::new(run.law));
     let torque = ExactTorque::new(vehicle)?;
     let mut driver = LegsDriver::new(&path, settings);
     let controller = |inputs: &Inputs| {
         let command = driver.step(inputs, &torque, run.compensation_rad);
         Commanded { command, compensation_rad: run.compensation_rad, leg: driver.leg() }
     };
-    drive_manoeuvre(vehicle, run.seed, &ManoeuvreStart::default(), &run.mounting, settings.limits.period_s, controller, observer)
+    let start = ManoeuvreStart::default();
+    Ok(drive_manoeuvre(vehicle, run.seed, &start, &run.mounting, settings.limits.period_s, controller, observer)?.stage)
 }
 
 /// The log of a run: the bytes of an MCAP file, and the last stage.

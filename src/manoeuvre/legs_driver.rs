@@ -36,7 +36,7 @@ impl<'a> LegsDriver<'a> {
         let end = self.first + leg.last_index();
         if command.stage == DriveStage::Arrived && end + 1 < self.path.poses.len() {
             (self.first, self.leg) = (end, self.leg + 1);
-            self.follower.start();
+            self.follower.start(None);
             return DriveCommand { stage: DriveStage::Stopping, ..command };
         }
         command
@@ -49,6 +49,7 @@ mod tests {
     use super::*;
     use crate::control::Pose;
     use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
+    use crate::guidance::route::response::VehicleResponse;
     use crate::guidance::route::tracking::{LawName, TrackingSettings};
     use crate::map::Gear;
 
@@ -67,7 +68,7 @@ mod tests {
     #[test]
     fn at_the_end_of_a_leg_the_next_one_begins_and_at_the_end_of_the_last_it_has_arrived() {
         let path = course(&[ClothoidPiece::straight(2.0), ClothoidPiece::straight(1.0).reversed()], 0.9);
-        let settings = FollowerSettings::new(0.9, TrackingSettings::new(LawName::RearAxle));
+        let settings = FollowerSettings::new(&VehicleResponse::quick(0.9), TrackingSettings::new(LawName::RearAxle));
         let mut driver = LegsDriver::new(&path, settings);
         let mut legs = Vec::new();
         let mut last = DriveStage::Steering;
@@ -91,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_path_without_a_leg_is_at_its_end() {
-        let settings = FollowerSettings::new(0.9, TrackingSettings::new(LawName::RearAxle));
+        let settings = FollowerSettings::new(&VehicleResponse::quick(0.9), TrackingSettings::new(LawName::RearAxle));
         let path = PosePath { poses: Vec::new() };
         assert_eq!(LegsDriver::new(&path, settings).step(&standing_at(0.0), &NoTorque, 0.0).stage, DriveStage::Arrived);
     }

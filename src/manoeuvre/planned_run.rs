@@ -5,11 +5,13 @@ use crate::guidance::look_ahead::largest_steps;
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::path_position::{Leg, Offset};
 use crate::guidance::route::rear_axle::RearAxle;
+use crate::guidance::route::response::VehicleResponse;
 use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::guidance::route::tracking::TrackingSettings;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::bench::ManoeuvreBench;
 use crate::manoeuvre::drive::{Commanded, ManoeuvreDriver, ManoeuvreObserver, ManoeuvreStart, Mounting, drive_manoeuvre};
+use crate::manoeuvre::endings::DriveEnd;
 use crate::manoeuvre::legs_driver::LegsDriver;
 use crate::manoeuvre::planned_task::Planned;
 use crate::sim;
@@ -19,10 +21,10 @@ use crate::verify::drive::{Observer, Period};
 use crate::verify::{Metric, Values};
 use std::f64::consts::PI;
 
-fn follower_settings(planned: &Planned, wheelbase_m: f64) -> FollowerSettings {
+fn follower_settings(planned: &Planned, vehicle: &VehicleResponse) -> FollowerSettings {
     // feedback over about a turning radius: it returns to the path within a metre
     let law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 4.0 };
-    let mut settings = FollowerSettings::new(wheelbase_m, TrackingSettings::RearAxle(law));
+    let mut settings = FollowerSettings::new(vehicle, TrackingSettings::RearAxle(law));
     settings.speed =
         SegmentSpeed { start_mps: 0.15, accelerating_m: 0.4, cruise_mps: planned.cruise_mps, decelerating_m: 0.6, switch_mps: 0.1 };
     settings
@@ -96,8 +98,8 @@ pub(crate) fn run(
     plant: &sim::WorldSettings,
     seed: u64,
     observer: impl ManoeuvreObserver,
-) -> Result<Values> {
-    let settings = follower_settings(planned, bench.wheelbase_m);
+) -> Result<(Values, DriveEnd)> {
+    let settings = follower_settings(planned, &bench.vehicle);
     let first = planned.path.poses[0];
     let pose = Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad };
     let start = ManoeuvreStart { pose, wheel_angle_rad: first.wheel_angle_rad };
@@ -112,8 +114,8 @@ pub(crate) fn run(
         Commanded { command, compensation_rad: 0.0, leg: driver.leg() }
     };
     let mut observers = (PlannedMetrics::new(planned), observer);
-    let stage = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
-    Ok(observers.0.values(stage))
+    let end = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
+    Ok((observers.0.values(end.stage), end))
 }
 
 #[cfg(test)]

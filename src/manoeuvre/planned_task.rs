@@ -18,6 +18,10 @@ pub enum PlannedTask {
         /// Whether the vehicle goes in forward.
         nose_in: bool,
     },
+    /// Into a perpendicular slot with the published choices of line and circle.
+    ParkingPublished,
+    /// Into a slot from an aisle so narrow, with a turning circle so large, that no single entry ends straight.
+    ParkingShuffle,
     /// A U-turn around the end of a shelf into the next aisle.
     UTurn,
 }
@@ -37,6 +41,8 @@ pub struct Planned {
     pub cruise_mps: f64,
     /// Smallest distance of the planned path's body from field and obstacles [m].
     pub clearance_m: f64,
+    /// Moves of a parking path, and those of them along the slot's axis after the entry.
+    pub moves: Option<[usize; 2]>,
 }
 
 /// Wheel limit of both manoeuvres: it leaves 9° of the tracking limit of 69° as a reserve.
@@ -52,15 +58,17 @@ impl PlannedTask {
             Self::Parking { angle_deg, obstacle_right, nose_in } => {
                 let (mut scene, start) = parking_scene(wheelbase_m, angle_deg, obstacle_right);
                 scene.nose_in = nose_in;
-                let plan = parking::plan(&scene, start)?;
-                Ok(Planned {
-                    path: plan.path,
-                    body: scene.body,
-                    field: None,
-                    obstacles: scene.obstacles(),
-                    cruise_mps: 0.4,
-                    clearance_m: plan.judgement.clearance_m,
-                })
+                parked(&scene, start, 0.4)
+            }
+            Self::ParkingPublished => {
+                let (mut scene, start) = parking_scene(wheelbase_m, 90.0, true);
+                scene.method = parking::ParkingMethod::published();
+                parked(&scene, start, 0.2)
+            }
+            Self::ParkingShuffle => {
+                let (scene, start) = shuffle_scene(wheelbase_m);
+                // the wheel turns over most of every move: slowly, so that the steering follows
+                parked(&scene, start, 0.2)
             }
             Self::UTurn => {
                 let (car, scene, ranges, settings) = u_turn_scene(wheelbase_m)?;
@@ -72,10 +80,37 @@ impl PlannedTask {
                     obstacles: scene.obstacles,
                     cruise_mps: found.turn.speed_mps,
                     clearance_m: found.margins.smallest_m(),
+                    moves: None,
                 })
             }
         }
     }
+}
+
+/// The plan of a parking scene, driven at `cruise_mps`.
+fn parked(scene: &parking::ParkingScene, start: parking::ParkingStart, cruise_mps: f64) -> Result<Planned> {
+    let plan = parking::plan(scene, start)?;
+    let moves = Some([plan.moves(), plan.shuffles()]);
+    Ok(Planned {
+        path: plan.path,
+        body: scene.body,
+        field: None,
+        obstacles: scene.obstacles(),
+        cruise_mps,
+        clearance_m: plan.judgement.clearance_m,
+        moves,
+    })
+}
+
+/// The scene of parking with shuffling for a wheelbase: a slot 0.45 m wider than the vehicle, an aisle 0.55 m wider than its length, and a wheel limit
+/// of 50°; the start 12° askew, near the row.
+pub(crate) fn shuffle_scene(wheelbase_m: f64) -> (parking::ParkingScene, parking::ParkingStart) {
+    let (mut scene, mut start) = parking_scene(wheelbase_m, 90.0, true);
+    scene.slot.width_m = scene.body.width_m + 0.45;
+    scene.slot.aisle_m = scene.body.length_m() + 0.55;
+    scene.look_ahead.wheel_limit_rad = 50.0 * RAD_PER_DEG;
+    (start.y_m, start.heading_rad) = (0.95 * wheelbase_m, 12.0 * RAD_PER_DEG);
+    (scene, start)
 }
 
 /// The parking scene for a wheelbase, and the start: beside the row, 2.2 wheelbases before the slot, heading 3° off the row.
@@ -144,9 +179,12 @@ mod tests {
     #[test]
     fn scenes_scale_with_the_vehicle() {
         for wheelbase_m in [0.7, 0.92, 1.35] {
-            for task in [PlannedTask::UTurn, PlannedTask::Parking { angle_deg: 90.0, obstacle_right: true, nose_in: false }] {
+            let usual = PlannedTask::Parking { angle_deg: 90.0, obstacle_right: true, nose_in: false };
+            for task in [PlannedTask::UTurn, usual, PlannedTask::ParkingShuffle] {
                 let planned = task.plan(wheelbase_m).unwrap();
-                assert!(planned.clearance_m >= 0.1, "{task:?} {wheelbase_m}: {}", planned.clearance_m);
+                let [moves, shuffles] = planned.moves.unwrap_or_default();
+                assert_eq!(shuffles > 0, task == PlannedTask::ParkingShuffle, "{task:?} {wheelbase_m}: {moves} moves");
+                assert!(planned.clearance_m >= 0.1 - 1e-9, "{task:?} {wheelbase_m}: {}", planned.clearance_m);
             }
         }
     }

@@ -3,13 +3,15 @@
 use crate::control::{Inputs, Pose};
 use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::path_position::{Leg, Offset};
-use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
+use crate::guidance::route::polyline::{PolylinePlan, PolylinePoint, PolylineSettings};
 use crate::guidance::route::polyline_driver::PolylineDriver;
+use crate::guidance::route::response::VehicleResponse;
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::guidance::route::turn_law::TurnSettings;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::bench::ManoeuvreBench;
 use crate::manoeuvre::drive::{Commanded, ManoeuvreDriver, ManoeuvreMoment, ManoeuvreObserver, ManoeuvreStart, Mounting, drive_manoeuvre};
+use crate::manoeuvre::endings::DriveEnd;
 use crate::sim;
 use crate::sim::TrueState;
 use crate::verify::drive::{Observer, Period};
@@ -20,9 +22,19 @@ use crate::verify::{Metric, Values};
 pub const DEMO_POINTS: [[f64; 2]; 9] =
     [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [10.0, 4.0], [14.0, 4.2], [14.0, 2.8], [8.0, 1.0], [3.0, -2.0], [0.0, -2.0]];
 
-/// Settings of follower and turn for a wheelbase [m] and a law.
-fn polyline_settings(wheelbase_m: f64, law: LawName) -> (FollowerSettings, TurnSettings) {
-    (FollowerSettings::new(wheelbase_m, TrackingSettings::new(law)), TurnSettings::new(wheelbase_m))
+/// The corners at the usual speed.
+pub fn demo_points() -> Vec<PolylinePoint> {
+    DEMO_POINTS.map(PolylinePoint::from).to_vec()
+}
+
+/// Set speeds of the segments of [`DEMO_POINTS`] for the scenario with a speed per segment [m/s]: a slow one after a corner, and a joint
+/// without a stop at which the speed rises.
+pub(crate) const DEMO_SPEEDS_MPS: [Option<f64>; 9] =
+    [Some(1.0), Some(0.5), Some(0.4), Some(0.9), None, Some(0.6), Some(0.3), Some(0.7), None];
+
+/// Settings of follower and turn for a vehicle and a law.
+fn polyline_settings(vehicle: &VehicleResponse, law: LawName) -> (FollowerSettings, TurnSettings) {
+    (FollowerSettings::new(vehicle, TrackingSettings::new(law)), TurnSettings::new(vehicle))
 }
 
 /// Measurements on one leg.
@@ -40,7 +52,7 @@ struct LegResult {
 /// Observes a polyline and accumulates its metrics.
 struct PolylineMetrics<'a> {
     plan: &'a PolylinePlan,
-    settings: FollowerSettings,
+    stop_m: f64,
     legs: Vec<LegResult>,
     index: usize,
     leg: usize,
@@ -52,10 +64,10 @@ struct PolylineMetrics<'a> {
 }
 
 impl<'a> PolylineMetrics<'a> {
-    fn new(plan: &'a PolylinePlan, settings: FollowerSettings) -> Self {
+    fn new(plan: &'a PolylinePlan, stop_m: f64) -> Self {
         Self {
             plan,
-            settings,
+            stop_m,
             legs: vec![LegResult::default(); plan.legs.len()],
             index: 0,
             leg: 0,
@@ -104,14 +116,15 @@ impl<'a> PolylineMetrics<'a> {
         result.squares += moved_m * offset_m * offset_m;
         result.way_m += moved_m;
         if moment.command.stage == DriveStage::Driving {
-            let planned = self.settings.speed.speed_at(matched.s_m - leg.start_m(), leg.end_m() - leg.start_m());
+            let planned = self.plan.speeds[self.leg].speed_at(matched.s_m - leg.start_m(), self.stop_m);
             let error = leg.gear().sign() * state.speed_mps - planned;
             self.squares += error * error;
             self.largest_mps = self.largest_mps.max(error.abs());
             self.count += 1.0;
         }
         // at rest at its start after the turn: position error of the turn
-        if moment.command.stage == DriveStage::Driving && self.leg > 0 && moved_m < 1e-9 {
+        let at_start = self.legs[self.leg].way_m < 0.05;
+        if moment.command.stage == DriveStage::Driving && self.leg > 0 && at_start && moved_m < 1e-9 {
             let start = self.plan.legs[self.leg].poses[0];
             let error_m = f64::hypot(pose.x_m - start.x_m, pose.y_m - start.y_m);
             let before = &mut self.legs[self.leg - 1];
@@ -136,14 +149,13 @@ impl<'b> Observer<ManoeuvreDriver<'b>> for PolylineMetrics<'_> {
 pub(crate) fn run(
     bench: &ManoeuvreBench<'_>,
     law: LawName,
-    points_m: &[[f64; 2]],
+    points: &[PolylinePoint],
     plant: &sim::WorldSettings,
     seed: u64,
     observer: impl ManoeuvreObserver,
-) -> Result<Values> {
-    let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
-    let (settings, turn) = polyline_settings(bench.wheelbase_m, law);
-    settings.speed.checked()?;
+) -> Result<(Values, DriveEnd)> {
+    let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
+    let (settings, turn) = polyline_settings(&bench.vehicle, law);
     let mut driver = PolylineDriver::new(&plan, settings, turn);
     let controller = |inputs: &Inputs| {
         let command = driver.step(inputs, &bench.torque, 0.0);
@@ -152,9 +164,9 @@ pub(crate) fn run(
     let first = plan.legs[0].poses[0];
     let pose = Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad };
     let start = ManoeuvreStart { pose, wheel_angle_rad: 0.0 };
-    let mut observers = (PolylineMetrics::new(&plan, settings), observer);
-    let stage = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
-    Ok(observers.0.values(stage))
+    let mut observers = (PolylineMetrics::new(&plan, settings.stop_m()), observer);
+    let end = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
+    Ok((observers.0.values(end.stage), end))
 }
 
 #[cfg(test)]
@@ -173,16 +185,15 @@ mod tests {
 
     #[test]
     fn errors_are_those_of_the_leg_and_the_corner_where_they_are_made() {
-        let plan = PolylinePlan::new(&[[0.0, 0.0], [6.0, 0.0], [6.0, 4.0]], &PolylineSettings::default()).unwrap();
-        let (settings, _) = polyline_settings(0.9, LawName::Lqr);
-        let mut metrics = PolylineMetrics::new(&plan, settings);
+        let plan = PolylinePlan::new(&[[0.0, 0.0], [6.0, 0.0], [6.0, 4.0]].map(PolylinePoint::from), &PolylineSettings::default()).unwrap();
+        let mut metrics = PolylineMetrics::new(&plan, 0.0);
         let driving = DriveStage::Driving;
         for (x_m, y_m) in [(0.0, 0.0), (1.0, 0.02), (3.0, -0.05)] {
-            metrics.add(&moment(0, driving, x_m, y_m, settings.speed.speed_at(x_m, 6.0) + 0.1));
+            metrics.add(&moment(0, driving, x_m, y_m, plan.speeds[0].speed_at(x_m, 0.0) + 0.1));
         }
         // a corner cut by 0.3 m is not a lateral error
         metrics.add(&moment(1, DriveStage::Turning, 5.7, 0.0, 0.0));
-        metrics.add(&moment(1, driving, 6.04, 2.0, settings.speed.speed_at(2.0, 4.0)));
+        metrics.add(&moment(1, driving, 6.04, 2.0, plan.speeds[1].speed_at(2.0, 0.0)));
         metrics.add(&moment(1, DriveStage::Arrived, 6.0, 3.9, 0.0));
         let values = metrics.values(DriveStage::Arrived);
         let get = |metric| values.get(metric).unwrap();

@@ -3,6 +3,7 @@
 use crate::manoeuvre::Result;
 use crate::manoeuvre::bench::ManoeuvreBench;
 use crate::manoeuvre::drive::{ManoeuvreMoment, ManoeuvreObserver};
+use crate::manoeuvre::endings::DriveEnd;
 use crate::manoeuvre::scenario::{Manoeuvre, ManoeuvreKind};
 use crate::manoeuvre::settings::ManoeuvreSettings;
 use crate::manoeuvre::{planned_run, polyline_run};
@@ -11,7 +12,7 @@ use crate::verify::drive::EachMoment;
 use crate::verify::{Maps, Values};
 
 impl Manoeuvre {
-    /// Runs it on `plant` and computes the metrics. `observer` sees every period. A compensation is driven twice: `uncompensated` sees the
+    /// Runs it on `plant`, computes the metrics, and says how and where it ended. `observer` sees every period. A compensation is driven twice: `uncompensated` sees the
     /// first drive, `observer` the second.
     pub(crate) fn run(
         &self,
@@ -20,13 +21,13 @@ impl Manoeuvre {
         seed: u64,
         uncompensated: impl ManoeuvreObserver,
         observer: impl ManoeuvreObserver,
-    ) -> Result<Values> {
+    ) -> Result<(Values, DriveEnd)> {
         match &self.kind {
-            ManoeuvreKind::Polyline { law, points_m } => polyline_run::run(bench, *law, points_m, plant, seed, observer),
+            ManoeuvreKind::Polyline { law, points } => polyline_run::run(bench, *law, points, plant, seed, observer),
             ManoeuvreKind::Compensation(scenario) => scenario.run(bench, plant, seed, uncompensated, observer),
             ManoeuvreKind::Planned(task) => match bench.planned {
                 Some(planned) => planned_run::run(bench, planned, plant, seed, observer),
-                None => planned_run::run(bench, &task.plan(bench.wheelbase_m)?, plant, seed, observer),
+                None => planned_run::run(bench, &task.plan(bench.vehicle.wheelbase_m)?, plant, seed, observer),
             },
         }
     }
@@ -43,5 +44,5 @@ pub fn replay_manoeuvre(
     record: impl FnMut(&ManoeuvreMoment),
 ) -> Result<Values> {
     let bench = ManoeuvreBench::new(maps, &settings.vehicle)?;
-    manoeuvre.run(&bench, &settings.vehicle, settings.seed, (), EachMoment(record))
+    Ok(manoeuvre.run(&bench, &settings.vehicle, settings.seed, (), EachMoment(record))?.0)
 }

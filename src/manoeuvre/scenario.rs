@@ -1,12 +1,13 @@
 //! The manoeuvres: name, description, class and task.
 
+use crate::control::CompensationSettings;
 use crate::guidance::path::PosePath;
-use crate::guidance::route::polyline::{PolylinePlan, PolylineSettings};
+use crate::guidance::route::polyline::{PolylinePlan, PolylinePoint, PolylineSettings};
 use crate::guidance::route::tracking::LawName;
 use crate::manoeuvre::Result;
-use crate::manoeuvre::compensation_run::CompensationScenario;
+use crate::manoeuvre::compensation_run::{CompensationScenario, PERIODS};
 use crate::manoeuvre::planned_task::{Planned, PlannedTask};
-use crate::manoeuvre::polyline_run::DEMO_POINTS;
+use crate::manoeuvre::polyline_run::{DEMO_SPEEDS_MPS, demo_points};
 use crate::map::Gear;
 use crate::sim;
 use crate::verify::{Class, Maps};
@@ -20,8 +21,8 @@ pub enum ManoeuvreKind {
     Polyline {
         /// The law.
         law: LawName,
-        /// The points [m].
-        points_m: Vec<[f64; 2]>,
+        /// The points, with the set speeds of their segments.
+        points: Vec<PolylinePoint>,
     },
     /// A path with mounting errors, without and with compensation.
     Compensation(CompensationScenario),
@@ -51,16 +52,29 @@ impl Manoeuvre {
                 name: format!("polyline-{}", law.name()),
                 what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
                 class: Class::Polyline,
-                kind: ManoeuvreKind::Polyline { law, points_m: DEMO_POINTS.to_vec() },
+                kind: ManoeuvreKind::Polyline { law, points: demo_points() },
             })
             .collect();
-        for direction in Gear::ALL {
-            all.push(Self {
-                name: format!("lateral-{direction}"),
-                what: format!("mounting yaw off by 1.0° and steering zero off by 0.8°, compensated, in {direction} gear"),
-                class: Class::Compensation,
-                kind: ManoeuvreKind::Compensation(CompensationScenario::new(direction)),
-            });
+        let speeds = demo_points().into_iter().zip(DEMO_SPEEDS_MPS);
+        all.push(Self {
+            name: "polyline-speeds".to_owned(),
+            what: "the same segments, each with a set speed of its own, tracked by LQR at set speeds".to_owned(),
+            class: Class::Polyline,
+            kind: ManoeuvreKind::Polyline {
+                law: LawName::Lqr,
+                points: speeds.map(|(point, speed_mps)| PolylinePoint { speed_mps, ..point }).collect(),
+            },
+        });
+        let by_distance = CompensationSettings::default().accumulation;
+        for (accumulation, suffix, by) in [(by_distance, "", ""), (PERIODS, "-periods", ", means by control periods")] {
+            for direction in Gear::ALL {
+                all.push(Self {
+                    name: format!("lateral-{direction}{suffix}"),
+                    what: format!("mounting yaw off by 1.0° and steering zero off by 0.8°, compensated, in {direction} gear{by}"),
+                    class: Class::Compensation,
+                    kind: ManoeuvreKind::Compensation(CompensationScenario { accumulation, ..CompensationScenario::new(direction) }),
+                });
+            }
         }
         let parking = |name: &str, what: &str, angle_deg: f64, obstacle_right: bool, nose_in: bool| Self {
             name: name.to_owned(),
@@ -74,6 +88,18 @@ impl Manoeuvre {
         all.push(parking("parking-120", "backing into a slot slanted by 120° against the row", 120.0, true, false));
         all.push(parking("parking-nose-in", "forward into a slot slanted by 120° against the row", 120.0, true, true));
         all.push(Self {
+            name: "parking-published".to_owned(),
+            what: "as parking, by the published line and circle: through the vehicle, and of the smallest radius".to_owned(),
+            class: Class::Parking,
+            kind: ManoeuvreKind::Planned(PlannedTask::ParkingPublished),
+        });
+        all.push(Self {
+            name: "parking-shuffle".to_owned(),
+            what: "backing into a slot from a narrow aisle, askew, with a large turning circle".to_owned(),
+            class: Class::Parking,
+            kind: ManoeuvreKind::Planned(PlannedTask::ParkingShuffle),
+        });
+        all.push(Self {
             name: "u-turn".to_owned(),
             what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
             class: Class::UTurn,
@@ -82,15 +108,15 @@ impl Manoeuvre {
         all
     }
 
-    /// The same along other points [m], if it is a polyline.
+    /// The same along other points, if it is a polyline.
     ///
     /// # Errors
     /// Points that are not a path, with the nearest valid choice.
-    pub fn along(mut self, points_m: &[[f64; 2]]) -> Result<Self> {
-        if let ManoeuvreKind::Polyline { law, points_m: own } = &mut self.kind {
-            let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
+    pub fn along(mut self, points: &[PolylinePoint]) -> Result<Self> {
+        if let ManoeuvreKind::Polyline { law, points: own } = &mut self.kind {
+            let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
             self.what = format!("{} given segments with turns on the spot, tracked by {}", plan.segments.len(), law.title());
-            *own = points_m.to_vec();
+            *own = points.to_vec();
         }
         Ok(self)
     }
@@ -118,8 +144,8 @@ impl Manoeuvre {
     /// Points that are not a path.
     pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
         match &self.kind {
-            ManoeuvreKind::Polyline { points_m, .. } => {
-                let plan = PolylinePlan::new(points_m, &PolylineSettings::default())?;
+            ManoeuvreKind::Polyline { points, .. } => {
+                let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
                 Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
             }
             ManoeuvreKind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),
@@ -156,18 +182,18 @@ mod tests {
 
     #[test]
     fn points_replace_those_of_polylines_alone() {
-        let points = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]];
+        let given = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]].map(PolylinePoint::from);
         for manoeuvre in Manoeuvre::all() {
-            let along = manoeuvre.clone().along(&points).unwrap();
+            let along = manoeuvre.clone().along(&given).unwrap();
             match &along.kind {
-                ManoeuvreKind::Polyline { points_m, .. } => {
-                    assert_eq!(points_m, &points);
+                ManoeuvreKind::Polyline { points, .. } => {
+                    assert_eq!(points, &given);
                     assert!(along.what.starts_with("2 given segments"), "{}", along.what);
                 }
                 _ => assert_eq!(along, manoeuvre),
             }
         }
-        let error = Manoeuvre::all().remove(0).along(&points[..1]).unwrap_err();
+        let error = Manoeuvre::all().remove(0).along(&given[..1]).unwrap_err();
         assert!(matches!(error, Error::Polyline(_)), "{error}");
     }
 
@@ -179,7 +205,7 @@ mod tests {
         let not_tested = |vehicle: &sim::WorldSettings| -> Vec<Class> {
             Manoeuvre::all().iter().filter(|m| m.reason_against(&maps, vehicle).is_some()).map(|m| m.class).collect()
         };
-        assert_eq!(not_tested(&vehicle), [Class::Compensation; 2]);
+        assert_eq!(not_tested(&vehicle), [Class::Compensation; 4]);
         let mut longer = vehicle.clone();
         longer.vehicle.wheelbase_m *= 1.02;
         assert_eq!(not_tested(&longer).len(), Manoeuvre::all().len());

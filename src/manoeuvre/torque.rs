@@ -109,6 +109,14 @@ impl<'a> ManoeuvreTorque<'a> {
         )
     }
 
+    /// What a pass is about, if it is not about the map: with a map of one wheel angle the plant's own inverse drives at every other angle.
+    pub(crate) fn about(maps: &Maps) -> Option<String> {
+        let angle_deg = maps.table2.vehicle.test_angle_deg;
+        maps.angles
+            .is_empty()
+            .then(|| format!("the path planner and its laws, not the map: torque away from {angle_deg}° is the plant's exact inverse"))
+    }
+
     /// Torque of the test angle's map, if the wheel is at that angle.
     fn at_test_angle(&self, gear: Gear, speed_mps: f64, accel_mps2: f64, wheel_angle_rad: f64) -> Option<f64> {
         let tables = self.tables.as_ref().filter(|_| (wheel_angle_rad - self.angle_rad).abs() <= AT_MAP_RAD)?;

@@ -21,6 +21,9 @@ pub(crate) fn manoeuvres(inputs: &ReportFiles) -> Section {
                 "Paths driven on a physical vehicle: the torque map at its wheel angle, the vehicle's exact inverse elsewhere. Pictures and \
                  first figures are the nominal run; in brackets the largest over " (traces.draws) " perturbed vehicles."
             }
+            @if let Some(about) = traces.manoeuvres.iter().find_map(|m| m.verdict.about.as_ref()) {
+                p { "A pass here proves " (about) "." }
+            }
             (polylines(&mut figures, &of(Class::Polyline, traces)))
             (compensation(&mut figures, &of(Class::Compensation, traces)))
             (from_above(&mut figures, "Parking", "", &of(Class::Parking, traces)))
@@ -236,6 +239,7 @@ mod tests {
             what: "parking".to_owned(),
             class: Class::Parking,
             status: Status::Pass,
+            about: None,
             notes: Vec::new(),
             metrics: vec![summary(Metric::FinalPositionM), summary(Metric::ClearanceM)],
             checks: Vec::new(),

@@ -87,9 +87,11 @@ impl MapVerdict {
         let named = |s: &ScenarioVerdict| all.iter().find(|known| known.name == s.name);
         let pivots: Vec<&Scenario> = tested(&self.scenarios).filter_map(named).collect();
         let angle = self.basis.as_ref().map(|b| format!("{}° only", b.test_angle_deg));
+        let about: Option<String> = tested(&self.scenarios).find_map(|s| s.about.as_ref()).map(|about| format!("manoeuvres prove {about}"));
         if pivots.is_empty() {
             let names: Vec<&str> = tested(&self.scenarios).map(|s| s.name.as_str()).collect();
-            return if names.is_empty() { Vec::new() } else { vec![format!("{} only, no pivot", names.join(", "))] };
+            let only = (!names.is_empty()).then(|| format!("{} only, no pivot", names.join(", ")));
+            return only.into_iter().chain(about).collect();
         }
         let mut scope: Vec<String> = angle.into_iter().collect();
         if !pivots.iter().any(|s| s.needs_reverse()) {
@@ -104,6 +106,7 @@ impl MapVerdict {
         if judged < all.len() {
             scope.push(format!("{judged} of {} pivots only", all.len()));
         }
+        scope.extend(about);
         scope
     }
 

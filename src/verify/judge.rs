@@ -183,7 +183,8 @@ mod tests {
             runs.fetch_add(1, Ordering::Relaxed);
             total.store(all, Ordering::Relaxed);
         };
-        let all = verify_with(&maps, &settings, Wanted { traces: true, logs: true, progress: Some(&progress) }).unwrap();
+        let all =
+            verify_with(&maps, &settings, Wanted { traces: true, logs: true, progress: Some(&progress), ..Wanted::default() }).unwrap();
         assert_eq!(all.verdict, verify(&maps, &settings).unwrap());
         assert_eq!(runs.into_inner(), total.into_inner(), "as many runs as were announced");
         let names: Vec<&str> = all.logs.iter().map(|log| log.name.as_str()).collect();

@@ -136,7 +136,7 @@ mod tests {
         let before = before.with_scenarios(Vec::new(), None);
         assert_eq!(
             (before.status, before.reason.as_str()),
-            (Status::Pass, "pass: forward gear only, left turns only, 1 of 25 pivots only")
+            (Status::Pass, "pass: forward gear only, left turns only, 1 of 26 pivots only")
         );
         assert_eq!(before.clone().with_scenarios(Vec::new(), None), before);
         let bad = MapVerdict { status: Status::Fail, ..before };

@@ -108,7 +108,7 @@ fn task_name(task: LateralTask) -> String {
     match task {
         LateralTask::Rest => "rest".to_owned(),
         LateralTask::Hold(angle_rad) => format!("hold {:.2}°", angle_rad / RAD_PER_DEG),
-        LateralTask::Restore => "restore".to_owned(),
+        LateralTask::Restore(angle_rad) => format!("restore {:.2}°", angle_rad / RAD_PER_DEG),
         LateralTask::Freeze => "freeze".to_owned(),
     }
 }
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn tasks_and_the_wheels_status_are_named() {
         assert_eq!(task_name(LateralTask::Hold(-FRAC_PI_2)), "hold -90.00°");
-        assert_eq!([LateralTask::Rest, LateralTask::Restore, LateralTask::Freeze].map(task_name), ["rest", "restore", "freeze"]);
+        assert_eq!([LateralTask::Rest, LateralTask::Restore(0.0), LateralTask::Freeze].map(task_name), ["rest", "restore 0.00°", "freeze"]);
         assert_eq!(angle_name(AngleStatus::Fault(SteeringFault::Stuck)), "fault: Stuck");
     }
 

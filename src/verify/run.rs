@@ -3,6 +3,7 @@
 use crate::control::DriveLaw;
 use crate::sim;
 use crate::sim::World;
+use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::bench::PivotBench;
 use crate::verify::drive::{Observer, drive, steps_of};
@@ -22,6 +23,10 @@ pub(crate) fn run<'a, L: DriveLaw>(
 ) -> Result<Values> {
     let mut settings = *bench.control;
     settings.planning.policy = scenario.policy;
+    if let Some(right_deg) = scenario.right_wheel_deg {
+        settings.planning.right_angle_rad = right_deg * RAD_PER_DEG;
+    }
+    settings.planning.return_angle_rad = scenario.return_wheel_deg * RAD_PER_DEG;
     let mut world = World::new(plant, seed)?;
     let mut driver = PivotDriver::new(bench, scenario, &settings, law, &mut world)?;
     let mut observers = (PivotMetrics::new(bench, &settings, plant), observer);

@@ -1,6 +1,6 @@
 //! The metrics of a pivot, computed while it is driven; the definitions are in `docs/controller.md`.
 
-use crate::control::{DriveLaw, Phase, PivotSettings};
+use crate::control::{Direction, DriveLaw, Phase, PivotSettings};
 use crate::map::Gear;
 use crate::sim;
 use crate::sim::TrueState;
@@ -51,13 +51,12 @@ pub(crate) struct PivotMetrics<'a> {
 
 impl<'a> PivotMetrics<'a> {
     pub(crate) fn new(bench: &'a PivotBench<'a>, settings: &'a PivotSettings, plant: &sim::WorldSettings) -> Self {
-        let (sin, cos) = settings.planning.test_angle_rad.sin_cos();
         Self {
             bench,
             settings,
             wheelbase_m: plant.vehicle.wheelbase_m,
             turn: None,
-            to_centre_m: plant.vehicle.wheelbase_m * cos / sin,
+            to_centre_m: 0.0,
             start: TrueState::default(),
             start_direction: [0.0, 1.0],
             turn_rad: 0.0,
@@ -90,10 +89,12 @@ impl<'a> PivotMetrics<'a> {
 
     /// A turn of `turn_rad` begins.
     fn begin(&mut self, state: &TrueState, turn_rad: f64) {
-        let sin = (self.settings.planning.test_angle_rad).sin().abs();
+        let direction = if turn_rad < 0.0 { Direction::Right } else { Direction::Left };
+        let (sin, cos) = self.settings.planning.wheel_and_gear(direction).0.sin_cos();
+        self.to_centre_m = self.wheelbase_m * cos / sin;
         (self.start, self.turn_rad, self.begun_s) = (*state, turn_rad, state.t_s);
         self.start_direction = state.heading_rad.sin_cos().into();
-        self.length_m = self.wheelbase_m * turn_rad.abs() / sin;
+        self.length_m = self.wheelbase_m * turn_rad.abs() / sin.abs();
         self.arc_m = 0.0;
         self.since_drive_s = None;
         self.means_mps = [state.speed_mps; 2];
@@ -146,8 +147,7 @@ impl<'a> PivotMetrics<'a> {
 
     /// Distance of the reference point from its place on the circle that it should follow [m].
     fn drift(&self, state: &TrueState) -> f64 {
-        let mirrored = self.gear == Gear::Forward && self.turn_rad < 0.0;
-        let to_centre_m = self.to_centre_m * if mirrored { -1.0 } else { 1.0 };
+        let to_centre_m = self.to_centre_m;
         let centre = |s: &TrueState, [sin, cos]: [f64; 2]| (s.x_m - sin * to_centre_m, s.y_m + cos * to_centre_m);
         let (sin, cos) = state.heading_rad.sin_cos();
         let ((x0, y0), (x, y)) = (centre(&self.start, self.start_direction), centre(state, [sin, cos]));

@@ -98,6 +98,10 @@ pub struct Scenario {
     pub policy: WheelPolicy,
     /// Wheel angle at the start [°].
     pub start_wheel_deg: f64,
+    /// Second preset of the wheel, for turns to the right with mirrored wheel [°], negative; `None` is the mirror of the test angle.
+    pub right_wheel_deg: Option<f64>,
+    /// Third preset: wheel angle after a turn [°].
+    pub return_wheel_deg: f64,
     /// Its disturbance and the onset; without an onset from the start.
     pub(crate) disturbance: Option<(Disturbance, Option<Onset>)>,
     /// Its expected end.
@@ -113,6 +117,8 @@ impl Scenario {
             turns_deg: turns_deg.to_vec(),
             policy,
             start_wheel_deg: 0.0,
+            right_wheel_deg: None,
+            return_wheel_deg: 0.0,
             disturbance: None,
             expected: Expected::Success,
         }
@@ -144,6 +150,16 @@ impl Scenario {
         }
         all.push(Self::turn("chained", "left 90°, right 90°, left 180° in a row", &[90.0, -90.0, 180.0], hold));
         all.push(Self::turn("chained-mirror", "left 90°, right 90°, left 180° in a row, mirrored", &[90.0, -90.0, 180.0], mirror));
+        all.push(Self {
+            right_wheel_deg: Some(-80.0),
+            return_wheel_deg: 25.0,
+            ..Self::turn(
+                "chained-presets",
+                "left 90°, right 90°, left 180°, mirrored, with presets of the wheel of −80° for the right and 25° after each turn",
+                &[90.0, -90.0, 180.0],
+                mirror,
+            )
+        });
         let left = |name: &str, what: &str| Self::turn(name, what, &[90.0], hold);
         all.push(Self { start_wheel_deg: -35.0, ..left("wheel-off-angle", "left 90°, the wheel at −35° at the start") });
         let hard =

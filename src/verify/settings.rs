@@ -58,6 +58,8 @@ pub(crate) struct Wanted<'a> {
     pub traces: bool,
     /// A log of each nominal run.
     pub logs: bool,
+    /// A log of each manoeuvre's worst perturbed run.
+    pub worst_logs: bool,
     /// Called after every simulated run, from any thread, with the total number of runs.
     pub progress: Option<&'a (dyn Fn(usize) + Sync)>,
 }

@@ -43,7 +43,7 @@ with tempfile.TemporaryDirectory() as folder:
     import_cdf(xml_path=path, db_path=database, logger=logging.getLogger("cdf"))
     walker = Walker(database)
     walker.run()
-    maps, constants = {}, {}
+    maps, curves, constants = {}, {}, {}
     for found in walker.found:
         unit = found.values.unit_display_name.value
         if found.category == "MAP":
@@ -57,6 +57,13 @@ with tempfile.TemporaryDirectory() as folder:
                 "values": [numbers(group.values) for group in groups],
                 "units": [y.unit_display_name, x.unit_display_name, unit],
             }
+        elif found.category == "CURVE":
+            (x,) = found.axes
+            curves[found.short_name] = {
+                "x": numbers(x.values_phys),
+                "values": numbers(found.values.values_phys),
+                "units": [x.unit_display_name, unit],
+            }
         else:
             constants[found.short_name] = [numbers(found.values.values_phys)[0], unit]
-print(json.dumps({"valid": valid, "errors": str(dtd.error_log), "maps": maps, "constants": constants}))
+print(json.dumps({"valid": valid, "errors": str(dtd.error_log), "maps": maps, "curves": curves, "constants": constants}))

@@ -32,5 +32,9 @@ for found in reader.get_characteristic_maps():
         "values": [[found.values[r][c] for c in columns] for r in rows],
         "units": [found.unit_y, found.unit_x, found.unit_values],
     }
+curves = {}
+for found in reader.get_characteristic_lines():
+    x = list(found.values)
+    curves[found.name] = {"x": x, "values": [found.values[e] for e in x], "units": [found.unit_x, found.unit_values]}
 constants = {p.name: [p.value, p.unit] for p in reader.get_parameters()}
-print(json.dumps({"maps": maps, "constants": constants, "complaints": complaints.found}))
+print(json.dumps({"maps": maps, "constants": constants, "curves": curves, "complaints": complaints.found}))

@@ -32,11 +32,8 @@ pub(crate) fn judge(scene: &ParkingScene, path: &PosePath) -> PathJudgement {
     let clearance_m = path
         .poses
         .iter()
-        .map(|pose| {
-            let body = scene.body.at_pose(pose);
-            obstacles.iter().map(|o| o.separation_m(&body)).fold(f64::INFINITY, f64::min)
-        })
-        .fold(f64::INFINITY, f64::min);
+        .map(|pose| scene.body.at_pose(pose))
+        .fold(f64::INFINITY, |least_m, body| obstacles.iter().fold(least_m, |least_m, o| o.separation_or_m(&body, least_m)));
     let (wheel_step_rad, curvature_step_per_m) = largest_steps(path);
     let (limits, rounding) = (&scene.look_ahead, 1e-9);
     let pass = position_m <= scene.tolerance.position_m

@@ -36,11 +36,16 @@ impl ParkingScene {
         self.body.wheelbase_m / (self.look_ahead.wheel_limit_rad - self.wheel_reserve_rad).tan()
     }
 
-    /// The circle of a radius [m].
+    /// The circle of a radius [m] from the first line.
     pub(crate) fn circle(&self, radius_m: f64) -> SlotEntry {
+        self.circle_at(radius_m, self.line_m())
+    }
+
+    /// The circle of a radius [m] from a first line y = `line_m`.
+    pub(crate) fn circle_at(&self, radius_m: f64, line_m: f64) -> SlotEntry {
         let (sin, cos) = self.slot.angle_rad.sin_cos();
         let (side, obstacle) = if self.nose_in { (-1.0, self.slot.obstacle_left) } else { (1.0, self.slot.obstacle_right) };
-        let axis_m = (self.line_m() - radius_m * (1.0 - side * cos)) / sin;
+        let axis_m = (line_m - radius_m * (1.0 - side * cos)) / sin;
         let (x, y) = (axis_m * cos + side * radius_m * sin, axis_m * sin - side * radius_m * cos);
         let corner = self.corner();
         let clearance = radius_m - 0.5 * self.body.width_m - (x - corner.x_m).hypot(y - corner.y_m);

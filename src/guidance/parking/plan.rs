@@ -1,57 +1,21 @@
-//! The plan: straight in if the start allows it. Otherwise start and adjust on the first line, enter on the circle, shuffle on the axis.
-//! In reverse, or nose in.
+//! The plan: straight in if the start allows it. Otherwise start and adjust on the first line, and enter on the circle. Where no single entry ends
+//! straight: enter as far as there is room, and shuffle on the axis. In reverse, or nose in.
 
 use crate::guidance::look_ahead::{LookAheadFollower, finite_start};
 use crate::guidance::parking::ParkingScene;
-use crate::guidance::parking::check::{PathJudgement, judge};
 use crate::guidance::parking::entry::{SlotEntry, entry_circle};
+use crate::guidance::parking::method::{EntryMethod, StraightIn};
+use crate::guidance::parking::parked_path::{ParkingPlan, axis_from, finish, follower, on_line};
+use crate::guidance::parking::stage::{ParkingStage, StageSpan};
 use crate::guidance::parking::start::ParkingStart;
-use crate::guidance::reference::{ReferenceLine, ahead};
-use crate::guidance::{Error, PlanePoint, PosePath, Result};
+use crate::guidance::parking::tight::shuffled;
+use crate::guidance::reference::ReferenceLine;
+use crate::guidance::{Error, PlanePoint, Result};
 use crate::map::Gear;
-use serde::Serialize;
 use std::f64::consts::PI;
-
-/// A stage of parking.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum ParkingStage {
-    /// Forward along the first line, past the slot.
-    Start,
-    /// Back along the first line to the entry circle, until the vehicle is aligned with the line.
-    Adjust,
-    /// Along the circle and the slot's axis: in reverse, or nose in.
-    Enter,
-    /// Out and in again along the axis until the vehicle is straight.
-    Shuffle,
-}
-
-/// Start of a stage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub(crate) struct StageSpan {
-    /// The stage.
-    pub stage: ParkingStage,
-    /// Index of its first pose.
-    pub from: usize,
-}
-
-/// A path into the slot.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct ParkingPlan {
-    /// Poses of the rear axle's middle, every step.
-    pub path: PosePath,
-    /// Its stages in order.
-    pub stages: Vec<StageSpan>,
-    /// The entry circle; `None` when the vehicle goes straight in.
-    pub entry: Option<SlotEntry>,
-    /// Results of the checks: all within limits.
-    pub judgement: PathJudgement,
-}
 
 /// Radii that are tried, as factors of the smallest: a larger circle may avoid the other obstacles.
 const RADII: [f64; 7] = [1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75];
-/// Largest number of shuffles.
-const SHUFFLES: usize = 3;
 
 /// Plans from `start`.
 ///
@@ -62,11 +26,27 @@ pub(crate) fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingP
     let scene = scene.checked()?;
     finite_start(start.x_m, start.y_m, start.heading_rad)?;
     finite_start(0.0, 0.0, start.wheel_angle_rad)?;
-    let entry = entry_circle(&scene)?;
-    let (best, found) = attempt(&scene, start, &entry);
-    if found {
-        return Ok(best);
+    let scene = scene.with_line_for(start);
+    if let StraightIn::Thresholds { .. } = scene.method.straight_in
+        && let Some(plan) = direct(&scene, start)
+    {
+        return if plan.judgement.pass {
+            Ok(plan)
+        } else {
+            Err(no_path(start, &plan, "with other thresholds for going straight in".to_owned()))
+        };
     }
+    let entry = entry_circle(&scene);
+    let grown = scene.method.entry == EntryMethod::GrownRadius;
+    let tried = entry.as_ref().ok().filter(|_| grown).map(|entry| attempt(&scene, start, entry));
+    if let Some((plan, true)) = tried {
+        return Ok(plan);
+    }
+    if let Some(plan) = shuffled(&scene, start) {
+        return Ok(plan);
+    }
+    let entry = entry?;
+    let (best, _) = attempt(&scene, start, &entry);
     // the nearest feasible start toward the first line
     let nearer = |share: f64| ParkingStart {
         x_m: start.x_m,
@@ -85,17 +65,22 @@ pub(crate) fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingP
     {
         return Err(Error::SlotTooNarrowToEnter { found_m: scene.slot.width_m, nearest_m });
     }
-    Err(Error::NoPath {
+    let nearest = feasible.map_or("no start with this x".to_owned(), |s| {
+        format!("a start at y {:.2} m with heading {:.1}°", s.y_m, s.heading_rad.to_degrees())
+    });
+    Err(no_path(start, &best, nearest))
+}
+
+fn no_path(start: ParkingStart, best: &ParkingPlan, nearest: String) -> Error {
+    Error::NoPath {
         x_m: start.x_m,
         y_m: start.y_m,
         heading_deg: start.heading_rad.to_degrees(),
         error_m: best.judgement.position_m,
         error_deg: best.judgement.heading_rad.to_degrees(),
         clearance_m: best.judgement.clearance_m,
-        nearest: feasible.map_or("no start with this x".to_owned(), |s| {
-            format!("a start at y {:.2} m with heading {:.1}°", s.y_m, s.heading_rad.to_degrees())
-        }),
-    })
+        nearest,
+    }
 }
 
 /// The narrowest aisle in which a start on the first line is planned; `None` if eight times the aisle does not suffice.
@@ -133,7 +118,8 @@ fn narrowest_m(low_m: f64, multiples: &[f64], fits: impl Fn(f64) -> bool) -> Opt
 
 /// The first plan that passes, otherwise the one with the most clearance of those that end nearest.
 fn attempt(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> (ParkingPlan, bool) {
-    if let Some(plan) = direct(scene, start).filter(|p| p.judgement.pass) {
+    let tried = matches!(scene.method.straight_in, StraightIn::Tried(_));
+    if let Some(plan) = direct(scene, start).filter(|p| tried && p.judgement.pass) {
         return (plan, true);
     }
     let mut best: Option<ParkingPlan> = None;
@@ -151,19 +137,23 @@ fn attempt(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> (Par
     (best.unwrap_or_else(|| by_circle(scene, start, entry, true)), false)
 }
 
-/// Straight in along the axis alone. Only from before the mouth with a heading within 80° of the axis: outward, or inward for nose in.
+/// Straight in along the axis alone. Only from before the mouth with a heading within the method's angle of the axis, 80° by default: outward, or
+/// inward for nose in.
 fn direct(scene: &ParkingScene, start: ParkingStart) -> Option<ParkingPlan> {
     let turn = start.heading_rad - scene.goal().heading_rad;
-    if start.y_m <= 0.0 || turn.cos() < 80.0_f64.to_radians().cos() {
+    let (sin, cos) = scene.slot.angle_rad.sin_cos();
+    let (most_rad, most_m) = match scene.method.straight_in {
+        StraightIn::Tried(heading_rad) => (heading_rad, f64::INFINITY),
+        StraightIn::Thresholds { heading_rad, offset_m } => (heading_rad, offset_m),
+    };
+    if start.y_m <= 0.0 || turn.cos() < most_rad.cos() || (start.y_m * cos - start.x_m * sin).abs() > most_m {
         return None;
     }
-    let (sin, cos) = scene.slot.angle_rad.sin_cos();
     let outward_m = start.x_m * cos + start.y_m * sin;
     let mut follower = follower(scene, start);
     let axis = axis_from(scene, outward_m.max(0.0) + scene.look_ahead.distance_m);
     enter(scene, &mut follower, &axis);
-    let mut stages = vec![StageSpan { stage: ParkingStage::Enter, from: 0 }];
-    shuffle(scene, &mut follower, &mut stages);
+    let stages = vec![StageSpan { stage: ParkingStage::Enter, from: 0 }];
     Some(finish(scene, follower, stages, None))
 }
 
@@ -175,17 +165,7 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     let mut follower = follower(scene, start);
     let mut stages = Vec::new();
     let (line_m, ahead_m) = (scene.line_m(), scene.look_ahead.distance_m);
-    // from here the wheel still has enough distance to turn in
-    let past_m = entry.line_x_m + 2.0 * ahead_m;
-    if drive_up {
-        let length = (past_m - start.x_m).max(0.0) + 1.0;
-        let line = ReferenceLine::starting(PlanePoint::new(start.x_m, line_m), 0.0).then(length, 0.0);
-        let along = |p: &crate::guidance::PathPose| {
-            (p.y_m - line_m).abs() < 0.02 && p.heading_rad.sin().abs() < 0.02 && p.heading_rad.cos() > 0.0 && p.wheel_angle_rad.abs() < 0.05
-        };
-        stages.push(StageSpan { stage: ParkingStage::Start, from: 0 });
-        follower.follow(&line, Gear::Forward, length + 12.0 * ahead_m, |p, _| p.x_m >= past_m && along(p));
-    }
+    to_line(scene, &mut follower, &mut stages, entry.line_x_m, line_m, drive_up);
     let from_m = follower.last().x_m;
     let (back_m, end) = ((from_m - entry.line_x_m).max(0.0), PlanePoint::new(from_m.max(entry.line_x_m), line_m));
     let way = ReferenceLine::starting(end, PI)
@@ -197,8 +177,28 @@ fn by_circle(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive
     enter(scene, &mut follower, &way);
     let turning = follower.path.poses[first..].iter().position(|p| p.x_m <= entry.line_x_m + ahead_m).unwrap_or(0);
     stages.push(StageSpan { stage: ParkingStage::Enter, from: first + turning });
-    shuffle(scene, &mut follower, &mut stages);
     finish(scene, follower, stages, Some(*entry))
+}
+
+/// Forward along the first line past the circle's start, until the vehicle is aligned with it; nothing without `drive_up`.
+fn to_line(
+    scene: &ParkingScene,
+    follower: &mut LookAheadFollower,
+    stages: &mut Vec<StageSpan>,
+    circle_x_m: f64,
+    line_m: f64,
+    drive_up: bool,
+) {
+    if !drive_up {
+        return;
+    }
+    let (start_m, ahead_m) = (follower.last().x_m, scene.look_ahead.distance_m);
+    // from here the wheel still has enough distance to turn in
+    let past_m = circle_x_m + 2.0 * ahead_m;
+    let length = (past_m - start_m).max(0.0) + 1.0;
+    let line = ReferenceLine::starting(PlanePoint::new(start_m, line_m), 0.0).then(length, 0.0);
+    stages.push(StageSpan { stage: ParkingStage::Start, from: 0 });
+    follower.follow(&line, Gear::Forward, length + 12.0 * ahead_m, |p, _| p.x_m >= past_m && on_line(p, line_m));
 }
 
 /// Nose in: back along the first line if the circle is already behind, forward along it, the circle and the axis. `drive_up`: before
@@ -231,19 +231,7 @@ fn nose_in(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry, drive_u
     enter(scene, &mut follower, &way);
     let turning = follower.path.poses[from..].iter().position(|p| p.x_m >= entry.line_x_m - ahead_m).unwrap_or(0);
     stages.push(StageSpan { stage: ParkingStage::Enter, from: from + turning });
-    shuffle(scene, &mut follower, &mut stages);
     finish(scene, follower, stages, Some(*entry))
-}
-
-fn follower(scene: &ParkingScene, start: ParkingStart) -> LookAheadFollower {
-    let body = &scene.body;
-    LookAheadFollower::new(start.x_m, start.y_m, start.heading_rad, start.wheel_angle_rad, body.wheelbase_m, scene.look_ahead)
-}
-
-/// The slot's axis inward, from `outward_m` before the mouth to the goal.
-fn axis_from(scene: &ParkingScene, outward_m: f64) -> ReferenceLine {
-    let angle = scene.slot.angle_rad;
-    ReferenceLine::starting(ahead(PlanePoint::default(), angle, outward_m), angle + PI).then(outward_m - scene.parked_at_m(), 0.0)
 }
 
 /// Follows `way` to its end, within half a step.
@@ -252,35 +240,6 @@ fn enter(scene: &ParkingScene, follower: &mut LookAheadFollower, way: &Reference
     let start_m = follower.last();
     let room = way.length_m() + 2.0 * start_m.x_m.hypot(start_m.y_m);
     follower.follow(way, scene.gear_in(), room, |_, s| s >= end_m);
-}
-
-/// Out and in again along the axis while the end is not within tolerance.
-fn shuffle(scene: &ParkingScene, follower: &mut LookAheadFollower, stages: &mut Vec<StageSpan>) {
-    let out_m = scene.body.wheelbase_m;
-    for _ in 0..SHUFFLES {
-        let judgement = judge(scene, &follower.path);
-        let straight = judgement.position_m <= scene.tolerance.position_m && judgement.heading_rad <= scene.tolerance.heading_rad;
-        // no shuffle corrects a large error or a contact
-        if straight || judgement.clearance_m < scene.tolerance.clearance_m || judgement.position_m > out_m {
-            return;
-        }
-        stages.push(StageSpan { stage: ParkingStage::Shuffle, from: follower.path.poses.len() - 1 });
-        let goal = scene.goal();
-        let outward = ReferenceLine::starting(PlanePoint::new(goal.x_m, goal.y_m), scene.slot.angle_rad).then(out_m, 0.0);
-        follower.follow(&outward, scene.gear_out(), 2.0 * out_m, |_, s| s >= out_m - 0.5 * scene.look_ahead.step_m);
-        enter(scene, follower, &axis_from(scene, scene.parked_at_m() + 2.0 * out_m));
-    }
-}
-
-fn finish(scene: &ParkingScene, follower: LookAheadFollower, mut stages: Vec<StageSpan>, entry: Option<SlotEntry>) -> ParkingPlan {
-    stages.dedup_by(|next, before| {
-        next.from == before.from && {
-            before.stage = next.stage;
-            true
-        }
-    });
-    let judgement = judge(scene, &follower.path);
-    ParkingPlan { path: follower.path, stages, entry, judgement }
 }
 
 #[cfg(test)]
@@ -377,22 +336,9 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_is_askew_in_the_slot_shuffles() {
-        let mut scene = scene(90.0);
-        scene.slot.width_m += 0.5;
-        let start = ParkingStart { x_m: 0.15, y_m: -0.45, heading_rad: std::f64::consts::FRAC_PI_2 - 0.12, wheel_angle_rad: 0.0 };
-        let (mut follower, mut stages) = (follower(&scene, start), vec![StageSpan { stage: ParkingStage::Enter, from: 0 }]);
-        enter(&scene, &mut follower, &axis_from(&scene, 0.5));
-        shuffle(&scene, &mut follower, &mut stages);
-        let plan = finish(&scene, follower, stages, None);
-        assert!(plan.stages.iter().any(|s| s.stage == ParkingStage::Shuffle), "{:?}", plan.judgement);
-        assert!(plan.judgement.pass, "{:?}", plan.judgement);
-    }
-
-    #[test]
     fn an_infeasible_task_names_the_nearest_feasible_value() {
         let mut scene = scene(90.0);
-        scene.slot.aisle_m = 1.9;
+        scene.slot.aisle_m = 1.45;
         let error = plan(&scene, ParkingStart { x_m: -2.0, y_m: 1.0, ..ParkingStart::default() }).unwrap_err();
         let Error::AisleTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
         scene.slot.aisle_m = nearest_m;

@@ -3,6 +3,7 @@
 use crate::guidance::body::within;
 use crate::guidance::look_ahead::LookAhead;
 use crate::guidance::parking::Tolerance;
+use crate::guidance::parking::method::{FirstLine, ParkingMethod};
 use crate::guidance::parking::start::ParkingStart;
 use crate::guidance::{BodyShape, Error, PlanePoint, Polygon, Result};
 use crate::map::Gear;
@@ -58,6 +59,8 @@ pub(crate) struct ParkingScene {
     pub wheel_reserve_rad: f64,
     /// Tolerances of the parked pose.
     pub tolerance: Tolerance,
+    /// Choices where this planner departs from the published method.
+    pub method: ParkingMethod,
 }
 
 impl ParkingScene {
@@ -72,6 +75,7 @@ impl ParkingScene {
             safety_m: 0.2,
             wheel_reserve_rad: 5.0_f64.to_radians(),
             tolerance: Tolerance::default(),
+            method: ParkingMethod::default(),
         }
     }
 
@@ -83,6 +87,7 @@ impl ParkingScene {
         self.body.checked()?;
         self.look_ahead.checked()?;
         self.tolerance.checked()?;
+        self.method.checked()?;
         within("line_distance_m", self.line_distance_m, 0.0, 10.0, "0 to 10")?;
         within("safety_m", self.safety_m, 0.0, 5.0, "0 to 5")?;
         within("wheel_reserve_rad", self.wheel_reserve_rad, 0.0, 0.9 * self.look_ahead.wheel_limit_rad, "0 to 0.9 of the wheel's limit")?;
@@ -117,6 +122,15 @@ impl ParkingScene {
     /// Distance of the first line from the row's edge, for the middle of the rear axle [m].
     pub(crate) fn line_m(&self) -> f64 {
         self.line_distance_m + 0.5 * self.body.width_m
+    }
+
+    /// The scene with the first line that the method chooses for a start: within the aisle, the safety distance from its borders.
+    pub(crate) fn with_line_for(&self, start: ParkingStart) -> Self {
+        if self.method.first_line == FirstLine::SetDistance {
+            return *self;
+        }
+        let most_m = (self.slot.aisle_m - self.body.width_m - self.safety_m).max(self.safety_m);
+        Self { line_distance_m: (start.y_m - 0.5 * self.body.width_m).max(self.safety_m).min(most_m), ..*self }
     }
 
     /// Direction of travel into the slot.

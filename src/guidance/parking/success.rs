@@ -1,6 +1,6 @@
 //! The number of starts of a grid that end parked.
 
-use crate::guidance::parking::plan::ParkingStage;
+use crate::guidance::parking::stage::ParkingStage;
 use crate::guidance::parking::start::ParkingStart;
 use crate::guidance::parking::{ParkingScene, plan};
 

@@ -4,8 +4,10 @@
 //! period: nearest point → wheel angle (law + compensation); preview of the planned speed → speed loop → desired acceleration → torque.
 
 use crate::control::numeric::sin_cos;
-use crate::control::{Inputs, Preview, SpeedLoop, SpeedLoopSettings};
+use crate::control::{Arrival, Inputs, Preview, SpeedLoop, SpeedLoopSettings, UnderWay};
+use crate::guidance::route::leg_speed::LegSpeed;
 use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
+use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::guidance::route::track::{Limits, TrackState};
 use crate::guidance::route::tracking::{TrackingLaw, TrackingSettings};
@@ -33,17 +35,17 @@ pub(crate) struct FollowerSettings {
     pub angle_tolerance_rad: f64,
     /// Deceleration of the stop [m/s²]. Default 0.3.
     pub stop_decel_mps2: f64,
-    /// Time from a command to its effect [s]. Default 0.12: dead time, lag and one period.
+    /// Time from a command to its effect [s]. Default that of the vehicle: dead time, lag and one period.
     pub reaction_s: f64,
     /// Resting this long while it should drive, or steering this long, is a failure [s]. Default 4.
     pub stall_s: f64,
 }
 
 impl FollowerSettings {
-    /// The defaults for a wheelbase [m] and a law.
-    pub(crate) fn new(wheelbase_m: f64, tracking: TrackingSettings) -> Self {
+    /// The defaults for a vehicle and a law.
+    pub(crate) fn new(vehicle: &VehicleResponse, tracking: TrackingSettings) -> Self {
         Self {
-            limits: Limits::new(wheelbase_m),
+            limits: Limits { period_s: PERIOD_S, ..Limits::new(vehicle.wheelbase_m) },
             tracking,
             speed: SegmentSpeed::default(),
             preview: Preview::default(),
@@ -51,9 +53,16 @@ impl FollowerSettings {
             standstill_mps: 0.02,
             angle_tolerance_rad: 2.0 * RAD_PER_DEG,
             stop_decel_mps2: 0.3,
-            reaction_s: 0.12,
+            reaction_s: vehicle.reaction_s(),
             stall_s: 4.0,
         }
+    }
+
+    /// Distance before the end at which the stop from the switch-over speed begins [m]: what is travelled until the command acts, and the
+    /// braking.
+    pub(crate) fn stop_m(&self) -> f64 {
+        let switch_mps = self.speed.switch_mps;
+        switch_mps * (self.reaction_s + 0.5 * switch_mps / self.stop_decel_mps2)
     }
 }
 
@@ -129,21 +138,33 @@ impl DriveCommand {
 pub(crate) struct PathFollower {
     settings: FollowerSettings,
     law: TrackingLaw,
+    /// Speed along the leg; none for the usual speed over the whole leg.
+    speed: Option<LegSpeed>,
     speed_loop: SpeedLoop,
     stage: DriveStage,
     index: usize,
     accel_mps2: f64,
+    /// Commands that do not act yet.
+    under_way: UnderWay,
     standing_s: f64,
+    /// Times that it has driven on after a stop short of the end.
+    creeps: u32,
 }
 
-/// Deceleration that ends within the remaining distance [m/s²], from a quarter to three times the planned one.
-pub(crate) fn stop_decel(speed_mps: f64, left_m: f64, planned_mps2: f64) -> f64 {
-    let exact = if left_m > 0.0 { 0.5 * speed_mps * speed_mps / left_m } else { f64::INFINITY };
-    exact.max(0.25 * planned_mps2).min(3.0 * planned_mps2)
+/// Acceleration that ends at the end of the way [m/s²], 0.8 to 3 times the planned deceleration: a gentler stop would be at the mercy of
+/// friction; `None` if the commands under way suffice
+/// to stop, so that friction does the rest: a braking torque that acts after the stop would drive the vehicle back.
+pub(crate) fn stop_accel(arrival: Arrival, planned_mps2: f64) -> Option<f64> {
+    (arrival.speed_mps > 0.0).then(|| -arrival.needed_mps2().max(0.8 * planned_mps2).min(3.0 * planned_mps2))
 }
 
 /// Time at zero speed that counts as at rest [s].
 const AT_REST_S: f64 = 0.3;
+/// It drives on after a stop if more than this is left [m]: half of what a corner may be missed by.
+const SHORT_M: f64 = 0.01;
+/// Speed at which it drives on [m/s], and how often at most.
+const CREEP_MPS: f64 = 0.09;
+const CREEPS: u32 = 3;
 /// Remaining distance that counts as none [m]: more than the rounding of a place on the path, far less than any sensor shows.
 const AT_END_M: f64 = 1e-6;
 
@@ -151,14 +172,29 @@ impl PathFollower {
     /// A follower at the start of its first leg.
     pub(crate) fn new(settings: FollowerSettings) -> Self {
         let law = TrackingLaw::new(settings.tracking);
-        Self { settings, law, speed_loop: SpeedLoop::default(), stage: DriveStage::Steering, index: 0, accel_mps2: 0.0, standing_s: 0.0 }
+        let under_way = UnderWay::new(settings.reaction_s, settings.limits.period_s);
+        let speed_loop = SpeedLoop::default();
+        Self {
+            settings,
+            law,
+            speed: None,
+            speed_loop,
+            stage: DriveStage::Steering,
+            index: 0,
+            accel_mps2: 0.0,
+            under_way,
+            standing_s: 0.0,
+            creeps: 0,
+        }
     }
 
-    /// Resets the state for a new leg.
-    pub(crate) fn start(&mut self) {
+    /// Resets the state for a new leg, with its own speeds or the usual one.
+    pub(crate) fn start(&mut self, speed: Option<LegSpeed>) {
+        self.speed = speed;
         self.law.start();
         (self.speed_loop, self.stage, self.index) = (SpeedLoop::default(), DriveStage::Steering, 0);
-        (self.accel_mps2, self.standing_s) = (0.0, 0.0);
+        (self.accel_mps2, self.standing_s, self.creeps) = (0.0, 0.0, 0);
+        self.under_way = UnderWay::new(self.settings.reaction_s, self.settings.limits.period_s);
     }
 
     /// One period along `leg`. `compensation_rad` is added to the law's wheel angle.
@@ -185,7 +221,8 @@ impl PathFollower {
         let speed_mps = (sign * front_mps).max(0.0);
         let left_m = leg.end_m() - track.matched.s_m;
         let period_s = settings.limits.period_s;
-        self.standing_s = if speed_mps < settings.standstill_mps { self.standing_s + period_s } else { 0.0 };
+        let arrival = Arrival::after(settings.reaction_s, track.speed_mps, self.under_way.mean_mps2(), left_m);
+        self.standing_s = if front_mps.abs() < settings.standstill_mps { self.standing_s + period_s } else { 0.0 };
         match self.stage {
             DriveStage::Steering => {
                 let off = wheel_angle_rad - inputs.wheel_angle_rad;
@@ -196,31 +233,51 @@ impl PathFollower {
                 }
             }
             DriveStage::Driving => {
-                let needs_m = track.speed_mps * (settings.reaction_s + 0.5 * track.speed_mps / settings.stop_decel_mps2);
                 // above that speed the speed loop is still decelerating to the switch-over speed
-                let slow = speed_mps <= 2.0 * settings.speed.switch_mps;
-                if left_m <= AT_END_M || (slow && left_m <= needs_m) {
+                let slow = speed_mps <= 1.3 * settings.speed.switch_mps;
+                let needed_mps2 = arrival.needed_mps2();
+                let must = needed_mps2 >= 3.0 * settings.stop_decel_mps2;
+                if left_m <= AT_END_M || must || (slow && needed_mps2 >= settings.stop_decel_mps2) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled, inputs, gear);
                 }
             }
-            DriveStage::Stopping if self.standing_s >= AT_REST_S => self.stage = DriveStage::Arrived,
+            DriveStage::Stopping if self.standing_s >= AT_REST_S => {
+                // at rest short of the end: on, slowly
+                if left_m > SHORT_M && self.creeps < CREEPS {
+                    (self.stage, self.standing_s, self.creeps) = (DriveStage::Driving, 0.0, self.creeps + 1);
+                    self.speed_loop = SpeedLoop::default();
+                    self.under_way = UnderWay::new(settings.reaction_s, period_s);
+                } else {
+                    self.stage = DriveStage::Arrived;
+                }
+            }
             _ => {}
         }
+        let mut coasts = false;
         let (target_speed_mps, accel_mps2) = match self.stage {
             DriveStage::Driving => {
                 let cos = sin_cos(inputs.wheel_angle_rad).1.max(0.1);
                 let ahead_m = settings.preview.distance_m(speed_mps, self.accel_mps2) * cos;
-                let target = settings.speed.speed_at(track.matched.s_m - leg.start_m() + ahead_m, leg.end_m() - leg.start_m());
+                let at_m = track.matched.s_m - leg.start_m() + ahead_m;
+                let (length_m, stop_m) = (leg.end_m() - leg.start_m(), settings.stop_m());
+                let usual = || settings.speed.speed_at(at_m, length_m - stop_m.min(0.5 * length_m));
+                let planned = self.speed.as_ref().map_or_else(usual, |speed| speed.speed_at(at_m, stop_m));
+                let target = if self.creeps > 0 { planned.min(CREEP_MPS) } else { planned };
                 (target, self.speed_loop.step(&settings.speed_loop, target - speed_mps, false, period_s).0)
             }
-            DriveStage::Stopping => (0.0, -stop_decel(track.speed_mps, left_m, settings.stop_decel_mps2)),
+            DriveStage::Stopping => {
+                let wanted = stop_accel(arrival, settings.stop_decel_mps2);
+                coasts = wanted.is_none();
+                (0.0, wanted.unwrap_or(0.0))
+            }
             _ => (0.0, 0.0),
         };
         self.accel_mps2 = accel_mps2;
+        self.under_way.push(accel_mps2);
         let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
-        let drives = matches!(self.stage, DriveStage::Driving | DriveStage::Stopping) && rolls;
+        let drives = matches!(self.stage, DriveStage::Driving | DriveStage::Stopping) && rolls && !coasts;
         let torque_nm = if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 };
         DriveCommand {
             torque_nm,
@@ -237,5 +294,32 @@ impl PathFollower {
     fn fail(&mut self, trouble: Trouble, inputs: &Inputs, gear: Gear) -> DriveCommand {
         self.stage = DriveStage::Failed(trouble);
         DriveCommand::hold(inputs.wheel_angle_rad, Some(gear), self.stage)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guidance::route::tracking::LawName;
+
+    #[test]
+    fn a_stop_that_is_already_under_way_brakes_no_further() {
+        // 0.1 m/s, and −0.5 m/s² under way for 0.215 s: at rest before a new command acts
+        assert_eq!(stop_accel(Arrival::after(0.215, 0.1, -0.5, 0.02), 0.3), None);
+        // nothing under way: after 0.215 s 28.5 mm of 50 are left, and 0.1²/(2·0.0285) = 0.1754 m/s² are needed: 0.8·0.3 at least
+        assert_eq!(stop_accel(Arrival::after(0.215, 0.1, 0.0, 0.05), 0.3), Some(-0.24));
+        let needed = stop_accel(Arrival::after(0.215, 0.1, 0.0, 0.034), 0.3);
+        assert!(needed.is_some_and(|a| (a + 0.005 / 0.0125).abs() < 1e-9), "{needed:?}");
+        // past the end: three times as hard
+        assert!(stop_accel(Arrival::after(0.215, 0.2, 0.0, 0.0), 0.3).is_some_and(|a| (a + 0.9).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_slower_vehicle_begins_its_stop_earlier() {
+        let quick = VehicleResponse::quick(0.9);
+        let slow = VehicleResponse { dead_time_s: 0.085, lag_s: 0.11, ..quick };
+        let stop_m = |vehicle: &VehicleResponse| FollowerSettings::new(vehicle, TrackingSettings::new(LawName::Lqr)).stop_m();
+        // 0.12 m/s over 0.12 s or 0.215 s, and 0.12²/(2·0.3) of braking
+        assert!((stop_m(&quick) - (0.0144 + 0.024)).abs() < 1e-12 && (stop_m(&slow) - (0.0258 + 0.024)).abs() < 1e-12);
     }
 }

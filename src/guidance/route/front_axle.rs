@@ -37,3 +37,49 @@ impl Law for FrontAxle {
         ahead_rad - offset.heading_rad - atan(gain * offset.lateral_m / (self.softening_mps + track.speed_mps))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::Pose;
+    use crate::guidance::PosePath;
+    use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
+    use crate::guidance::route::path_position::Leg;
+    use crate::guidance::route::track::Limits;
+
+    const WHEELBASE_M: f64 = 0.9;
+
+    /// The state of a vehicle that drives at 0.5 m/s with its wheel straight.
+    fn state(path: &PosePath, x_m: f64, y_m: f64, heading_rad: f64, speed_mps: f64) -> TrackState<'_> {
+        TrackState::new(Leg::first(&path.poses).unwrap(), Pose { x_m, y_m, heading_rad }, 0, speed_mps, 0.0, &Limits::new(WHEELBASE_M))
+    }
+
+    #[test]
+    fn forward_the_front_axles_offset_and_the_heading_error_are_fed_back() {
+        let path = course(&[ClothoidPiece::straight(10.0)], WHEELBASE_M);
+        // e_f = 0.3 + 0.9·sin 0.2 = 0.478802 m: δ = −0.2 − atan(1.0·0.478802/(0.3 + 0.5)) = −0.739318
+        let angle = FrontAxle::default().wheel_angle_rad(&state(&path, 2.0, 0.3, 0.2, 0.5));
+        assert!((angle + 0.739_318_035_9).abs() < 1e-9, "{angle}");
+        // on the line, only the heading: the front axle is 0.9·sin 0.1 off
+        let turned = FrontAxle::default().wheel_angle_rad(&state(&path, 2.0, 0.0, 0.1, 0.5));
+        assert!((turned + 0.1 + (0.9 * 0.1_f64.sin() / 0.8).atan()).abs() < 1e-12, "{turned}");
+        // the gain and the softening speed are where the equation has them
+        let mut law = FrontAxle { gain_per_s: 2.0, softening_mps: 0.5, ..FrontAxle::default() };
+        let angle = law.wheel_angle_rad(&state(&path, 2.0, 0.3, 0.2, 0.5));
+        assert!((angle + 0.2 + (2.0 * (0.3 + 0.9 * 0.2_f64.sin())).atan()).abs() < 1e-12, "{angle}");
+    }
+
+    #[test]
+    fn in_reverse_it_is_the_rear_axles_offset_with_its_own_gain_and_the_curvature_fed_forward() {
+        let path = course(&[ClothoidPiece::straight(10.0).reversed()], WHEELBASE_M);
+        // at (−2, −0.2) with heading 0.1: in the travel frame 0.2 m to the left, turned by 0.1: δ = −0.1 − atan(0.3·0.2/0.8) = −0.174860
+        let angle = FrontAxle::default().wheel_angle_rad(&state(&path, -2.0, -0.2, 0.1, -0.5));
+        assert!((angle + 0.174_859_847_7).abs() < 1e-9, "{angle}");
+        let circle = course(&[ClothoidPiece::bend(8.0, 0.25, 0.25).reversed()], WHEELBASE_M);
+        let track = state(&circle, 0.0, 0.0, 0.0, -0.5);
+        let on_it = FrontAxle::default().wheel_angle_rad(&track);
+        // in the travel frame the curvature is −0.25; 1e-2 for the first piece, a chord of 0.05 m
+        assert!((on_it + (0.9_f64 * 0.25).atan()).abs() < 1e-2, "{on_it}");
+    }
+}

@@ -3,11 +3,13 @@
 //!
 //! The direction of travel follows by recursion, with the vehicle's heading θ on the previous segment and the segment's own direction φ:
 //! forward if |φ − θ| ≤ 90°, otherwise in reverse with heading φ + π. So no corner turns the vehicle by more than 90°. The first segment
-//! is driven forward unless a start heading is given.
+//! is driven forward unless a start heading is given. Each segment has a set speed ([`LegSpeed`]).
 
 use crate::control::numeric::{atan2, wrapped};
 use crate::guidance::path::{PathPose, PosePath};
+use crate::guidance::route::leg_speed::LegSpeed;
 use crate::guidance::route::path_position::hypot;
+use crate::guidance::route::segment_speed::SegmentSpeed;
 use crate::map::Gear;
 use crate::units::RAD_PER_DEG;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -31,6 +33,28 @@ pub enum PolylineError {
         "the angle within which a segment continues is {found_deg}°; allowed: 0 to 30°, since a wheel that keeps rolling cuts the corner"
     )]
     Continues { found_deg: f64 },
+    #[error("the set speed at point {point} is {found_mps} m/s; allowed: 0.05 to 5 m/s, or none for {usual_mps} m/s")]
+    SetSpeed { point: usize, found_mps: f64, usual_mps: f64 },
+    #[error("the speeds of the segments: {0}")]
+    Speeds(#[from] crate::control::Error),
+}
+
+/// A point of a polyline.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PolylinePoint {
+    /// East [m].
+    pub x_m: f64,
+    /// North [m].
+    pub y_m: f64,
+    /// Set speed of the segment that begins here [m/s], front wheel; `None` for the usual one. Without meaning at the last point.
+    pub speed_mps: Option<f64>,
+}
+
+impl From<[f64; 2]> for PolylinePoint {
+    /// At the usual speed.
+    fn from([x_m, y_m]: [f64; 2]) -> Self {
+        Self { x_m, y_m, speed_mps: None }
+    }
 }
 
 /// Settings of the plan.
@@ -42,11 +66,13 @@ pub struct PolylineSettings {
     pub least_m: f64,
     /// Heading of the vehicle at the start [rad], if it is not that of the first segment.
     pub start_heading_rad: Option<f64>,
+    /// Usual set speed, the speeds at corners, and the distances of the ramps.
+    pub speed: SegmentSpeed,
 }
 
 impl Default for PolylineSettings {
     fn default() -> Self {
-        Self { continues_rad: 5.0 * RAD_PER_DEG, least_m: 0.1, start_heading_rad: None }
+        Self { continues_rad: 5.0 * RAD_PER_DEG, least_m: 0.1, start_heading_rad: None, speed: SegmentSpeed::default() }
     }
 }
 
@@ -69,6 +95,8 @@ pub struct PolylineSegment {
     pub turn_rad: f64,
     /// Whether it continues from the previous segment without a stop.
     pub continues: bool,
+    /// Set speed [m/s], if it has one of its own.
+    pub speed_mps: Option<f64>,
 }
 
 /// The plan of a polyline.
@@ -80,31 +108,40 @@ pub struct PolylinePlan {
     pub legs: Vec<PosePath>,
     /// Heading of the vehicle on each leg's first segment [rad].
     pub headings_rad: Vec<f64>,
+    /// Speed along each leg.
+    pub speeds: Vec<LegSpeed>,
 }
 
 impl PolylinePlan {
-    /// Plans `points` [m].
+    /// Plans `points`.
     ///
     /// # Errors
-    /// Fewer than two points, a point that is not finite, points repeated or nearer than the shortest segment.
-    pub fn new(points: &[[f64; 2]], settings: &PolylineSettings) -> Result<Self, PolylineError> {
+    /// Fewer than two points, a point that is not finite, points repeated or nearer than the shortest segment, a set speed out of its range.
+    pub fn new(points: &[PolylinePoint], settings: &PolylineSettings) -> Result<Self, PolylineError> {
         if !(0.0..=30.0 * RAD_PER_DEG).contains(&settings.continues_rad) {
             return Err(PolylineError::Continues { found_deg: settings.continues_rad / RAD_PER_DEG });
         }
         if points.len() < 2 {
             return Err(PolylineError::TooFewPoints { found: points.len(), least_m: settings.least_m });
         }
-        if let Some(k) = points.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
-            return Err(PolylineError::NotFinite { point: k + 1, x_m: points[k][0], y_m: points[k][1] });
+        if let Some(k) = points.iter().position(|p| !(p.x_m.is_finite() && p.y_m.is_finite())) {
+            return Err(PolylineError::NotFinite { point: k + 1, x_m: points[k].x_m, y_m: points[k].y_m });
+        }
+        let usual_mps = settings.speed.cruise_mps;
+        let speeds = points[..points.len() - 1].iter().map(|p| p.speed_mps).enumerate();
+        for (k, found_mps) in speeds.filter_map(|(k, speed)| Some((k, speed?))) {
+            if !(0.05..=5.0).contains(&found_mps) {
+                return Err(PolylineError::SetSpeed { point: k + 1, found_mps, usual_mps });
+            }
         }
         let mut plan = Self::default();
         let mut heading = settings.start_heading_rad;
         for (k, pair) in points.windows(2).enumerate() {
-            let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
+            let (dx, dy) = (pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
             let length_m = hypot(dx, dy);
             // a small tolerance for rounding: points typed at the least distance are accepted
             if length_m < settings.least_m * (1.0 - 1e-9) {
-                let (x_m, y_m) = (pair[1][0], pair[1][1]);
+                let (x_m, y_m) = (pair[1].x_m, pair[1].y_m);
                 let (distance_m, least_m) = (length_m, settings.least_m);
                 let move_m = settings.least_m - length_m;
                 return Err(PolylineError::Repeated { first: k + 1, second: k + 2, distance_m, x_m, y_m, least_m, move_m });
@@ -118,14 +155,15 @@ impl PolylinePlan {
             let last = plan.segments.last();
             let continues = last.is_some_and(|s: &PolylineSegment| s.gear == gear) && turn_rad.abs() <= settings.continues_rad;
             plan.segments.push(PolylineSegment {
-                from_m: pair[0],
-                to_m: pair[1],
+                from_m: [pair[0].x_m, pair[0].y_m],
+                to_m: [pair[1].x_m, pair[1].y_m],
                 course_rad,
                 length_m,
                 gear,
                 heading_rad,
                 turn_rad,
                 continues,
+                speed_mps: pair[0].speed_mps,
             });
             heading = Some(heading_rad);
         }
@@ -149,6 +187,16 @@ impl PolylinePlan {
                 }
             }
         }
+        let mut of_legs: Vec<Vec<(f64, Option<f64>)>> = Vec::new();
+        for segment in &plan.segments {
+            if !segment.continues {
+                of_legs.push(Vec::new());
+            }
+            if let Some(leg) = of_legs.last_mut() {
+                leg.push((segment.length_m, segment.speed_mps));
+            }
+        }
+        plan.speeds = of_legs.iter().map(|leg| LegSpeed::new(leg, &settings.speed)).collect::<Result<_, _>>()?;
         Ok(plan)
     }
 }
@@ -159,9 +207,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn at(points: &[[f64; 2]]) -> Vec<PolylinePoint> {
+        points.iter().map(|p| PolylinePoint::from(*p)).collect()
+    }
+
     #[test]
     fn a_sharp_corner_is_left_in_reverse() {
-        let plan = PolylinePlan::new(&[[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [1.0, 5.0]], &PolylineSettings::default()).unwrap();
+        let plan = PolylinePlan::new(&at(&[[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [1.0, 5.0]]), &PolylineSettings::default()).unwrap();
         let gears: Vec<Gear> = plan.segments.iter().map(|s| s.gear).collect();
         // 161.6° is more than 90°: back, turned by −18.4°; then from heading −18.4° to 90° is more than 90°: back again
         assert_eq!(gears, [Gear::Forward, Gear::Reverse, Gear::Reverse]);
@@ -171,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_small_angle_continues_in_the_same_leg() {
-        let plan = PolylinePlan::new(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.2], [8.0, 4.0]], &PolylineSettings::default()).unwrap();
+        let plan = PolylinePlan::new(&at(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.2], [8.0, 4.0]]), &PolylineSettings::default()).unwrap();
         assert_eq!((plan.segments.len(), plan.legs.len()), (3, 2));
         assert_eq!(plan.legs[0].poses.len(), 4);
     }
@@ -179,7 +231,7 @@ mod tests {
     #[test]
     fn points_that_are_not_a_path_are_an_error_with_a_remedy() {
         let settings = PolylineSettings::default();
-        let message = |points: &[[f64; 2]]| PolylinePlan::new(points, &settings).unwrap_err().to_string();
+        let message = |points: &[[f64; 2]]| PolylinePlan::new(&at(points), &settings).unwrap_err().to_string();
         assert_eq!(message(&[[1.0, 2.0]]), "a path needs at least 2 points, 1 found; add a point at least 0.1 m from the first");
         assert!(message(&[]).contains("0 found"));
         let repeated = message(&[[0.0, 0.0], [1.0, 2.0], [1.0, 2.0]]);
@@ -187,10 +239,30 @@ mod tests {
         assert!(message(&[[0.0, 0.0], [f64::NAN, 2.0]]).contains("point 2"));
     }
 
+    #[test]
+    fn each_segment_has_the_set_speed_of_its_first_point() {
+        let point = |x_m, y_m, speed_mps| PolylinePoint { x_m, y_m, speed_mps };
+        // 2.9° at the second point: one leg; a corner at the third
+        let points = [point(0.0, 0.0, Some(0.5)), point(4.0, 0.0, Some(0.7)), point(8.0, 0.2, None), point(8.0, 5.2, Some(9.0))];
+        let plan = PolylinePlan::new(&points, &PolylineSettings::default()).unwrap();
+        assert_eq!(plan.speeds.len(), 2);
+        let near = |leg: usize, s_m: f64, v: f64| assert!((plan.speeds[leg].speed_at(s_m, 0.0) - v).abs() < 1e-9, "{leg} {s_m}");
+        near(0, 2.0, 0.5);
+        near(0, 4.0, 0.7);
+        near(0, 6.0, 0.7);
+        near(0, 4.0 + f64::hypot(4.0, 0.2), 0.12);
+        near(1, 0.0, 0.15);
+        near(1, 2.5, 0.8);
+        let mut wrong = points;
+        wrong[1].speed_mps = Some(0.0);
+        let error = PolylinePlan::new(&wrong, &PolylineSettings::default()).unwrap_err().to_string();
+        assert_eq!(error, "the set speed at point 2 is 0 m/s; allowed: 0.05 to 5 m/s, or none for 0.8 m/s");
+    }
+
     proptest! {
         #[test]
         fn no_corner_turns_by_more_than_90_degrees(points in prop::collection::vec((-9.0..9.0f64, -9.0..9.0f64), 0..12)) {
-            let points: Vec<[f64; 2]> = points.into_iter().map(|(x, y)| [x, y]).collect();
+            let points: Vec<PolylinePoint> = points.into_iter().map(|(x, y)| [x, y].into()).collect();
             if let Ok(plan) = PolylinePlan::new(&points, &PolylineSettings::default()) {
                 for s in &plan.segments {
                     prop_assert!(s.turn_rad.abs() <= FRAC_PI_2 + 1e-8);

@@ -42,7 +42,7 @@ impl<'a> PolylineDriver<'a> {
             // no turn for an angle that the tracking law corrects while driving
             let turns = off.abs() > 2.0 * self.turn_settings.rate.dead_zone_rad;
             self.turn = turns.then(|| SpotTurn::new(self.turn_settings));
-            self.follower.start();
+            self.follower.start(self.plan.speeds.get(self.leg).cloned());
         }
         if let Some(turn) = &mut self.turn {
             let command = turn.step(heading_rad, inputs, torque);

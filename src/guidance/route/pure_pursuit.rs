@@ -33,3 +33,50 @@ impl Law for PurePursuit {
         atan(2.0 * track.wheelbase_m * sin / hypot(dx, dy).max(0.1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::Pose;
+    use crate::guidance::PosePath;
+    use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
+    use crate::guidance::route::path_position::Leg;
+    use crate::guidance::route::track::Limits;
+
+    const WHEELBASE_M: f64 = 0.9;
+
+    /// The state of a vehicle that drives at 0.5 m/s with its wheel straight.
+    fn state(path: &PosePath, x_m: f64, y_m: f64, heading_rad: f64, speed_mps: f64) -> TrackState<'_> {
+        TrackState::new(Leg::first(&path.poses).unwrap(), Pose { x_m, y_m, heading_rad }, 0, speed_mps, 0.0, &Limits::new(WHEELBASE_M))
+    }
+
+    #[test]
+    fn the_angle_is_that_of_the_circle_through_the_goal() {
+        let path = course(&[ClothoidPiece::straight(10.0)], WHEELBASE_M);
+        // matched at x = 2 m, the goal 0.6 + 0.6·0.5 = 0.9 m further: (2.9, 0). From (2, 0.3): d = √(0.9² + 0.3²) = 0.948683 m,
+        // α = atan2(−0.3, 0.9) − 0.2 = −0.521751, so δ = atan(2·0.9·sin α/d) = −0.757469
+        let angle = PurePursuit::default().wheel_angle_rad(&state(&path, 2.0, 0.3, 0.2, 0.5));
+        assert!((angle + 0.757_468_540_7).abs() < 1e-9, "{angle}");
+        // at standstill the goal is 0.6 m ahead: α = −0.4636476 − 0.2, d = 0.6708204, δ = −1.027134
+        let resting = PurePursuit::default().wheel_angle_rad(&state(&path, 2.0, 0.3, 0.2, 0.0));
+        assert!((resting + (1.8_f64 * 0.663_647_609_f64.sin() / 0.670_820_393).atan()).abs() < 1e-8, "{resting}");
+    }
+
+    #[test]
+    fn on_a_circle_it_is_the_circles_own_angle() {
+        let path = course(&[ClothoidPiece::bend(12.0, 0.25, 0.25)], WHEELBASE_M);
+        // the chord's angle is κ s/2 and its length 2 sin(κ s/2)/κ: δ = atan(L κ), whatever the look-ahead; 1e-4 for poses 0.05 m apart
+        let (s, c) = (0.25_f64 * 4.0).sin_cos();
+        let angle = PurePursuit::default().wheel_angle_rad(&state(&path, 4.0 * s, 4.0 * (1.0 - c), 1.0, 0.5));
+        assert!((angle - (0.9_f64 * 0.25).atan()).abs() < 1e-3, "{angle}");
+    }
+
+    #[test]
+    fn in_reverse_the_travel_frame_gives_the_same_angle() {
+        let path = course(&[ClothoidPiece::straight(10.0).reversed()], WHEELBASE_M);
+        // the first state turned by 180°: at (−2, −0.3), heading 0.2, rolling backwards
+        let angle = PurePursuit::default().wheel_angle_rad(&state(&path, -2.0, -0.3, 0.2, -0.5));
+        assert!((angle + 0.757_468_540_7).abs() < 1e-9, "{angle}");
+    }
+}

@@ -33,3 +33,56 @@ impl Law for RearAxle {
         atan(track.wheelbase_m * wanted)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::Pose;
+    use crate::guidance::PosePath;
+    use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
+    use crate::guidance::route::path_position::Leg;
+    use crate::guidance::route::track::Limits;
+
+    const WHEELBASE_M: f64 = 0.9;
+
+    /// The state of a vehicle that drives at 0.5 m/s with its wheel straight.
+    fn state(path: &PosePath, x_m: f64, y_m: f64, heading_rad: f64, speed_mps: f64) -> TrackState<'_> {
+        TrackState::new(Leg::first(&path.poses).unwrap(), Pose { x_m, y_m, heading_rad }, 0, speed_mps, 0.0, &Limits::new(WHEELBASE_M))
+    }
+
+    #[test]
+    fn the_curvature_is_that_of_the_equation() {
+        let path = course(&[ClothoidPiece::straight(10.0)], WHEELBASE_M);
+        let mut track = state(&path, 2.0, 0.1, 0.3, 0.5);
+        // on a straight: κ = −1.0·0.1·sin 0.3/0.3 − 2.0·0.3 = −0.698507, δ = atan(0.9 κ) = −0.561212
+        let angle = RearAxle::default().wheel_angle_rad(&track);
+        assert!((angle - (0.9 * (-0.1 * 0.3_f64.sin() / 0.3 - 0.6)).atan()).abs() < 1e-12, "{angle}");
+        // beside a path of curvature 0.2: κ = 0.2·cos 0.3/(1 − 0.02) − 0.1·sin 0.3/0.3 − 0.6 = −0.503540, δ = −0.425500
+        track.matched.curvature_per_m = 0.2;
+        let angle = RearAxle::default().wheel_angle_rad(&track);
+        assert!((angle + 0.425_500_323_6).abs() < 1e-9, "{angle}");
+        // other gains
+        let mut law = RearAxle { offset_gain_per_m2: 4.0, heading_gain_per_m: 0.5 };
+        let wanted = 0.2 * 0.3_f64.cos() / 0.98 - 0.4 * 0.3_f64.sin() / 0.3 - 0.15;
+        assert!((law.wheel_angle_rad(&track) - (0.9 * wanted).atan()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_a_heading_error_sine_over_angle_is_one_and_inside_the_bends_centre_it_stays_finite() {
+        let path = course(&[ClothoidPiece::straight(10.0)], WHEELBASE_M);
+        let track = state(&path, 2.0, 0.1, 0.0, 0.5);
+        assert!((RearAxle::default().wheel_angle_rad(&track) + 0.09_f64.atan()).abs() < 1e-12);
+        let mut track = state(&path, 2.0, 5.0, 0.0, 0.5);
+        track.matched.curvature_per_m = 0.2;
+        // 1 − κ_r e = 0: taken as 0.1
+        assert!((RearAxle::default().wheel_angle_rad(&track) - (0.9 * (2.0 - 5.0_f64)).atan()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn in_reverse_the_travel_frame_gives_the_same_angle() {
+        let path = course(&[ClothoidPiece::straight(10.0).reversed()], WHEELBASE_M);
+        let angle = RearAxle::default().wheel_angle_rad(&state(&path, -2.0, -0.1, 0.3, -0.5));
+        assert!((angle - (0.9 * (-0.1 * 0.3_f64.sin() / 0.3 - 0.6)).atan()).abs() < 1e-9, "{angle}");
+    }
+}

@@ -3,9 +3,10 @@
 //! The published law of such corners turns a vehicle with two driven sides about its geometric centre. This vehicle cannot: with its wheel at 90°
 //! the only fixed point is the middle of the rear axle. So it turns about that, and the front wheel sets the rate, v = L·ω.
 
-use crate::control::numeric::wrapped;
-use crate::control::{Inputs, SpeedLoop, SpeedLoopSettings};
-use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_decel};
+use crate::control::numeric::{sqrt, wrapped};
+use crate::control::{Arrival, Inputs, SpeedLoop, SpeedLoopSettings, UnderWay};
+use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_accel};
+use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::torque_source::TorqueSource;
 use crate::map::Gear;
 use crate::units::RAD_PER_DEG;
@@ -71,11 +72,11 @@ pub(crate) struct TurnSettings {
     pub angle_tolerance_rad: f64,
     /// Below this speed [m/s] the wheel counts as resting. Default 0.02.
     pub standstill_mps: f64,
-    /// Time from a command to its effect [s]. Default 0.12.
+    /// Time from a command to its effect [s]. Default that of the vehicle.
     pub reaction_s: f64,
     /// Deceleration of the stop [m/s²]. Default 0.3.
     pub stop_decel_mps2: f64,
-    /// Preview time of the rate [s], as in the pivot. Default 0.3.
+    /// Preview time of the rate [s]. Default that of the pivot, 0.3, for a reaction of 0.12 s, and longer by what a slower vehicle needs more.
     pub preview_s: f64,
     /// Resting or steering this long is a failure [s]. Default 4.
     pub stall_s: f64,
@@ -84,19 +85,19 @@ pub(crate) struct TurnSettings {
 }
 
 impl TurnSettings {
-    /// The defaults for a wheelbase [m].
-    pub(crate) fn new(wheelbase_m: f64) -> Self {
+    /// The defaults for a vehicle.
+    pub(crate) fn new(vehicle: &VehicleResponse) -> Self {
         Self {
             rate: TurnRate::default(),
-            wheelbase_m,
-            period_s: 0.02,
+            wheelbase_m: vehicle.wheelbase_m,
+            period_s: PERIOD_S,
             accel_mps2: 0.4,
             speed_loop: SpeedLoopSettings::default(),
             angle_tolerance_rad: 1.5 * RAD_PER_DEG,
             standstill_mps: 0.02,
-            reaction_s: 0.12,
+            reaction_s: vehicle.reaction_s(),
             stop_decel_mps2: 0.3,
-            preview_s: 0.3,
+            preview_s: 0.3 + (vehicle.reaction_s() - 0.12).max(0.0),
             stall_s: 4.0,
             corrections: 3,
         }
@@ -111,6 +112,7 @@ pub(crate) struct SpotTurn {
     gear: Gear,
     asked_mps: f64,
     speed_loop: SpeedLoop,
+    under_way: UnderWay,
     standing_s: f64,
     stops: u32,
 }
@@ -118,8 +120,17 @@ pub(crate) struct SpotTurn {
 impl SpotTurn {
     /// A turn that has not begun.
     pub(crate) fn new(settings: TurnSettings) -> Self {
-        let speed_loop = SpeedLoop::default();
-        Self { settings, stage: DriveStage::Steering, gear: Gear::Forward, asked_mps: 0.0, speed_loop, standing_s: 0.0, stops: 0 }
+        let (speed_loop, under_way) = (SpeedLoop::default(), UnderWay::new(settings.reaction_s, settings.period_s));
+        Self {
+            settings,
+            stage: DriveStage::Steering,
+            gear: Gear::Forward,
+            asked_mps: 0.0,
+            speed_loop,
+            under_way,
+            standing_s: 0.0,
+            stops: 0,
+        }
     }
 
     /// One period towards `heading_rad`. The wheel is at 90° to the left; forward gear turns left, reverse gear right.
@@ -145,11 +156,11 @@ impl SpotTurn {
                 }
             }
             DriveStage::Turning => {
-                let speed = (self.gear.sign() * front_mps).max(0.0);
-                let way_m = speed * (settings.reaction_s + 0.5 * speed / settings.stop_decel_mps2);
-                let left_m = self.gear.sign() * error_rad * settings.wheelbase_m;
-                let slow = speed <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
-                if left_m <= 0.0 || (slow && left_m <= way_m) {
+                let (arrival, left_m) = self.arrival(error_rad, front_mps);
+                let slow = (self.gear.sign() * front_mps) <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
+                let needed_mps2 = arrival.needed_mps2();
+                let must = needed_mps2 >= 3.0 * settings.stop_decel_mps2;
+                if left_m <= 0.0 || must || (slow && needed_mps2 >= settings.stop_decel_mps2) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled);
@@ -169,22 +180,28 @@ impl SpotTurn {
             _ => {}
         }
         let (sign, speed_mps) = (self.gear.sign(), (self.gear.sign() * front_mps).max(0.0));
+        let mut coasts = false;
         let accel_mps2 = match self.stage {
             DriveStage::Turning => {
                 let ahead_rad = error_rad - sign * speed_mps / settings.wheelbase_m * settings.preview_s;
-                let wanted = settings.wheelbase_m * (sign * settings.rate.rate_rad_s(ahead_rad)).max(settings.rate.min_rad_s);
+                // no faster than the planned deceleration stops it, so that a long vehicle begins to slow down earlier
+                let brakes_mps = sqrt(2.0 * settings.stop_decel_mps2 * settings.wheelbase_m * (sign * ahead_rad).max(0.0));
+                let rate_mps = settings.wheelbase_m * sign * settings.rate.rate_rad_s(ahead_rad);
+                let wanted = rate_mps.min(brakes_mps).max(settings.wheelbase_m * settings.rate.min_rad_s);
                 let step = settings.accel_mps2 * settings.period_s;
                 self.asked_mps = wanted.max(self.asked_mps - step).min(self.asked_mps + step);
                 self.speed_loop.step(&settings.speed_loop, self.asked_mps - speed_mps, false, settings.period_s).0
             }
             DriveStage::Stopping => {
-                let left_m = sign * error_rad * settings.wheelbase_m;
-                -stop_decel(speed_mps, left_m, settings.stop_decel_mps2)
+                let wanted = stop_accel(self.arrival(error_rad, front_mps).0, settings.stop_decel_mps2);
+                coasts = wanted.is_none();
+                wanted.unwrap_or(0.0)
             }
             _ => 0.0,
         };
         let rolls = speed_mps >= settings.standstill_mps || accel_mps2 > 0.0;
-        let drives = matches!(self.stage, DriveStage::Turning | DriveStage::Stopping) && rolls;
+        self.under_way.push(accel_mps2);
+        let drives = matches!(self.stage, DriveStage::Turning | DriveStage::Stopping) && rolls && !coasts;
         DriveCommand {
             torque_nm: if drives { torque.torque_nm(speed_mps.copysign(sign), sign * accel_mps2, inputs.wheel_angle_rad) } else { 0.0 },
             target_speed_mps: if self.stage == DriveStage::Turning { sign * self.asked_mps } else { 0.0 },
@@ -193,10 +210,18 @@ impl SpotTurn {
         }
     }
 
+    /// The wheel at the time when a command acts, and the arc that is left now [m].
+    fn arrival(&self, error_rad: f64, front_mps: f64) -> (Arrival, f64) {
+        let (settings, sign) = (&self.settings, self.gear.sign());
+        let left_m = sign * error_rad * settings.wheelbase_m;
+        (Arrival::after(settings.reaction_s, sign * front_mps, self.under_way.mean_mps2(), left_m), left_m)
+    }
+
     fn begin(&mut self, error_rad: f64) {
         self.gear = if error_rad < 0.0 { Gear::Reverse } else { Gear::Forward };
         (self.stage, self.asked_mps, self.standing_s) = (DriveStage::Turning, 0.0, 0.0);
         self.speed_loop = SpeedLoop::default();
+        self.under_way = UnderWay::new(self.settings.reaction_s, self.settings.period_s);
     }
 
     fn fail(&mut self, trouble: Trouble) -> DriveCommand {
