@@ -107,7 +107,7 @@ impl TorqueChoice {
         let explained = lag_explains(delays.values());
         let objection = || objection(&surveys, &delays);
         let lacking = lacking(&surveys, &undelivered);
-        let for_undelivered = settings.drive.is_none() && lacking.is_some();
+        let for_undelivered = settings.drive.is_none() && explained && lacking.is_some();
         let (feedback, reason) = match (disagreement, settings.drive) {
             // an ordinary drive: no reason is given, unless its feedback is not the command's torque
             (Some(how), _) => (false, Some(format!("the feedback {how}: it is not the command's torque, and is not used"))),
@@ -117,7 +117,7 @@ impl TorqueChoice {
             },
             (None, Some(_)) => (false, None),
             (None, None) if delays.is_empty() => (false, None),
-            (None, None) if lacking.is_some() && objection().is_none() => (true, lacking),
+            (None, None) if explained && lacking.is_some() && objection().is_none() => (true, lacking),
             (None, None) if explained => (false, None),
             (None, None) if settings.lag_s.is_some() || settings.dead_time_s.is_some() => {
                 (false, Some("dead time or lag are given, and the feedback does not follow them".to_owned()))
