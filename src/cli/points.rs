@@ -11,7 +11,7 @@ const MOST: usize = 1000;
 /// Reads the points. A first line without numbers is a heading; empty lines are skipped.
 pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<[f64; 2]>> {
     let text = read_file(path)?;
-    points(&text).with_context(|| shown(&path))
+    points(&text).with_context(|| shown(path))
 }
 
 fn points(text: &str) -> anyhow::Result<Vec<[f64; 2]>> {
