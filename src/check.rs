@@ -45,7 +45,7 @@ pub fn check(path: &Path, settings: CheckSettings) -> Result<CheckReport> {
     let name = path.file_name().map(shown).unwrap_or_default();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     let beside = |name: &str| read_bytes(&folder.join(name)).ok();
-    Ok(Map { path: shown(&path), name, bytes: &bytes, beside: &beside }.report(settings))
+    Ok(Map { path: shown(path), name, bytes: &bytes, beside: &beside }.report(settings))
 }
 
 /// A map and its surroundings.

@@ -20,12 +20,12 @@ const MOST_DIGITS: usize = 22;
 /// or have no width, become `\u{…}`; a backslash beside them is doubled, so that different names stay different. Of a name with more than
 /// 256 characters the first 200 are kept, with its length and checksum.
 pub(crate) fn name_from_outside(name: &str) -> Cow<'_, str> {
-    let short = match name.char_indices().nth(LONGEST_NAME) {
-        None => Cow::Borrowed(name),
-        Some(_) => {
-            let end = name.char_indices().nth(KEPT).map_or(name.len(), |(at, _)| at);
-            Cow::Owned(format!("{}… ({} bytes, crc {:08x})", &name[..end], name.len(), crc32fast::hash(name.as_bytes())))
-        }
+    let is_long = name.char_indices().nth(LONGEST_NAME).is_some();
+    let short = if is_long {
+        let end = name.char_indices().nth(KEPT).map_or(name.len(), |(at, _)| at);
+        Cow::Owned(format!("{}… ({} bytes, crc {:08x})", &name[..end], name.len(), crc32fast::hash(name.as_bytes())))
+    } else {
+        Cow::Borrowed(name)
     };
     match escaped(&short) {
         Some(escaped) => Cow::Owned(escaped),

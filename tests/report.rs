@@ -164,9 +164,11 @@ fn drive_manoeuvres(maps: &Path) {
     let run = serde_json::json!({ "gear": "reverse", "torque_nm": -24.0, "start_speed_mps": 0.7, "spin_up_nm": 40.0, "repeats": 2,
         "seconds": 1.6, "gain_nm": 0.0014, "gain_percent": 1.04, "reason": "cells at -24 to 40 N·m <are> known to ±0.22 N·m only" });
     let plan = serde_json::json!({ "seconds": 299.0, "runs": 111, "std_err_nm": 0.134, "std_err_after_nm": 0.087, "entries": [run] });
-    let sha256 = pivot_cal::map::sha256_hex(&std::fs::read(maps.join("table1.json")).unwrap());
+    let table1 = std::fs::read_to_string(maps.join("table1.json")).unwrap();
+    let generation = serde_json::from_str::<serde_json::Value>(&table1).unwrap()["generation"].clone();
+    let sha256 = pivot_cal::map::sha256_hex(table1.as_bytes());
     let file = serde_json::json!({
-        "format": "pivot-cal/plan", "format_version": 1, "tool_version": "0.1.0", "table1_sha256": sha256, "plan": plan
+        "format": "pivot-cal/plan", "format_version": 1, "tool_version": "0.1.0", "generation": generation, "table1_sha256": sha256, "plan": plan
     });
     std::fs::write(maps.join("plan.json"), file.to_string()).unwrap();
 }

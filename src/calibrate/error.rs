@@ -75,7 +75,7 @@ pub enum Error {
 
 /// Message on an edited CSV.
 pub(crate) fn edited_csv(path: &Path) -> String {
-    format!("{} is not the file that table1.json describes: its hash differs", shown(&path))
+    format!("{} is not the file that table1.json describes: its hash differs", shown(path))
 }
 
 /// Adds the subject of an error.
@@ -88,7 +88,7 @@ pub(crate) trait About<T> {
     where
         Self: Sized,
     {
-        self.about(|| shown(&path))
+        self.about(|| shown(path))
     }
 }
 

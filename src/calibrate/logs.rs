@@ -30,7 +30,7 @@ pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Res
         let path = place(files);
         let recording = recording.in_file(path)?;
         if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
-            listen(StageEvent::Warning(format!("{}: the same log as {}; read once", shown(&path), shown(&same.path))));
+            listen(StageEvent::Warning(format!("{}: the same log as {}; read once", shown(path), shown(&same.path))));
             continue;
         }
         values += recording.values();
@@ -58,8 +58,8 @@ pub fn survey(recordings: &[Recording], listen: &Listener) -> Result<Vec<Survey>
             Ok(survey) => surveys.push(survey),
             Err(error) if alone => return Err(error).in_file(path),
             Err(error) => {
-                listen(StageEvent::Warning(format!("{} is skipped: {error}", shown(&path))));
-                reasons.push(format!("{}: {error}", shown(&path)));
+                listen(StageEvent::Warning(format!("{} is skipped: {error}", shown(path))));
+                reasons.push(format!("{}: {error}", shown(path)));
             }
         }
     }
@@ -80,13 +80,13 @@ fn place(files: &[PathBuf]) -> &Path {
 /// Reports losses, and the places of the signals if no signal map gave them.
 fn report(recording: &Recording, mapped: bool, path: &Path, listen: &Listener) {
     if let Some(loss) = recording.loss.summary() {
-        listen(StageEvent::Warning(format!("{}: {loss}", shown(&path))));
+        listen(StageEvent::Warning(format!("{}: {loss}", shown(path))));
     }
     for note in &recording.notes {
-        listen(StageEvent::Detail(format!("{}: {note}", shown(&path))));
+        listen(StageEvent::Detail(format!("{}: {note}", shown(path))));
     }
     for origin in &recording.origins {
-        let line = format!("{}: {} = {} [{}] ({})", shown(&path), origin.signal.key(), origin.path, origin.unit, origin.reason);
+        let line = format!("{}: {} = {} [{}] ({})", shown(path), origin.signal.key(), origin.path, origin.unit, origin.reason);
         listen(if mapped { StageEvent::Detail(line) } else { StageEvent::Note(line) });
     }
 }

@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&comparison)?;
     show(&comparison, ui);
     if let Some(path) = &arguments.html {
-        ui.say(format!("written: {}", shown(&path)));
+        ui.say(format!("written: {}", shown(path)));
     }
     Ok(if comparison.verdict == DiffVerdict::Same { Outcome::Done } else { Outcome::Rejected })
 }

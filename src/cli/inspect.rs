@@ -73,14 +73,14 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     };
     let mut recordings = Vec::new();
     for named in &arguments.logs {
-        recordings.extend(log::find_logs(named).with_context(|| shown(&named))?);
+        recordings.extend(log::find_logs(named).with_context(|| shown(named))?);
     }
     let mut surveys = Vec::new();
     for files in &recordings {
         for (number, path) in files.iter().enumerate() {
-            let survey = survey(path, &source, arguments.runs, ui).with_context(|| shown(&path))?;
+            let survey = survey(path, &source, arguments.runs, ui).with_context(|| shown(path))?;
             if let Some(loss) = survey.loss.as_ref().and_then(log::Loss::summary) {
-                ui.warn(format!("{}: {loss}", shown(&path)));
+                ui.warn(format!("{}: {loss}", shown(path)));
             }
             ui.say(text(&survey));
             let is_whole = arguments.runs && number + 1 == files.len();

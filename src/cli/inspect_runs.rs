@@ -40,7 +40,7 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
     let survey = match survey() {
         Ok(survey) => survey,
         Err(error) => {
-            let named: Vec<String> = files.iter().map(|path| shown(&path)).collect();
+            let named: Vec<String> = files.iter().map(shown).collect();
             ui.warn(format!("{}: no runs: {error:#}", named.join(", ")));
             return None;
         }

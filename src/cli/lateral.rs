@@ -144,7 +144,7 @@ fn read(arguments: &LogArguments, ui: Ui) -> anyhow::Result<Vec<Recording>> {
     let (source, overrides) = (arguments.source()?, arguments.overrides());
     let mut recordings: Vec<Recording> = Vec::new();
     for named in &arguments.logs {
-        for path in find_logs(named).with_context(|| shown(&named))?.into_iter().flatten() {
+        for path in find_logs(named).with_context(|| shown(named))?.into_iter().flatten() {
             let recording = read_lateral(&path, &source, &overrides, &|_| {}).with_context(|| shown(&path))?;
             if let Some(same) = recordings.iter().find(|r| r.source.sha256 == recording.source.sha256) {
                 ui.warn(format!("{}: the same log as {}; read once", shown(&path), shown(&same.path)));

@@ -84,7 +84,7 @@ pub(crate) fn source(signals: Option<&Path>, preset: Option<Preset>) -> anyhow::
     Ok(match (signals, preset) {
         (Some(path), _) => {
             let text = read_file(path)?;
-            Source::Map(SignalMap::from_toml(&text).with_context(|| shown(&path))?)
+            Source::Map(SignalMap::from_toml(&text).with_context(|| shown(path))?)
         }
         (None, Some(preset)) => Source::Preset(preset),
         (None, None) => Source::Detect,

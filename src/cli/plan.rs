@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&plan)?;
     show(&plan, ui);
     match &arguments.output {
-        Some(output) => ui.say(format!("written: {}", shown(&output))),
+        Some(output) => ui.say(format!("written: {}", shown(output))),
         None => ui.say("give -o FILE to write it as a campaign file"),
     }
     Ok(Outcome::Done)

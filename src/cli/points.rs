@@ -13,7 +13,7 @@ const MOST: usize = 1000;
 /// Reads the points. A first line without numbers is a heading; empty lines are skipped.
 pub(crate) fn read(path: &Path) -> anyhow::Result<Vec<PolylinePoint>> {
     let text = read_file(path)?;
-    points(&text).with_context(|| shown(&path))
+    points(&text).with_context(|| shown(path))
 }
 
 fn points(text: &str) -> anyhow::Result<Vec<PolylinePoint>> {

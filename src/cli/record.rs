@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let ui = ui.beside(Some(&arguments.output))?;
-    let at = |path: &PathBuf| shown(&path);
+    let at = |path: &PathBuf| shown(path);
     let text = read_file(&arguments.vehicle)?;
     let vehicle = VehicleFile::from_toml(&text).with_context(|| at(&arguments.vehicle))?;
     let text = read_file(&arguments.campaign)?;

@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         ui.say(format!("note: {note}"));
     }
     if let Some(folder) = &arguments.svg {
-        ui.say(format!("written: {} figures in {}", made.figures.len(), shown(&folder)));
+        ui.say(format!("written: {} figures in {}", made.figures.len(), shown(folder)));
     }
     ui.say(format!("written: {} ({:.2} MB)", shown(&output), made.bytes as f64 / 1e6));
     Ok(Outcome::Done)

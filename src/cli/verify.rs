@@ -92,10 +92,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             bail!("--points needs a polyline to drive them, as --scenario polyline-lqr");
         }
         let points = points::read(path)?;
-        manoeuvres = manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| shown(&path))?;
+        manoeuvres = manoeuvres.into_iter().map(|m| m.along(&points)).collect::<Result<_, _>>().with_context(|| shown(path))?;
     }
     let gate = match &arguments.gate {
-        Some(path) => Gate::with(gate.as_deref()).with_context(|| shown(&path))?,
+        Some(path) => Gate::with(gate.as_deref()).with_context(|| shown(path))?,
         None => Gate::with(None)?,
     };
     let defaults = ManoeuvreSettings::new()?;
@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         vehicle: match &arguments.vehicle {
             Some(path) => {
                 let text = read_file(path)?;
-                VehicleFile::from_toml(&text).with_context(|| shown(&path))?.settings()
+                VehicleFile::from_toml(&text).with_context(|| shown(path))?.settings()
             }
             None => defaults.vehicle.clone(),
         },

@@ -82,7 +82,7 @@ impl DiffSide {
     }
 
     fn of_text(path: &Path, text: &str, second: bool) -> Result<Self> {
-        let name = shown(&path);
+        let name = shown(path);
         let wrong = |source| Error::File { path: path.to_owned(), source };
         if second {
             let file = Table2File::from_json(text).map_err(wrong)?;

@@ -24,11 +24,11 @@ pub enum Error {
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
     #[error(
-        "{} is of generation {found:?}, {} of {expected:?}: one of them was left by another run; run `pivot-cal invert` again",
+        "{} and {} are of different generations ({generations}): one of them was left by another run; run `pivot-cal invert` again",
         shown(path),
         shown(by)
     )]
-    Generation { path: PathBuf, by: PathBuf, found: String, expected: String },
+    Generation { path: PathBuf, by: PathBuf, generations: String },
     #[error(
         "{} holds other numbers than {}, although the hash is right: the JSON is damaged or was edited; make the map again",
         shown(path),

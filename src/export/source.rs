@@ -110,7 +110,7 @@ fn mismatch(folder: &Path, mismatch: Mismatch) -> Error {
     match mismatch {
         Mismatch::Hash { file, by, found, expected } => Error::Hash { path: folder.join(file), by: folder.join(by), found, expected },
         Mismatch::Generation { file, by, found, expected } => {
-            Error::Generation { path: folder.join(file), by: folder.join(by), found, expected }
+            Error::Generation { path: folder.join(file), by: folder.join(by), generations: format!("{found}, {expected}") }
         }
         Mismatch::Unreadable { file, source, .. } => unread(folder, &file, source),
     }

@@ -23,11 +23,11 @@ pub enum Error {
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
     #[error(
-        "{} is of generation {found:?}, {} of {expected:?}: one of them was left by another run; run `pivot-cal invert` again, or continue with --force",
+        "{} and {} are of different generations ({generations}): one of them was left by another run; run `pivot-cal invert` again, or continue with --force",
         shown(path),
         shown(by)
     )]
-    Generation { path: PathBuf, by: PathBuf, found: String, expected: String },
+    Generation { path: PathBuf, by: PathBuf, generations: String },
     #[error("there is no {gear} map at {angle_deg}° in {table}; it has {found}")]
     NoMap { gear: Gear, angle_deg: f64, table: &'static str, found: String },
     #[error("there is no scenario {found:?}; the nearest is {nearest}")]

@@ -143,7 +143,7 @@ fn let_pass(folder: &Path, mismatch: Mismatch, force: bool) -> Result<String> {
         }
         Mismatch::Hash { file, by, found, expected } => Err(Error::Hash { path: folder.join(file), by: folder.join(by), found, expected }),
         Mismatch::Generation { file, by, found, expected } => {
-            Err(Error::Generation { path: folder.join(file), by: folder.join(by), found, expected })
+            Err(Error::Generation { path: folder.join(file), by: folder.join(by), generations: format!("{found}, {expected}") })
         }
         Mismatch::Unreadable { file, source, .. } => Err(Error::Read { path: folder.join(file), source }),
     }

@@ -6,6 +6,7 @@ mod program;
 
 use pivot_cal::map::{Table1File, Table2File, sha256_hex};
 use program::repo;
+#[allow(unused_imports)]
 pub(crate) use program::run;
 use std::path::{Path, PathBuf};
 

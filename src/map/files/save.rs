@@ -164,8 +164,7 @@ mod tests {
     #[test]
     fn a_device_is_written_to() {
         write_whole(Path::new("/dev/null"), b"anything").unwrap();
-        use std::os::unix::fs::FileTypeExt;
-        assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        assert!(std::os::unix::fs::FileTypeExt::is_char_device(&std::fs::metadata("/dev/null").unwrap().file_type()));
         assert!(write_whole(Path::new("/dev/full"), b"anything").is_err());
     }
 }

@@ -286,7 +286,9 @@ impl Table1File {
     /// None in practice; serialisation is fallible by its signature.
     pub(crate) fn with_generation(mut self) -> Result<Self> {
         self.generation.clear();
-        self.generation = sha256_hex(self.to_json()?.as_bytes())[..16].to_owned();
+        let mut hash = sha256_hex(self.to_json()?.as_bytes());
+        hash.truncate(16);
+        self.generation = hash;
         Ok(self)
     }
 
