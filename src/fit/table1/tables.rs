@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 const MEASURED_SAMPLES: u64 = 3;
 /// A sample belongs to the nearest cell, if that is no further than this in speed [m/s], and in torque as a share of the largest: however
 /// coarse the breaks are, a sample shows only what is near it.
-const NEAR: (f64, f64) = (0.05, 0.05);
+const NEAR: (f64, f64) = (0.05, 0.1);
 /// Spacing of the default speed breaks [m/s].
 const SPEED_STEP_MPS: f64 = 0.05;
 /// Spacing of the fine grid's speeds [m/s].
