@@ -237,7 +237,7 @@ fn a_torque_that_was_recorded_late_is_moved_onto_the_motion() {
         vec![entry]
     }));
     let track = Track::new(&late).unwrap();
-    assert!(track.notes.iter().any(|note| note.contains("the motion follows the torque command")), "{:?}", track.notes);
+    assert!(track.notes.iter().any(|note| note.contains("so that the motion follows it")), "{:?}", track.notes);
     let apart = apart_mps2(&fitted(&late), &fitted(&usual()));
     assert!(apart < 0.01, "{apart}");
 }

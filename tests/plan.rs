@@ -50,7 +50,7 @@ fn a_plan_is_a_campaign_within_its_time_and_the_most_useful_run_comes_first() {
     assert!(plan.std_err_after_nm < plan.std_err_nm);
     let first = plan.entries[0].gain_nm_per_s;
     assert!(plan.entries.iter().all(|e| e.gain_nm_per_s > 0.0 && e.gain_nm_per_s <= first));
-    assert!(plan.entries.iter().all(|e| text.contains(&e.reason) && e.reason.contains("known to ±")));
+    assert!(plan.entries.iter().all(|e| text.contains(&e.reason) && e.reason.contains("have a standard error of ")));
 }
 
 #[test]

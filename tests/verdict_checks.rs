@@ -61,12 +61,15 @@ fn an_objection_rejects_the_map_until_a_person_overrules_it_by_name() {
     change_table1(&maps, wrong_wheelbase);
     let (status, first, all) = verify(&maps, &["--draws", "4"]);
     assert_eq!(status, 3, "{all}");
-    assert!(first.starts_with("verdict: rejected by encoder-scale: ") && first.contains("21.7 % off, 5 % is allowed"), "{first}");
+    assert!(
+        first.starts_with("verdict: rejected by encoder-scale: ") && first.contains("a difference of 21.7 %, 5 % is allowed"),
+        "{first}"
+    );
     assert!(first.contains("wheelbase") && first.contains("wheel radius"), "{first}");
     assert_eq!(verdict(&maps)["status"], "rejected");
     let (html, document) = page(&maps);
     assert_eq!(document["judgement"], "rejected");
-    assert!(banner(&html).contains("Rejected") && banner(&html).contains("21.7 % off, 5 % is allowed"), "{}", banner(&html));
+    assert!(banner(&html).contains("Rejected") && banner(&html).contains("a difference of 21.7 %, 5 % is allowed"), "{}", banner(&html));
     assert!(!html.contains("may be deployed"));
 
     let (status, _, all) = verify(&maps, &["--accept", "encoder", "--draws", "4"]);

@@ -76,7 +76,7 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
 
     // the manoeuvres take their torque from the maps
     let (_, said, errors) = run(folder, &["verify", "--scenario", "polyline-pure-pursuit", "--draws", "1"]);
-    assert!(said.contains("torque by the maps at -40°, 30°, 60°, 90° (forward)"), "{said}{errors}");
+    assert!(said.contains("torque from the maps at -40°, 30°, 60°, 90° (forward)"), "{said}{errors}");
 
     // a CSV of another angle that was edited is found
     let csv = text(&maps, "table2.angle60.csv");

@@ -273,7 +273,10 @@ mod tests {
         let mut file = demo();
         (file.vehicle.wheelbase_m, file.witnesses[0].scale) = (1.15, 0.7826);
         let text = check(&file, "encoder-scale").text();
-        assert!(text.contains("21.7 % off, 5 % is allowed") && text.contains("0.900 m instead of 1.150"), "{text}");
+        assert!(
+            text.contains("a difference of 21.7 %, 5 % is allowed") && text.contains("0.900 m would agree instead of 1.150 m"),
+            "{text}"
+        );
         assert!(with(9.55).advice.contains("revolutions per minute") && with(1.0 / 57.3).advice.contains("degrees"));
         assert!(with(4.0).advice.contains("gear ratio of 4.00"));
         let mut alone = demo();
