@@ -71,8 +71,8 @@ fn table(maps: &Path) -> CompensationTable {
 }
 
 /// Inputs of a drive, and the library's answers: the look-up, and the compensation.
-fn drive(table: CompensationTable) -> (String, Vec<(u64, u64)>) {
-    let mut law = LateralCompensation::new(CompensationSettings::default(), table);
+fn drive(table: &CompensationTable) -> (String, Vec<(u64, u64)>) {
+    let mut law = LateralCompensation::new(CompensationSettings::default(), *table);
     let (mut input, mut wanted, mut random) = (String::new(), Vec::new(), 1_u64);
     for k in 0..40_000_u32 {
         // a multiplicative congruential generator is random enough for inputs
@@ -154,7 +154,7 @@ fn c_program(compiler: &str, folder: &Path, optimise: &str) -> PathBuf {
 fn the_exported_law_is_the_librarys_bit_for_bit() {
     let (folder, maps) = copied();
     assert_eq!(run(folder.path(), &["export", "--format", "c,rust"]).0, 0);
-    let (exported, (input, wanted)) = (maps.join("export"), drive(table(&maps)));
+    let (exported, (input, wanted)) = (maps.join("export"), drive(&table(&maps)));
     expect(&rust_program(&exported), &input, &wanted);
     match ["cc", "gcc", "clang"].into_iter().find(|c| Command::new(c).arg("--version").output().is_ok()) {
         Some(compiler) => ["-O0", "-O2"].into_iter().for_each(|o| expect(&c_program(compiler, &exported, o), &input, &wanted)),

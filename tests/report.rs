@@ -144,7 +144,7 @@ fn a_verdict_on_chosen_scenarios_alone_judges_no_map_unless_it_fails() {
     edit(&maps.join("verify.json"), |v| v["scenarios"].as_array_mut().unwrap().truncate(2));
     let (page, document) = report(&maps);
     assert_eq!(document["judgement"], "not_judged");
-    assert!(page.contains("verify.json leaves out 23 of the pivots"), "{}", document["notes"]);
+    assert!(page.contains("verify.json leaves out 24 of the pivots"), "{}", document["notes"]);
     edit(&maps.join("verify.json"), |v| v["status"] = "fail".into());
     assert_eq!(report(&maps).1["judgement"], "fail");
 }

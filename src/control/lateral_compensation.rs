@@ -336,7 +336,7 @@ mod tests {
             let settings =
                 CompensationSettings { accumulation, settle_m: 0.0, rate_rad_s: 10.0, exact_m: 0.0, ..CompensationSettings::default() };
             let mut law = LateralCompensation::new(settings.checked().unwrap(), table(-1.0));
-            for (error_m, travelled_m) in [(0.02, 0.01), (0.02, 0.01), (0.02, 0.01), (-0.01, 0.0900001)] {
+            for (error_m, travelled_m) in [(0.02, 0.01), (0.02, 0.01), (0.02, 0.01), (-0.01, 0.090_000_1)] {
                 law.step(Gear::Forward, error_m, travelled_m, 0.0, true);
             }
             law.in_force_rad(Gear::Forward)

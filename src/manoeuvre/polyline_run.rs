@@ -5,7 +5,7 @@ use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::path_position::{Leg, Offset};
 use crate::guidance::route::polyline::{PolylinePlan, PolylinePoint, PolylineSettings};
 use crate::guidance::route::polyline_driver::PolylineDriver;
-use crate::guidance::route::response::VehicleResponse;
+use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::guidance::route::turn_law::TurnSettings;
 use crate::manoeuvre::Result;
@@ -34,7 +34,12 @@ pub(crate) const DEMO_SPEEDS_MPS: [Option<f64>; 9] =
 
 /// Settings of follower and turn for a vehicle and a law.
 fn polyline_settings(vehicle: &VehicleResponse, law: LawName) -> (FollowerSettings, TurnSettings) {
-    (FollowerSettings::new(vehicle, TrackingSettings::new(law)), TurnSettings::new(vehicle))
+    let mut tracking = TrackingSettings::new(law);
+    if let TrackingSettings::Mpc(mpc) = &mut tracking {
+        // what a first-order lag covers of its way in a step; two periods pass from a reading to the wheel
+        mpc.steering_share = 1.0 - (-mpc.step_s / (vehicle.steering_lag_s + 2.0 * PERIOD_S)).exp();
+    }
+    (FollowerSettings::new(vehicle, tracking), TurnSettings::new(vehicle))
 }
 
 /// Measurements on one leg.

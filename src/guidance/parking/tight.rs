@@ -161,7 +161,6 @@ mod tests {
             moves.clone().max().unwrap_or(0),
             moves.clone().sum::<usize>() as f64 / shuffled.len().max(1) as f64
         );
-        println!("{found}");
         assert!(shuffled.len() >= 200 && parked.len() == starts.len(), "{found}");
         let (wheel_rad, curvature) = (scene.look_ahead.wheel_step_rad, scene.look_ahead.curvature_step_per_m(scene.body.wheelbase_m));
         for plan in parked {

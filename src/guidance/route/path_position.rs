@@ -30,6 +30,9 @@ pub(crate) struct Leg<'a> {
     poses: &'a [PathPose],
 }
 
+/// The curvature at either end holds this far beyond it [m]: at rest at a change of direction the foot of a noisy pose lies now before and now
+/// after the leg's start, and the wheel must not be asked for straight ahead and for the path's angle in turn.
+const NEAR_END_M: f64 = 0.05;
 /// Length of the search beyond the nearest point so far [m].
 const WINDOW_M: f64 = 2.0;
 
@@ -70,7 +73,7 @@ impl<'a> Leg<'a> {
         }
     }
 
-    /// The point at distance `s_m`; the path continues straight before the start and past the end. `hint`: an index of a pose at or before
+    /// The point at distance `s_m`; the path continues straight before the start and past the end, with the end's curvature for 5 cm. `hint`: an index of a pose at or before
     /// it.
     pub(crate) fn at(&self, s_m: f64, hint: usize) -> Matched {
         let last = self.poses.len() - 1;
@@ -95,7 +98,7 @@ impl<'a> Leg<'a> {
             x_m: p.x_m + within * (q.x_m - p.x_m) + outside_m * cos,
             y_m: p.y_m + within * (q.y_m - p.y_m) + outside_m * sin,
             course_rad,
-            curvature_per_m: if outside_m == 0.0 {
+            curvature_per_m: if outside_m.abs() <= NEAR_END_M {
                 sign * (p.curvature_per_m + within * (q.curvature_per_m - p.curvature_per_m))
             } else {
                 0.0
@@ -192,6 +195,16 @@ mod tests {
         assert_eq!(leg.nearest(5.9, 0.6, 0), (leg.at(6.6, 2), 2));
         assert_eq!(leg.nearest(-0.5, 0.2, 0).0.s_m, -0.5);
         assert_eq!(leg.nearest(6.0, 1.4, 2).0.s_m, 7.4);
+    }
+
+    #[test]
+    fn the_curvature_of_an_end_holds_a_little_beyond_it() {
+        let bent = |x_m: f64, s_m: f64| PathPose { curvature_per_m: 0.8, ..pose(x_m, 0.0, 0.0, s_m, Gear::Forward) };
+        let poses = [bent(0.0, 0.0), bent(1.0, 1.0)];
+        let leg = Leg::first(&poses).unwrap();
+        let at = |s_m: f64| leg.at(s_m, 0).curvature_per_m;
+        assert_eq!((at(-0.02), at(0.0), at(0.5), at(1.02)), (0.8, 0.8, 0.8, 0.8));
+        assert_eq!((at(-0.2), at(1.2)), (0.0, 0.0));
     }
 
     #[test]

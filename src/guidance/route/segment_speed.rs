@@ -57,7 +57,12 @@ impl SegmentSpeed {
             (rise_m, fall_m) = (half_m, half_m);
         }
         let left_m = length_m - s_m;
-        let share = |of_m: f64, ramp_m: f64| if ramp_m > 0.0 { (of_m / ramp_m).max(0.0).min(1.0) } else { 1.0 };
+        let share = |of_m: f64, ramp_m: f64| match of_m {
+            // a place that is not a number has the speed of the end
+            of_m if of_m > 0.0 && of_m < ramp_m => of_m / ramp_m,
+            of_m if of_m > 0.0 => 1.0,
+            _ => 0.0,
+        };
         sqrt(if left_m < fall_m { end + (peak - end) * share(left_m, fall_m) } else { start + (peak - start) * share(s_m, rise_m) })
     }
 }
