@@ -192,7 +192,7 @@ fn output_goes_where_it_was_sent() {
 
 #[test]
 fn every_command_with_one_product_prints_it_on_a_dash() {
-    let (_keep, maps) = copied();
+    let (_keep, maps) = without_lateral_table();
     let vehicle = map_copy_repo("data/vehicles/scrubber.toml");
     let campaign = maps.join("campaign.toml");
     std::fs::write(&campaign, "seed = 1\n[[runs]]\ntorque_nm = 20\nhold_s = 1.0\n").unwrap();
@@ -215,6 +215,15 @@ fn every_command_with_one_product_prints_it_on_a_dash() {
     }
     let (status, _, said) = run(&maps, &["export", "--maps", ".", "--format", "c", "-o", "-"]);
     assert!(status == 1 && said.contains("pivot_map.h, pivot_map.c"), "{said}");
+}
+
+/// The maps without the lateral table, whose export would be a second file.
+fn without_lateral_table() -> (tempfile::TempDir, PathBuf) {
+    let (keep, maps) = copied();
+    for file in ["lateral_table.json", "lateral_table.csv"] {
+        std::fs::remove_file(maps.join(file)).unwrap();
+    }
+    (keep, maps)
 }
 
 /// A file of the repository.
@@ -244,7 +253,7 @@ fn two_writers_never_mix_their_files() {
 #[test]
 fn a_reader_sees_the_old_files_or_the_new_ones() {
     let (old, new) = two_generations();
-    let (_keep, maps) = copied();
+    let (_keep, maps) = without_lateral_table();
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| {

@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(outcome(&|u| u).outcome, CheckOutcome::Passed);
         assert_eq!(outcome(&|u| if u > 0.0 { 0.86 * u } else { 1.03 * u }).outcome, CheckOutcome::Passed);
         let dead_band = outcome(&|u| (u.abs() - 6.0).max(0.0).copysign(u));
-        assert!(dead_band.objects() && dead_band.meaning.contains("50 % less between -12.0 and 0.0 N·m"), "{}", dead_band.meaning);
+        assert!(dead_band.objects() && dead_band.meaning.contains("50 % less between 0.0 and 12.0 N·m"), "{}", dead_band.meaning);
         let limited = outcome(&|u| u.min(36.0));
         assert!(limited.objects() && limited.meaning.contains("100 % less between 36.0 and 44.0 N·m"), "{}", limited.meaning);
         assert_eq!(outcome(&|u| if u > 36.0 { 36.0 + 0.65 * (u - 36.0) } else { u }).outcome, CheckOutcome::Warning);
