@@ -314,6 +314,6 @@ fn a_polyline_of_ones_own_is_driven_and_what_is_none_is_refused_with_what_would_
     assert!(status == 1 && errors.contains("--points needs a polyline"), "{errors}");
     for (found, nearest) in [("uturn", "u-turn"), ("lateral", "lateral-forward"), ("parkin-60", "parking-60"), ("left90", "left-90")] {
         let (status, _, errors) = run(folder, &["verify", "--scenario", found]);
-        assert!(status == 1 && errors.contains(&format!("nearest: {nearest} ")), "{errors}");
+        assert!(status == 1 && errors.contains(&format!("the nearest is {nearest};")), "{errors}");
     }
 }

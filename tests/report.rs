@@ -115,11 +115,11 @@ fn what_is_absent_is_said_and_is_no_failure() {
     std::fs::remove_file(maps.join("table2.json")).unwrap();
     let (page, document) = report(&maps);
     assert_eq!(document["judgement"], "not_judged");
-    assert!(page.contains("There is no Table 2 yet") && page.contains("must not be deployed before one does"));
+    assert!(page.contains("There is no Table 2 yet") && page.contains("must not be deployed before they are"));
     std::fs::remove_file(maps.join("table1.json")).unwrap();
     let (status, _, errors) = run(Path::new("."), &["report", "--maps", maps.to_str().unwrap()]);
     assert_eq!(status, 1);
-    assert!(errors.contains("table1.json") && errors.contains("pivot-cal fit"), "{errors}");
+    assert!(errors.contains("table1.json") && errors.contains("fit logs first"), "{errors}");
 }
 
 #[test]
