@@ -182,7 +182,7 @@ fn every_array_of_both_tables_with_one_entry_less_is_an_error_of_every_command()
         assert!(MapSource::read(&maps).is_err(), "{file}{place}: `export` takes it");
         let report = check(&maps.join(file), CheckSettings::default()).unwrap();
         assert!(!report.sound, "{file}{place}: `check` says sound");
-        let found: String = report.findings.iter().map(|f| format!("{} {}; ", f.place(), f.what)).collect();
+        let found = report.findings.iter().map(|f| format!("{} {}", f.place(), f.what)).collect::<Vec<_>>().join("; ");
         for said in [page.unwrap(), found] {
             let is_named = ["Table ", " at line ", "row", "axis"].iter().any(|word| said.contains(word));
             assert!(is_named || said.contains(array), "{file}{place}: {said}");
