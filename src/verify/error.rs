@@ -19,7 +19,8 @@ pub enum Error {
     #[error(
         "{} is not the file that {} describes (SHA-256 {found:.12}… instead of {expected:.12}…): it was edited, or belongs to another map; \
          invert Table 1 again",
-        shown(path), shown(by)
+        shown(path),
+        shown(by)
     )]
     Hash { path: PathBuf, by: PathBuf, found: String, expected: String },
     #[error(
