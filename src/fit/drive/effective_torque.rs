@@ -107,8 +107,16 @@ impl EffectiveTorque {
         Self { source: TorqueOrigin::Lagged(command), limit: TorqueLimit::None, drift: CampaignDrift::default(), instead: None }
     }
 
-    /// The changes of a command through a drive.
+    /// The changes of a command through a drive. A torque limit bounds what the drive aims at; a power limit depends on the speed and acts
+    /// on what comes out.
     pub(crate) fn through(changes: &Series, drive: &DriveModel) -> Self {
+        let bounded = match drive.limit {
+            TorqueLimit::Torque(most_nm) => {
+                Some(Series { value: changes.value.iter().map(|u| u.clamp(-most_nm, most_nm)).collect(), ..changes.clone() })
+            }
+            _ => None,
+        };
+        let changes = bounded.as_ref().unwrap_or(changes);
         let source = if drive.kind == DriveKind::FirstOrder {
             TorqueOrigin::Lagged(LaggedCommand::new(changes, drive.lag_s()))
         } else {

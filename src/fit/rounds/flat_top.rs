@@ -57,9 +57,9 @@ fn of_curve(torques_nm: &[f64], accel_mps2: impl Fn(f64) -> f64) -> Option<f64> 
     if *growth.last()? > FLAT * largest || largest <= 0.0 {
         return None;
     }
-    // the last interval of full growth ends below the corner; all of them together give the growth
-    let last = growth.iter().rposition(|g| *g > FULL * largest)?;
-    let (first_nm, below_nm, top_nm) = (torques_nm[0], torques_nm[last + 1], torques_nm[torques_nm.len() - 1]);
+    // the last interval of full growth ends below the corner, which a smooth surface rounds off up to there: those before it give the growth
+    let last = growth.iter().rposition(|g| *g > FULL * largest)?.max(1);
+    let (first_nm, below_nm, top_nm) = (torques_nm[0], torques_nm[last], torques_nm[torques_nm.len() - 1]);
     let usual = (accel_mps2(below_nm) - accel_mps2(first_nm)) / (below_nm - first_nm);
     let limit_nm = below_nm + (accel_mps2(top_nm) - accel_mps2(below_nm)).max(0.0) / usual;
     (limit_nm < NO_LIMIT * top_nm).then_some(limit_nm)

@@ -2,6 +2,7 @@
 
 use crate::check::campaign_checks::{coverage_check, torques_name};
 use crate::fit::FitSettings;
+use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::motion::integration::Course;
 use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::{Estimate, RoundCount};
@@ -33,8 +34,10 @@ pub(crate) fn checks(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSamp
     let mut all = vec![coverage_check(&maps.iter().collect::<Vec<_>>(), settings.least_coverage)];
     all.extend(estimate.data.gears.iter().map(|gear| varied_torques(*gear, samples)));
     all.extend(agreement(estimate));
+    // a power limit is estimated; where a torque limit lies between two torques, no run shows
     let limit = estimate.calibration.drive.limit;
-    all.extend(maps.iter().filter_map(|map| torque_gain(map, |speed_mps| limit.most_nm(speed_mps))));
+    let most_nm = |speed_mps: f64| if matches!(limit, TorqueLimit::Power(_)) { limit.most_nm(speed_mps) } else { f64::INFINITY };
+    all.extend(maps.iter().filter_map(|map| torque_gain(map, most_nm)));
     all.push(convergence(estimate.rounds, settings));
     all
 }
