@@ -2,6 +2,8 @@
 //! neighbours, and inputs that are no numbers.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/compiled.rs"]
+mod compiled;
 #[path = "common/map_copy.rs"]
 mod map_copy;
 #[path = "common/readers.rs"]
@@ -11,11 +13,7 @@ use map_copy::{change_table2, copied, run, text};
 use pivot_cal::control::lookup;
 use pivot_cal::map::{Gear, Table2File, TorqueTable};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-
-const WARNINGS: [&str; 6] = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Werror"];
 
 /// Reads lines `gear speed accel` of bit patterns; prints, for both look-ups, `status bits`.
 const C_HARNESS: &str = r#"
@@ -72,53 +70,29 @@ fn main() {
 struct Answer(i32, u64, i32, u64);
 
 fn compiler() -> Option<PathBuf> {
-    let found = ["cc", "gcc", "clang"].into_iter().find(|c| Command::new(c).arg("--version").output().is_ok());
+    let found = compiled::c_compiler();
     if found.is_none() {
         readers::not_tested("C export", "there is no C compiler");
     }
-    found.map(PathBuf::from)
-}
-
-fn compile(command: &mut Command) {
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    found
 }
 
 fn c_program(compiler: &Path, folder: &Path, bits: u32, optimise: &str) -> PathBuf {
     let harness = C_HARNESS.replace("BITS_TYPE", &format!("uint{bits}_t")).replace("64_OR_32", &bits.to_string());
-    std::fs::write(folder.join("main.c"), harness).unwrap();
-    let program = folder.join(format!("c{optimise}"));
-    let sources = [folder.join("main.c"), folder.join("pivot_map.c")];
-    compile(Command::new(compiler).args(WARNINGS).arg(optimise).args(sources).arg("-o").arg(&program));
-    program
+    compiled::c_program(compiler, folder, &harness, "pivot_map.c", optimise)
 }
 
 fn rust_program(folder: &Path, bits: u32) -> PathBuf {
-    std::fs::write(folder.join("main.rs"), RUST_HARNESS.replace("BITS", &format!("u{bits}"))).unwrap();
-    let program = folder.join("rust");
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    compile(Command::new(rustc).args(["--edition", "2021", "-O", "-D", "warnings", "-o"]).arg(&program).arg(folder.join("main.rs")));
-    program
+    compiled::rust_program(folder, &RUST_HARNESS.replace("BITS", &format!("u{bits}")))
 }
 
-/// Runs a harness: what its self-test said, and its answers.
+/// Runs a harness: the result of its self-test, and its answers.
 fn answers(program: &Path, input: &str) -> (String, Vec<Answer>) {
-    let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    let bytes = input.as_bytes().to_vec();
-    let feed = std::thread::spawn(move || stdin.write_all(&bytes).unwrap());
-    let output = child.wait_with_output().unwrap();
-    feed.join().unwrap();
-    assert!(output.status.success());
-    let text = String::from_utf8(output.stdout).unwrap();
-    let mut lines = text.lines();
-    let self_test = lines.next().unwrap().to_owned();
-    let answer = |line: &str| {
+    compiled::answers(program, input, |line| {
         let words: Vec<_> = line.split(' ').collect();
         let bits = |k: usize| u64::from_str_radix(words[k], 16).unwrap();
         Answer(words[0].parse().unwrap(), bits(1), words[2].parse().unwrap(), bits(3))
-    };
-    (self_test, lines.map(answer).collect())
+    })
 }
 
 /// Breaks, their neighbours, places between, beyond, and awkward numbers.

@@ -2,6 +2,8 @@
 //! stops, bends, events and inputs that are no numbers.
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/compiled.rs"]
+mod compiled;
 #[path = "common/map_copy.rs"]
 mod map_copy;
 #[path = "common/readers.rs"]
@@ -10,9 +12,7 @@ mod readers;
 use map_copy::{copied, run, text};
 use pivot_cal::control::{CompensationEntry, CompensationSettings, CompensationTable, Gear, LateralCompensation};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 const C_HARNESS: &str = r#"
 #include "lateral_compensation.h"
@@ -103,25 +103,9 @@ fn drive(table: &CompensationTable) -> (String, Vec<(u64, u64)>) {
     (input, wanted)
 }
 
-fn compile(command: &mut Command) {
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-}
-
 fn answers(program: &Path, input: &str) -> (String, Vec<(u64, u64)>) {
-    let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    let bytes = input.as_bytes().to_vec();
-    let feed = std::thread::spawn(move || stdin.write_all(&bytes).unwrap());
-    let output = child.wait_with_output().unwrap();
-    feed.join().unwrap();
-    assert!(output.status.success());
-    let text = String::from_utf8(output.stdout).unwrap();
-    let mut lines = text.lines();
-    let self_test = lines.next().unwrap().to_owned();
     let bits = |word: &str| u64::from_str_radix(word, 16).unwrap();
-    let pair = |line: &str| line.split_once(' ').map(|(a, b)| (bits(a), bits(b))).unwrap();
-    (self_test, lines.map(pair).collect())
+    compiled::answers(program, input, |line| line.split_once(' ').map(|(a, b)| (bits(a), bits(b))).unwrap())
 }
 
 fn expect(program: &Path, input: &str, wanted: &[(u64, u64)]) {
@@ -135,19 +119,7 @@ fn expect(program: &Path, input: &str, wanted: &[(u64, u64)]) {
 }
 
 fn rust_program(folder: &Path) -> PathBuf {
-    std::fs::write(folder.join("main.rs"), RUST_HARNESS).unwrap();
-    let (program, rustc) = (folder.join("rust"), std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    compile(Command::new(rustc).args(["--edition", "2021", "-O", "-D", "warnings", "-o"]).arg(&program).arg(folder.join("main.rs")));
-    program
-}
-
-fn c_program(compiler: &str, folder: &Path, optimise: &str) -> PathBuf {
-    const WARNINGS: [&str; 6] = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Werror"];
-    std::fs::write(folder.join("main.c"), C_HARNESS).unwrap();
-    let program = folder.join(format!("c{optimise}"));
-    let sources = [folder.join("main.c"), folder.join("lateral_compensation.c")];
-    compile(Command::new(compiler).args(WARNINGS).arg(optimise).args(sources).arg("-o").arg(&program));
-    program
+    compiled::rust_program(folder, RUST_HARNESS)
 }
 
 #[test]
@@ -156,8 +128,9 @@ fn the_exported_law_is_the_librarys_bit_for_bit() {
     assert_eq!(run(folder.path(), &["export", "--format", "c,rust"]).0, 0);
     let (exported, (input, wanted)) = (maps.join("export"), drive(&table(&maps)));
     expect(&rust_program(&exported), &input, &wanted);
-    match ["cc", "gcc", "clang"].into_iter().find(|c| Command::new(c).arg("--version").output().is_ok()) {
-        Some(compiler) => ["-O0", "-O2"].into_iter().for_each(|o| expect(&c_program(compiler, &exported, o), &input, &wanted)),
+    let c_program = |compiler: &Path, optimise| compiled::c_program(compiler, &exported, C_HARNESS, "lateral_compensation.c", optimise);
+    match compiled::c_compiler() {
+        Some(compiler) => ["-O0", "-O2"].into_iter().for_each(|o| expect(&c_program(&compiler, o), &input, &wanted)),
         None => readers::not_tested("C export of the lateral compensation", "there is no C compiler"),
     }
 }

@@ -15,6 +15,21 @@ struct Layout {
     spread: bool,
 }
 
+/// A manoeuvre that is planned to a place, without its name.
+const PLANNED: Layout = Layout {
+    name: "",
+    header: &["scenario", "final position", "heading", "smallest clearance", "clearance lost in the drive", "curvature step"],
+    prefix: "",
+    figures: &[
+        ("final_position_m", 1e3, 1, "mm"),
+        ("heading_error_deg", 1.0, 2, "°"),
+        ("clearance_m", 1.0, 3, "m"),
+        ("clearance_loss_m", 1e3, 1, "mm"),
+        ("curvature_step_per_m", 1.0, 3, "m⁻¹"),
+    ],
+    spread: false,
+};
+
 const LAYOUTS: [Layout; 4] = [
     Layout {
         name: "polyline",
@@ -40,32 +55,8 @@ const LAYOUTS: [Layout; 4] = [
         ],
         spread: true,
     },
-    Layout {
-        name: "parking",
-        header: &["scenario", "final position", "heading", "smallest clearance", "clearance lost in the drive", "curvature step"],
-        prefix: "parking",
-        figures: &[
-            ("final_position_m", 1e3, 1, "mm"),
-            ("heading_error_deg", 1.0, 2, "°"),
-            ("clearance_m", 1.0, 3, "m"),
-            ("clearance_loss_m", 1e3, 1, "mm"),
-            ("curvature_step_per_m", 1.0, 3, "m⁻¹"),
-        ],
-        spread: false,
-    },
-    Layout {
-        name: "u-turn",
-        header: &["scenario", "final position", "heading", "smallest clearance", "clearance lost in the drive", "curvature step"],
-        prefix: "u-turn",
-        figures: &[
-            ("final_position_m", 1e3, 1, "mm"),
-            ("heading_error_deg", 1.0, 2, "°"),
-            ("clearance_m", 1.0, 3, "m"),
-            ("clearance_loss_m", 1e3, 1, "mm"),
-            ("curvature_step_per_m", 1.0, 3, "m⁻¹"),
-        ],
-        spread: false,
-    },
+    Layout { name: "parking", prefix: "parking", ..PLANNED },
+    Layout { name: "u-turn", prefix: "u-turn", ..PLANNED },
 ];
 
 /// Name and Markdown of every table.

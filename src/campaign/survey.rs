@@ -35,6 +35,9 @@ pub(crate) struct StartTrial {
     pub moved: bool,
 }
 
+/// Shortest hold that shows the acceleration by its torque [s].
+const SHORTEST_HOLD_S: f64 = 0.25;
+
 /// Result for the samples of one log, from its signals alone.
 #[derive(Debug, Clone)]
 pub struct Survey {
@@ -59,6 +62,13 @@ pub struct Survey {
 }
 
 impl Survey {
+    /// The torques at which the runs of a gear were held, one for each hold of one value [N·m], gear frame.
+    pub(crate) fn held_torques_nm(&self, gear: Gear) -> Vec<f64> {
+        let in_gear = |hold: &&Hold| self.stretches.iter().any(|s| s.gear == gear && s.from_s < hold.to_s && s.to_s > hold.from_s);
+        let held = self.holds.iter().filter(|h| h.steady && h.to_s - h.from_s > SHORTEST_HOLD_S);
+        held.filter(in_gear).map(|h| gear.sign() * h.torque_nm).collect()
+    }
+
     /// Judges every sample of `track`.
     ///
     /// # Errors

@@ -134,7 +134,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         Ok(judge_manoeuvres(&maps, &driven, wanted)?)
     })?;
     logs.extend(judged.logs);
-    let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?);
+    let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
     let path = arguments.maps.join("verify.json");
     put_verdict(&verdict, traces.as_ref(), &mut folder)?;
     // those of an earlier verdict stay: they name their Table 2

@@ -50,8 +50,10 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, setting
         && let Some(limit_nm) = flat_top::limit_nm(&state)
     {
         chosen = drive_choice::with_torque_limit(limit_nm, chosen, &examined, choice, settings);
-        state = State::from_guess(examined.guess(choice, settings, &[chosen.drive], None), settings);
-        sampled = delay_rounds::run(&mut state)?;
+        if chosen.drive.limit != TorqueLimit::None {
+            state = State::from_guess(examined.guess(choice, settings, &[chosen.drive], None), settings);
+            sampled = delay_rounds::run(&mut state)?;
+        }
     }
     let estimate = surface_rounds::run(state, sampled)?;
     Ok(Estimate { other_drives: chosen.others, ..estimate })

@@ -13,7 +13,7 @@ use crate::verify::notes::notes;
 use crate::verify::perturbations::draws;
 use crate::verify::pivot_log::PivotLog;
 use crate::verify::pivot_traces::ClosedLoop;
-use crate::verify::replay_check::REPLAY;
+use crate::verify::replay_check::{REPLAY, nothing_to_accept};
 use crate::verify::round_trip::round_trip;
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
@@ -67,9 +67,8 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
     if !maps.angles.is_empty() {
         notes.push(format!("pivots: the map at the test angle of {}°", maps.table2.vehicle.test_angle_deg));
     }
-    notes.extend(
-        settings.accept.iter().filter(|name| !accepted.contains(name)).map(|name| format!("{name} is no objection: nothing to accept")),
-    );
+    let idle = settings.accept.iter().filter(|name| !accepted.contains(name));
+    notes.extend(idle.map(|name| nothing_to_accept(name)));
     let kind = if matches!(stage.plant.motion, sim::MotionSettings::Physical(_)) { "physical" } else { "identified" };
     let verdict = MapVerdict {
         format: FORMAT.to_owned(),
@@ -118,8 +117,7 @@ fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
     if let Some(found) = names.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(Error::NoCheck { found: found.clone(), known: known.join(", ") });
     }
-    let objections = checks.iter().filter(|c| c.objects()).map(|c| c.name.as_str()).chain([REPLAY]);
-    Ok(objections.filter(|name| names.iter().any(|n| n == name)).map(str::to_owned).collect())
+    Ok(checks.iter().filter(|c| c.objects() && names.contains(&c.name)).map(|c| c.name.clone()).collect())
 }
 
 /// Runs one scenario on the nominal plant, as [`verify`] does, and shows every control period to `record`.

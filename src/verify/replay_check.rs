@@ -16,14 +16,24 @@ const LIMITS: [f64; 2] = [0.02, 0.04];
 const FEWEST_RUNS: usize = 3;
 
 impl MapVerdict {
-    /// The verdict with recorded runs that the plant has replayed: the log that departs most is a check.
+    /// The verdict with recorded runs that the plant has replayed: the log that departs most is a check, whose objection a person overrules by
+    /// its name in `accept`.
     #[must_use]
-    pub(crate) fn with_replayed(mut self, runs: Vec<ReplayedRun>) -> Self {
-        self.checks.retain(|c| c.name != REPLAY);
-        self.checks.extend(replay_check(&runs));
+    pub(crate) fn with_replayed(mut self, runs: Vec<ReplayedRun>, accept: &[String]) -> Self {
+        let check = replay_check(&runs);
+        if check.as_ref().is_some_and(Check::objects) && accept.iter().any(|name| name == REPLAY) {
+            self.accepted.push(REPLAY.to_owned());
+            self.notes.retain(|note| *note != nothing_to_accept(REPLAY));
+        }
+        self.checks.extend(check);
         self.replayed = runs;
         self.concluded()
     }
+}
+
+/// The note on a check that is to be accepted and does not object.
+pub(crate) fn nothing_to_accept(name: &str) -> String {
+    format!("{name} is no objection: nothing to accept")
 }
 
 /// The check; `None` with few runs.
@@ -55,6 +65,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::map::Gear;
+    use crate::verify::verdict::Status;
 
     fn runs(file: &str, fitted: bool, shares: &[f64]) -> Vec<ReplayedRun> {
         let run = |missing_share: &f64| ReplayedRun {
@@ -86,5 +97,17 @@ mod tests {
         assert_eq!(replay_check(&[good, fitted.clone()].concat()).unwrap().outcome, CheckOutcome::Passed);
         assert_eq!(replay_check(&fitted).unwrap().outcome, CheckOutcome::Warning);
         assert!(replay_check(&fitted[..2]).is_none() && replay_check(&[]).is_none());
+    }
+
+    #[test]
+    fn an_objection_of_the_replay_rejects_until_it_is_accepted_and_no_other_replay_is_accepted() {
+        let verdict = || -> MapVerdict { serde_json::from_str(include_str!("../../maps/verify.json")).unwrap() };
+        let (loaded, accept) = (runs("loaded.mcap", false, &[-0.05, -0.06, -0.055]), [REPLAY.to_owned()]);
+        let rejected = verdict().with_replayed(loaded.clone(), &[]);
+        assert!(rejected.status == Status::Rejected && rejected.reason.starts_with("rejected by replay: "), "{}", rejected.reason);
+        let accepted = verdict().with_replayed(loaded, &accept);
+        assert!(accepted.status == Status::Pass && accepted.accepted == accept, "{}", accepted.reason);
+        let good = verdict().with_replayed(runs("good.mcap", false, &[0.004, -0.003, 0.005]), &accept);
+        assert!(good.status == Status::Pass && good.accepted.is_empty());
     }
 }

@@ -5,6 +5,7 @@
 
 use crate::campaign::{Stretch, Survey};
 use crate::map::{Gear, SpeedSource, Table1File};
+use crate::signal::slope_through_origin;
 use crate::sim;
 use crate::sim::{RecordedRun, Replay};
 use crate::verify::Result;
@@ -122,13 +123,10 @@ impl Recorded {
 
     /// Slope of recorded less simulated speed through the start of the comparison [m/s²].
     fn missing_mps2(&self, found: &Replay) -> f64 {
-        let (mut along, mut squares) = (0.0, 0.0);
-        for ((t_s, recorded), simulated) in self.t_s.iter().zip(&self.speed_mps).skip(found.first).zip(&found.speed_mps) {
-            let t = t_s - self.score_from_s;
-            along += t * (recorded - simulated);
-            squares += t * t;
-        }
-        along / f64::max(squares, 1e-12)
+        let recorded = self.t_s.iter().zip(&self.speed_mps).skip(found.first);
+        slope_through_origin(
+            recorded.zip(&found.speed_mps).map(|((t_s, recorded), simulated)| (t_s - self.score_from_s, recorded - simulated)),
+        )
     }
 
     fn run(&self, gear: Gear) -> RecordedRun<'_> {

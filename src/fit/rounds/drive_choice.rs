@@ -1,9 +1,10 @@
 //! Which kind of drive lies between command and torque: the data choose, by the prediction of runs that were left out.
 //!
 //! First the coarse search (`delay_grid`) with a small physical model: kinds that explain the data no better than a first-order lag, and
-//! a limit of power that explains no more, are dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each fold with the surface fitted without them. The
-//! score of a run is its −2·ln L under the noise of that fit, with single innovations bounded, so that a push or a slip counts equally for
-//! all drives. A first-order lag stays unless another kind is better by several standard errors of the paired differences between runs.
+//! a limit of power that explains no more, are dropped. Each of the rest is fitted to a sample of the data, and predicts the runs of each
+//! fold with the surface fitted without them. The score of a run is its −2·ln L under the noise of that fit, with single innovations
+//! bounded, so that a push or a slip counts equally for all drives. A first-order lag stays unless another kind is better by several
+//! standard errors of the paired differences between runs. A torque limit is not searched for: a flat surface shows it (`flat_top`).
 
 use crate::campaign::Survey;
 use crate::fit::calibration::Calibration;

@@ -12,8 +12,6 @@ use crate::signal::median;
 const SAME_TORQUE: f64 = 0.06;
 /// Growth is compared from this share of the largest torque on.
 const LEAST: f64 = 0.15;
-/// Shortest hold of a torque that shows its acceleration [s].
-const SHORTEST_S: f64 = 0.25;
 /// Speeds at which accelerations are compared, as shares of the fastest.
 const AT_SPEEDS: [f64; 4] = [0.1, 0.2, 0.35, 0.5];
 /// The top is flat below this share of the largest growth, and growth is full from this share on.
@@ -36,13 +34,7 @@ pub(crate) fn limit_nm(state: &State) -> Option<f64> {
 
 /// The driving torques at which a gear's runs were held, rising [N·m]: there, a smooth surface is right.
 fn levels_nm(logs: &[LogData], gear: Gear) -> Vec<f64> {
-    let mut levels = Vec::new();
-    for log in logs {
-        let own: Vec<_> = log.survey.stretches.iter().filter(|s| s.gear == gear).collect();
-        let held = log.survey.holds.iter().filter(|h| h.steady && h.to_s - h.from_s > SHORTEST_S);
-        let driven = held.filter(|h| own.iter().any(|s| s.from_s < h.to_s && s.to_s > h.from_s));
-        levels.extend(driven.map(|h| gear.sign() * h.torque_nm));
-    }
+    let mut levels: Vec<f64> = logs.iter().flat_map(|log| log.survey.held_torques_nm(gear)).collect();
     levels.sort_unstable_by(f64::total_cmp);
     let largest_nm = levels.last().copied().unwrap_or(0.0);
     levels.retain(|u| *u > LEAST * largest_nm);

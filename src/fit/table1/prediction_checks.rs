@@ -10,7 +10,7 @@ use crate::fit::motion::segment::Segment;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::runs::Compared;
 use crate::map::{Check, CheckOutcome, Gear};
-use crate::signal::median;
+use crate::signal::{median, slope_through_origin};
 use std::collections::BTreeMap;
 
 /// Root mean square error of the runs for a warning and for an objection, as shares of the acceleration by the largest torque. Good campaigns
@@ -69,7 +69,7 @@ pub(crate) fn prediction_checks(estimate: &Estimate, compared: &[Compared], sett
 }
 
 /// Acceleration from rest by the largest torque over that by none [m/s²].
-fn reach_mps2(estimate: &Estimate, gear: Gear) -> f64 {
+pub(crate) fn reach_mps2(estimate: &Estimate, gear: Gear) -> f64 {
     let surface = estimate.model.surface(gear);
     let largest_nm = surface.lattice.torque_nm.last().copied().unwrap_or(0.0);
     (surface.accel_mps2(0.0, largest_nm) - surface.accel_mps2(0.0, 0.0)).max(1e-6)
@@ -95,13 +95,7 @@ fn unseen_runs(estimate: &Estimate, compared: &[Compared]) -> Vec<UnseenRun> {
 
 /// The slope of recorded minus simulated speed through the start of a segment [m/s²].
 fn error_mps2(segment: &Segment, own: &[Compared]) -> f64 {
-    let (mut along, mut squares) = (0.0, 0.0);
-    for reading in own {
-        let t = reading.t_s - segment.start_s;
-        along += t * reading.missing_mps();
-        squares += t * t;
-    }
-    along / squares.max(1e-12)
+    slope_through_origin(own.iter().map(|reading| (reading.t_s - segment.start_s, reading.missing_mps())))
 }
 
 /// Size of the errors over all runs.

@@ -7,6 +7,7 @@ use crate::fit::motion::integration::Course;
 use crate::fit::noise::whitening::whiten;
 use crate::fit::rounds::estimate::{Estimate, RoundCount};
 use crate::fit::rounds::outliers::calm;
+use crate::fit::table1::prediction_checks::reach_mps2;
 use crate::fit::table1::tables::UsedSample;
 use crate::fit::table1::torque_gain::torque_gain;
 use crate::map::{AccelMap, CellStatus, Check, CheckOutcome, Gear};
@@ -102,9 +103,7 @@ fn agreement(estimate: &Estimate) -> Option<Check> {
         return None;
     }
     let departures: Vec<Option<Departure>> = (0..estimate.data.logs.len()).map(|log| departure(estimate, log)).collect();
-    let torques = &estimate.model.surfaces.forward.lattice.torque_nm;
-    let surface = estimate.model.surface(estimate.data.gears[0]);
-    let reach_mps2 = surface.accel_mps2(0.0, torques[torques.len() - 1]) - surface.accel_mps2(0.0, 0.0);
+    let reach_mps2 = reach_mps2(estimate, estimate.data.gears[0]);
     let name = |k: usize| &estimate.data.logs[k].survey.track.source.file;
     let known: Vec<(usize, &Departure)> = departures.iter().enumerate().filter_map(|(k, d)| Some((k, d.as_ref()?))).collect();
     let by = |of: &dyn Fn(&Departure) -> f64| {

@@ -57,12 +57,7 @@ fn speed_breaks(samples: &[UsedSample]) -> Vec<f64> {
 fn torque_levels(estimate: &Estimate, gear: Gear, samples: &[UsedSample]) -> Vec<f64> {
     let mut levels: Vec<f64> = Vec::new();
     for log in &estimate.data.logs {
-        for hold in log.survey.holds.iter().filter(|h| h.steady && h.to_s - h.from_s > 0.25) {
-            let runs = log.survey.stretches.iter().any(|s| s.gear == gear && s.from_s < hold.to_s && s.to_s > hold.from_s);
-            if runs {
-                levels.push(gear.sign() * hold.torque_nm);
-            }
-        }
+        levels.extend(log.survey.held_torques_nm(gear));
         levels.extend(log.survey.start_trials.iter().filter(|t| t.gear == gear).map(|t| t.torque_nm));
     }
     levels.sort_unstable_by(f64::total_cmp);

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::map::Table1File;
 
-    /// The demo's map with torques of our own through a drive, 1/110 m/s² per N·m.
+    /// The demo's map with torques of our own through a drive, 1/13 m/s² per N·m.
     fn driven(torques: &[f64], delivered: impl Fn(f64) -> f64) -> AccelMap {
         let mut map = Table1File::from_json(include_str!("../../../maps/table1.json")).unwrap().maps.remove(0);
         let (rows, columns) = (torques.len(), map.speed_mps.len());

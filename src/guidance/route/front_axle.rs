@@ -42,18 +42,8 @@ impl Law for FrontAxle {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::control::Pose;
-    use crate::guidance::PosePath;
     use crate::guidance::route::clothoid_path::{ClothoidPiece, course};
-    use crate::guidance::route::path_position::Leg;
-    use crate::guidance::route::track::Limits;
-
-    const WHEELBASE_M: f64 = 0.9;
-
-    /// The state of a vehicle that drives at 0.5 m/s with its wheel straight.
-    fn state(path: &PosePath, x_m: f64, y_m: f64, heading_rad: f64, speed_mps: f64) -> TrackState<'_> {
-        TrackState::new(Leg::first(&path.poses).unwrap(), Pose { x_m, y_m, heading_rad }, 0, speed_mps, 0.0, &Limits::new(WHEELBASE_M))
-    }
+    use crate::guidance::route::track::example::{WHEELBASE_M, state};
 
     #[test]
     fn forward_the_front_axles_offset_and_the_heading_error_are_fed_back() {

@@ -93,3 +93,18 @@ impl Limits {
         Self { wheelbase_m, max_wheel_rad: 1.2, period_s: 0.02 }
     }
 }
+
+#[cfg(test)]
+pub(crate) mod example {
+    //! A vehicle beside a path, for the tests of the laws.
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::guidance::PosePath;
+
+    pub(crate) const WHEELBASE_M: f64 = 0.9;
+
+    /// The state of a vehicle with its wheel straight.
+    pub(crate) fn state(path: &PosePath, x_m: f64, y_m: f64, heading_rad: f64, speed_mps: f64) -> TrackState<'_> {
+        TrackState::new(Leg::first(&path.poses).unwrap(), Pose { x_m, y_m, heading_rad }, 0, speed_mps, 0.0, &Limits::new(WHEELBASE_M))
+    }
+}
