@@ -1,6 +1,6 @@
 //! Delay likelihood: uncertainty of dead time and lag, and other possible pairs.
 
-use crate::map::{Actuator, DeadTimeLikelihood, DelayEstimate, DelayLikelihood};
+use crate::map::{Actuator, DeadTimeLikelihood, DelayEstimate, DelayLikelihood, DelayStatus};
 use crate::report::ReportFiles;
 use crate::report::chart::{Chart, Line, Panel};
 use crate::report::heat::{Heat, Quantity};
@@ -33,7 +33,7 @@ pub(crate) fn delay(inputs: &ReportFiles) -> Section {
         @if !actuator.input.is_plain_command() { p { "The fit's input is the " (actuator.input) "." } }
         @for (label, text) in actuator.drive_lines() { p { @if !label.is_empty() { (label) ": " } (text) "." } }
         @if let Some(likelihood) = inputs.fit_traces.as_ref().and_then(|t| t.delay.as_ref()) {
-            p { (meaning(likelihood)) }
+            p { (meaning(likelihood, actuator)) }
             div.row {
                 (joint(&mut figures, likelihood, actuator))
                 (whole_range(&mut figures, likelihood))
@@ -62,11 +62,13 @@ fn estimates(actuator: &Actuator) -> Markup {
 }
 
 /// Explanation of the figures.
-fn meaning(likelihood: &DelayLikelihood) -> Markup {
+fn meaning(likelihood: &DelayLikelihood, actuator: &Actuator) -> Markup {
+    let shows_feedback = actuator.per_log.iter().any(|log| log.clock_offset.status != DelayStatus::NotSeparable);
     html! {
         "Each place shows by how many standard deviations another pair of delays explains the recorded speed worse. The surface may adapt in its main directions."
         @if likelihood.lag_s.len() > 1 {
             " The line bounds the joint 95 % region, the dot is the estimate. A second dark place would be a second solution."
+            @if shows_feedback && actuator.lag.status != DelayStatus::Given { " The dot also holds the lag that the torque feedback shows." }
         } @else {
             " No lag is varied: the feedback includes it."
         }

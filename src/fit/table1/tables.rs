@@ -11,9 +11,6 @@ use std::collections::BTreeMap;
 
 /// Fewest samples of a cell for it to count as measured: 0.06 s at 50 Hz.
 const MEASURED_SAMPLES: u64 = 3;
-/// A sample belongs to the nearest cell, if that is no further than this in speed [m/s], and in torque as a share of the largest: however
-/// coarse the breaks are, a sample shows only what is near it.
-const NEAR: (f64, f64) = (0.05, 0.1);
 /// Spacing of the default speed breaks [m/s].
 const SPEED_STEP_MPS: f64 = 0.05;
 /// Spacing of the fine grid's speeds [m/s].
@@ -97,7 +94,11 @@ pub(crate) fn accel_map(
 ) -> Result<AccelMap> {
     let own: Vec<UsedSample> = samples.iter().copied().filter(|s| s.gear == gear).collect();
     let speed = settings.speed_breaks_mps.clone().unwrap_or_else(|| speed_breaks(&own));
-    let torque = settings.torque_breaks_nm.clone().unwrap_or_else(|| torque_levels(estimate, gear, &own));
+    let levels = torque_levels(estimate, gear, &own);
+    // a sample belongs to the nearest cell, but however coarse the breaks are, it shows only what is near it: in torque as far as those are
+    // apart that were held
+    let near_nm = 0.5 * levels.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let torque = settings.torque_breaks_nm.clone().unwrap_or(levels);
     let surface = estimate.model.surface(gear);
     let limit = estimate.calibration.drive.limit;
     let change =
@@ -113,12 +114,11 @@ pub(crate) fn accel_map(
     let table = AccelTable::new(Axis::new("speed_mps", speed.clone())?, Axis::new("torque_nm", torque.clone())?, accel.concat())?;
     let csv = table.to_matrix().to_csv();
 
-    let largest_nm = torque.iter().fold(0.0f64, |m, u| m.max(u.abs()));
     let mut count = vec![vec![0u64; speed.len()]; torque.len()];
     let mut measured_torque_nm: Vec<Option<[f64; 2]>> = vec![None; speed.len()];
     for sample in &own {
         let (i, j) = (table.torque_nm().nearest(sample.torque_nm), table.speed_mps().nearest(sample.speed_mps));
-        let is_near = (sample.speed_mps - speed[j]).abs() <= NEAR.0 && (sample.torque_nm - torque[i]).abs() <= NEAR.1 * largest_nm;
+        let is_near = (sample.speed_mps - speed[j]).abs() <= SPEED_STEP_MPS && (sample.torque_nm - torque[i]).abs() <= near_nm;
         count[i][j] += u64::from(is_near);
         let range = measured_torque_nm[j].get_or_insert([sample.torque_nm; 2]);
         *range = [range[0].min(sample.torque_nm), range[1].max(sample.torque_nm)];
