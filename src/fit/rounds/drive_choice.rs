@@ -19,6 +19,7 @@ use crate::fit::motion::regressors::Free;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
 use crate::fit::motion::so_far::SoFar;
+use crate::fit::noise::model::Reading;
 use crate::fit::rounds::cross_validation::{self, HeldOut};
 use crate::fit::rounds::delay_grid::{self, KnownDrive};
 use crate::fit::rounds::delay_rounds;
@@ -38,17 +39,29 @@ const PER_RUN: f64 = 1.0;
 const FEWEST_GAINS: usize = 2;
 const CLEAR_GAIN: f64 = 9.0;
 const GAIN_OVER_LOSS: f64 = 10.0;
+/// A limit is chosen where it predicts no worse and leaves so little of the surface's gain over the physics form, of a gain of at least this
+/// much (whitened squared error).
+const SUPERFLUOUS: f64 = 0.1;
+const DEVIATES: f64 = 100.0;
 /// A torque limit that a surface shows is chosen where the runs left out do not contradict it by this many standard errors: a smooth surface
 /// follows the flat part beyond the limit as well, but not the corner between the torques that were driven.
 const NOT_WORSE: f64 = 2.0;
 /// Bound of a squared innovation in its variance.
 const MOST_SQUARED: f64 = 16.0;
 
-/// A drive with the score of every run: log and run, −2·ln L.
+/// A run: its log and its number there.
+type Run = (usize, usize);
+
+/// The scores of a run's readings, −2·ln L: by source and sample.
+type ReadingScores = BTreeMap<(u8, u32), f64>;
+
+/// A drive with the scores of every run.
 #[derive(Debug, Clone)]
 struct ScoredDrive {
     drive: DriveModel,
-    scores: BTreeMap<(usize, usize), f64>,
+    scores: BTreeMap<Run, ReadingScores>,
+    /// By how much the surface's deviations from the physics form reduce the whitened squared error of runs left out.
+    surface_gain: f64,
 }
 
 /// The choice, and the alternatives.
@@ -143,15 +156,35 @@ pub(crate) fn with_better_input(surveys: &[Survey], choice: TorqueChoice, settin
 /// others lose hardly anything. A limit acts in a few runs only, so that the spread between the runs hides it.
 fn is_better(drive: &ScoredDrive, before: &ScoredDrive) -> bool {
     let (lower, std_err) = difference(before, drive);
-    let each = || before.scores.iter().filter_map(|(run, score)| Some(score - drive.scores.get(run)?));
-    let (gains, losses) = (each().filter(|d| *d > 0.0).sum::<f64>(), -each().filter(|d| *d < 0.0).sum::<f64>());
-    let in_some = each().filter(|d| *d > CLEAR_GAIN).count() >= FEWEST_GAINS && gains > GAIN_OVER_LOSS * losses;
-    (lower > CLEARLY * std_err || in_some) && lower > PER_RUN * before.scores.len() as f64
+    let of_runs = differences(before, drive);
+    let each = || of_runs.iter();
+    let (gains, losses) = (each().filter(|d| **d > 0.0).sum::<f64>(), -each().filter(|d| **d < 0.0).sum::<f64>());
+    let in_some = each().filter(|d| **d > CLEAR_GAIN).count() >= FEWEST_GAINS && gains > GAIN_OVER_LOSS * losses;
+    let clearly = (lower > CLEARLY * std_err || in_some) && lower > PER_RUN * before.scores.len() as f64;
+    clearly || lower > 0.0 && explains_the_surface(drive, before)
+}
+
+/// Whether a limit alone makes the surface's deviations from the physics form superfluous. Then the limited drive is the simpler model: one
+/// number for what is otherwise a bend of the surface, which cannot follow a corner between the torques that were driven.
+fn explains_the_surface(limited: &ScoredDrive, before: &ScoredDrive) -> bool {
+    let by_limit_alone = limited.drive.kind == before.drive.kind && before.drive.limit == TorqueLimit::None;
+    let deviates = before.surface_gain > DEVIATES;
+    by_limit_alone && limited.drive.limit != TorqueLimit::None && deviates && limited.surface_gain < SUPERFLUOUS * before.surface_gain
+}
+
+/// By how much the second predicts each run better than the first, over the readings that both predict. A later dead time lets a run begin a
+/// reading later, and a reading more would count for more than any drive explains.
+fn differences(first: &ScoredDrive, second: &ScoredDrive) -> Vec<f64> {
+    let of_run = |(run, scores): (&Run, &ReadingScores)| {
+        let others = second.scores.get(run)?;
+        Some(scores.iter().filter_map(|(reading, score)| Some(score - others.get(reading)?)).sum())
+    };
+    first.scores.iter().filter_map(of_run).collect()
 }
 
 /// By how much the second predicts better than the first, over the runs that both predict, with its standard error.
 fn difference(first: &ScoredDrive, second: &ScoredDrive) -> (f64, f64) {
-    let each: Vec<f64> = first.scores.iter().filter_map(|(run, score)| Some(score - second.scores.get(run)?)).collect();
+    let each = differences(first, second);
     let (count, sum) = (each.len() as f64, each.iter().sum::<f64>());
     let spread: f64 = each.iter().map(|d| (d - sum / count.max(1.0)).powi(2)).sum();
     (sum, (spread * count / (count - 1.0).max(1.0)).sqrt())
@@ -188,24 +221,25 @@ fn scored(guess: InitialGuess, settings: &FitSettings) -> Result<ScoredDrive> {
     let mut segments = all_segments(&state.logs, &plain, &torques, None, &vec![Vec::new(); state.logs.len()]);
     let so_far = SoFar { surfaces: &state.surfaces, noise: &state.noise };
     replace_coarse(&mut segments, &state.logs, &plain, &torques, so_far);
-    let score = |segment: &Segment| -> Option<((usize, usize), f64)> {
+    let score = |segment: &Segment| -> Option<(Run, ReadingScores)> {
         let run = (segment.log, segment.run);
         let surfaces = match &validation {
             Some(validation) => &validation.without[*fold_of.get(&run)?],
             None => &state.surfaces,
         };
-        Some((run, run_score(segment, &torques, &state, surfaces)))
+        Some((run, reading_scores(segment, &torques, &state, surfaces)))
     };
-    let parts: Vec<Option<((usize, usize), f64)>> = segments.par_iter().map(score).collect();
-    let mut scores = BTreeMap::new();
-    for (run, score) in parts.into_iter().flatten() {
-        *scores.entry(run).or_insert(0.0) += score;
+    let parts: Vec<Option<(Run, ReadingScores)>> = segments.par_iter().map(score).collect();
+    let mut scores: BTreeMap<Run, ReadingScores> = BTreeMap::new();
+    for (run, of_segment) in parts.into_iter().flatten() {
+        scores.entry(run).or_default().extend(of_segment);
     }
-    Ok(ScoredDrive { drive: state.calibration.drive, scores })
+    let surface_gain = validation.as_ref().map_or(0.0, |v| v.comparison.gain);
+    Ok(ScoredDrive { drive: state.calibration.drive, scores, surface_gain })
 }
 
-/// −2·ln L of a segment with bounded innovations.
-fn run_score(segment: &Segment, torques: &[EffectiveTorque], state: &State, surfaces: &cross_validation::Surfaces) -> f64 {
+/// −2·ln L of a segment's readings with bounded innovations.
+fn reading_scores(segment: &Segment, torques: &[EffectiveTorque], state: &State, surfaces: &cross_validation::Surfaces) -> ReadingScores {
     let course = Course::new(segment, &torques[segment.log], state.calibration.dead_time_s[segment.log]);
     let surface = surface_of(surfaces, segment);
     let mut speeds = wide_speed(segment).into();
@@ -214,10 +248,13 @@ fn run_score(segment: &Segment, torques: &[EffectiveTorque], state: &State, surf
     }
     let along = along_one(&course, surface, &state.noise, &speeds);
     let precisions = state.noise.precisions();
-    let variance = |(reading, expected): (&crate::fit::noise::model::Reading, &f64)| expected * expected + reading.variance(precisions);
-    let variances = segment.readings.iter().zip(&along.expected_std_mps).map(variance);
+    let each = segment.readings.iter().zip(&along.expected_std_mps).zip(&along.white);
+    let scored = |((reading, expected_mps), white): ((&Reading, &f64), &f64)| {
+        let variance = expected_mps * expected_mps + reading.variance(precisions);
+        ((reading.source, reading.sample), (white * white).min(MOST_SQUARED) + variance.ln())
+    };
     // the first reading only gives the unknown speed
-    variances.zip(&along.white).skip(1).map(|(variance, white)| (white * white).min(MOST_SQUARED) + variance.ln()).sum()
+    each.skip(1).map(scored).collect()
 }
 
 #[cfg(test)]
@@ -225,18 +262,42 @@ mod tests {
     use super::*;
 
     fn scored(of_run: impl Fn(usize) -> f64) -> ScoredDrive {
-        ScoredDrive { drive: DriveModel::first_order(0.05), scores: (0..30).map(|k| ((0, k), of_run(k))).collect() }
+        ScoredDrive {
+            drive: DriveModel::first_order(0.05),
+            scores: (0..30).map(|k| ((0, k), ReadingScores::from([((0, 7), of_run(k))]))).collect(),
+            surface_gain: 2000.0,
+        }
+    }
+
+    fn noise(k: usize) -> f64 {
+        0.5 * ((k * 7919 % 13) as f64 / 6.0 - 1.0)
     }
 
     #[test]
     fn a_drive_is_better_by_all_runs_or_by_a_few_that_need_it() {
         let before = scored(|_| 100.0);
         let is = |gain: &dyn Fn(usize) -> f64| is_better(&scored(|k| 100.0 - gain(k)), &before);
-        let noise = |k: usize| 0.5 * ((k * 7919 % 13) as f64 / 6.0 - 1.0);
         assert!(!is(&|_| 0.0) && !is(&noise));
         assert!(is(&|k| 3.0 + noise(k)), "every run gains a little");
         assert!(is(&|k| if k < 2 { 40.0 } else { 0.0 }), "two runs reach a limit");
         assert!(!is(&|k| if k < 1 { 80.0 } else { 0.0 }), "one run may be a push");
         assert!(!is(&|k| if k < 2 { 40.0 } else { -0.5 }), "the others pay for it");
+        let mut with_one_reading_more = scored(|_| 100.0);
+        with_one_reading_more.scores.values_mut().for_each(|run| {
+            run.insert((0, 6), -9.0);
+        });
+        assert!(!is_better(&with_one_reading_more, &before), "a reading more is no better prediction");
+    }
+
+    #[test]
+    fn a_limit_that_explains_what_the_surface_did_is_chosen_where_it_predicts_no_worse() {
+        let before = scored(|_| 100.0);
+        let limited = |gain: f64, surface_gain: f64| {
+            let drive = DriveModel { limit: TorqueLimit::Power(60.0), ..before.drive };
+            ScoredDrive { drive, surface_gain, ..scored(|k| 100.0 + 20.0 * noise(k) - gain) }
+        };
+        assert!(is_better(&limited(1.0, 10.0), &before));
+        assert!(!is_better(&limited(-1.0, 10.0), &before), "it predicts worse");
+        assert!(!is_better(&limited(1.0, 1000.0), &before), "the surface is needed all the same");
     }
 }
