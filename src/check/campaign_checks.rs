@@ -190,8 +190,17 @@ fn friction(file: &Table1File, map: &AccelMap) -> Check {
 
 /// Torque that the drive did not deliver.
 fn undelivered(file: &Table1File) -> Check {
-    let seconds = file.actuator.drive.as_ref().and_then(|d| d.undelivered_s).unwrap_or(0.0);
+    let drive = file.actuator.drive.as_ref();
+    let seconds = drive.and_then(|d| d.undelivered_s).unwrap_or(0.0);
     let figure = (seconds, 0.0, "s");
+    if let Some(share) = drive.and_then(|d| d.undelivered_share) {
+        let meaning = format!(
+            "for {seconds:.1} s, the torque feedback is {share:.2} times the commanded torque, at small and large torques alike: another scale, and not a limit"
+        );
+        let advice =
+            "find out which of the two is the torque at the wheel, at torques of either sign, and correct scale or conversion of the other";
+        return Check::passed("torque-delivered", figure, meaning).broken(CheckOutcome::Objection, advice);
+    }
     if seconds > 0.0 {
         let advice = "the drive limits torque, power or speed: plan within it, and give torque_limit_nm";
         let meaning = format!("the drive did not deliver the commanded torque during {seconds:.1} s, 0 s is allowed");

@@ -12,9 +12,14 @@ use crate::map::{FolderWriter, write_whole};
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::text::shown;
-use crate::verify::{Class, Error, Gate, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, replayed, verify_with};
+use crate::verify::{
+    Class, Error, Gate, MapVerdict, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, at_angles, replayed, verify_with,
+};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
+
+/// Smallest turn of `--turn-deg` [°]: twice the threshold at which a turn ends.
+const SMALLEST_TURN_DEG: f64 = 2.0;
 
 /// Arguments of `verify`.
 #[derive(Debug, clap::Args)]
@@ -22,6 +27,8 @@ use std::path::PathBuf;
 Examples:
   pivot-cal verify                            all pivots on the map in ./maps
   pivot-cal verify --scenario left-90 -v      one scenario, every metric
+  pivot-cal verify --turn-deg 5               small turns, added to what was judged before
+  pivot-cal verify --angle 80                 also the pivots of the map for the wheel at 80°
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
@@ -37,6 +44,15 @@ pub(crate) struct Arguments {
     /// Run this scenario, manoeuvre or group (pivots, manoeuvres, all) instead of the pivots (may be repeated)
     #[arg(long, value_name = "NAME")]
     scenario: Vec<String>,
+    /// Also a turn of this size [°] in each direction; with no --scenario these turns alone (may be repeated)
+    #[arg(long, value_name = "DEG", value_parser = turn_deg)]
+    turn_deg: Vec<f64>,
+    /// Also the same pivots with the maps of this wheel angle [°] (may be repeated)
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    angle: Vec<f64>,
+    /// Replace the verdict in the folder instead of adding to what it judged of the same map
+    #[arg(long)]
+    fresh: bool,
     /// List the scenarios and exit
     #[arg(long)]
     list: bool,
@@ -86,7 +102,15 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let gate = arguments.gate.as_deref().map(read_file).transpose()?;
-    let (scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
+    let (mut scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
+    if arguments.scenario.is_empty() && !arguments.turn_deg.is_empty() {
+        scenarios.clear();
+    }
+    for turn in arguments.turn_deg.iter().flat_map(|size_deg| Scenario::turns(*size_deg)) {
+        if scenarios.iter().all(|s| s.name != turn.name) {
+            scenarios.push(turn);
+        }
+    }
     if let Some(path) = &arguments.points {
         if manoeuvres.iter().all(|m| m.class != Class::Polyline) {
             bail!("--points needs a polyline to drive them, as --scenario polyline-lqr");
@@ -129,12 +153,17 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
         Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress), ..Wanted::default() })?)
     })?;
+    let at_other_angles = at_angles(&maps, &settings, &arguments.angle)?;
     let judged = with_progress("driving manoeuvres", ui, |progress| {
         let wanted = Wanted { traces: true, logs: logs_wanted, worst_logs: arguments.log_worst, progress: Some(progress) };
         Ok(judge_manoeuvres(&maps, &driven, wanted)?)
     })?;
     logs.extend(judged.logs);
-    let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
+    let scenarios = at_other_angles.into_iter().chain(judged.verdicts).collect();
+    let mut verdict = verdict.with_scenarios(scenarios, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
+    if let Some(earlier) = earlier(arguments, &folder) {
+        verdict = verdict.added_to(&earlier);
+    }
     let path = arguments.maps.join("verify.json");
     put_verdict(&verdict, traces.as_ref(), &mut folder)?;
     // those of an earlier verdict stay: they name their Table 2
@@ -153,6 +182,23 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         }
     }
     Ok(verdict.status.into())
+}
+
+/// The size of a turn on the command line [°].
+fn turn_deg(text: &str) -> Result<f64, String> {
+    let allowed = SMALLEST_TURN_DEG..=360.0;
+    let size_deg: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    let is_allowed = allowed.contains(&size_deg);
+    is_allowed.then_some(size_deg).ok_or_else(|| format!("allowed: {SMALLEST_TURN_DEG} to 360, both directions are driven"))
+}
+
+/// The verdict that the folder holds, to be added to. One that cannot be read is replaced.
+fn earlier(arguments: &Arguments, folder: &FolderWriter) -> Option<MapVerdict> {
+    if arguments.fresh {
+        return None;
+    }
+    let bytes = folder.view().read("verify.json").ok()?;
+    MapVerdict::from_json(std::str::from_utf8(&bytes).ok()?).ok()
 }
 
 /// Does `work` with a progress bar on a terminal. `work` calls its argument after every run, with the total number of runs.

@@ -108,7 +108,7 @@ mod tests {
     fn judged(runs: &[(Values, DriveEnd)]) -> ScenarioVerdict {
         let values: Vec<Values> = runs.iter().map(|r| r.0).collect();
         let metrics = MetricSummary::all(&runs[0].0, &values);
-        ScenarioVerdict::new("polyline", "", Class::Polyline, metrics, &Gate::with(None).unwrap())
+        ScenarioVerdict::new("polyline", "", Class::Polyline, (metrics, values.len()), &Gate::with(None).unwrap())
     }
 
     #[test]

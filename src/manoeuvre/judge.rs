@@ -120,7 +120,7 @@ impl ManoeuvreStage<'_> {
         let runs: Result<Vec<(Values, DriveEnd)>> = self.varied.par_iter().map(one).collect();
         let runs = runs?;
         let metrics = MetricSummary::all(&nominal, &runs.iter().map(|run| run.0).collect::<Vec<_>>());
-        let mut verdict = ScenarioVerdict::new(name, what, class, metrics, &settings.gate);
+        let mut verdict = ScenarioVerdict::new(name, what, class, (metrics, runs.len()), &settings.gate);
         verdict.about = ManoeuvreTorque::about(self.maps);
         verdict.notes.extend(endings(&verdict, &nominal_end, &runs));
         let worst = worst_run(runs.iter().map(|run| &run.0), &verdict.checks).filter(|_| self.wanted.worst_logs);

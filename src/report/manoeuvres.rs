@@ -239,6 +239,8 @@ mod tests {
             what: "parking".to_owned(),
             class: Class::Parking,
             status: Status::Pass,
+            wheel_angle_deg: None,
+            draws: None,
             about: None,
             notes: Vec::new(),
             metrics: vec![summary(Metric::FinalPositionM), summary(Metric::ClearanceM)],

@@ -84,9 +84,13 @@ impl MapVerdict {
     /// What the tested scenarios leave out.
     fn narrowed(&self) -> Vec<String> {
         let all = Scenario::all();
-        let named = |s: &ScenarioVerdict| all.iter().find(|known| known.name == s.name);
-        let pivots: Vec<&Scenario> = tested(&self.scenarios).filter_map(named).collect();
-        let angle = self.basis.as_ref().map(|b| format!("{}° only", b.test_angle_deg));
+        let named = |s: &ScenarioVerdict| all.iter().find(|known| known.name == s.name).cloned();
+        let pivots: Vec<Scenario> = tested(&self.scenarios).filter_map(|s| named(s).or_else(|| Scenario::of_turn(&s.name))).collect();
+        let mut others: Vec<f64> = tested(&self.scenarios).filter_map(|s| s.wheel_angle_deg).collect();
+        others.sort_unstable_by(f64::total_cmp);
+        others.dedup();
+        let beside: String = others.iter().map(|angle| format!(" and {angle}°")).collect();
+        let angle = self.basis.as_ref().map(|b| format!("{}°{beside} only", b.test_angle_deg));
         let about: Option<String> = tested(&self.scenarios).find_map(|s| s.about.as_ref()).map(|about| format!("manoeuvres prove {about}"));
         if pivots.is_empty() {
             let names: Vec<&str> = tested(&self.scenarios).map(|s| s.name.as_str()).collect();

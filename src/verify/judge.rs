@@ -145,7 +145,7 @@ fn judge_scenarios(
         }
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));
         let runs = stage.run_all(scenario, varied, || map_law(stage.maps, &stage.law), log, || ())?;
-        let mut verdict = ScenarioVerdict::new(name, what, scenario.class, runs.summaries(), &settings.gate);
+        let mut verdict = ScenarioVerdict::new(name, what, scenario.class, (runs.summaries(), varied.len()), &settings.gate);
         if scenario.assumes_symmetry() {
             verdict.notes.push("symmetry assumed: the table was measured with the wheel to the left".to_owned());
         }

@@ -110,6 +110,26 @@ impl Maps {
         Ok(Self { table1, table2, forward, reverse, angles, csv_sha256, forced: Vec::new(), lateral: None })
     }
 
+    /// The same maps with another wheel angle as the test angle: the pivots of its maps, on its plant.
+    ///
+    /// # Errors
+    /// No forward map at this angle in either table; the error lists those that there are.
+    pub(crate) fn at_angle(&self, wheel_angle_deg: f64) -> Result<Self> {
+        let mut maps = self.clone();
+        maps.table1.vehicle.test_angle_deg = wheel_angle_deg;
+        maps.table2.vehicle.test_angle_deg = wheel_angle_deg;
+        let table = |gear| maps.table2.map_at_test_angle(gear).map(TorqueMap::table).transpose();
+        let edited = |gear| {
+            let same = |m: &&AngleMap| m.gear == gear && maps.table2.vehicle.test_angle().is_same_deg(m.wheel_angle_deg);
+            self.angles.iter().find(same).map(|m| m.table.clone())
+        };
+        let of_gear = |gear| -> Result<Option<TorqueTable>> { Ok(edited(gear).map_or_else(|| table(gear), |t| Ok(Some(t)))?) };
+        let (forward, reverse) = (of_gear(Gear::Forward)?, of_gear(Gear::Reverse)?);
+        maps.forward = forward.ok_or_else(|| Self::no_forward(&maps.table2))?;
+        maps.reverse = reverse;
+        Ok(maps)
+    }
+
     fn no_forward(table2: &Table2File) -> Error {
         let found: Vec<_> = table2.maps.iter().map(|m| format!("{} at {}°", m.gear, m.wheel_angle_deg)).collect();
         Error::NoMap {

@@ -25,7 +25,8 @@ impl Region {
             accel_mps2: map.accel_mps2.clone(),
             status: map.status.clone(),
         };
-        Self { maps: table2.maps.iter().map(cells).collect() }
+        let at_test_angle = table2.maps.iter().filter(|m| m.angle().is_same(table2.vehicle.test_angle()));
+        Self { maps: at_test_angle.map(cells).collect() }
     }
 
     /// Whether a look-up lies within the axes, and its nearest cell was measured or interpolated.

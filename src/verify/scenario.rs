@@ -134,19 +134,34 @@ impl Scenario {
         self.policy == WheelPolicy::Mirror && self.turns_deg.iter().any(|&t| t < 0.0)
     }
 
+    /// A turn of a size [°] in each direction: to the left, to the right in reverse gear, and to the right with the wheel to the right.
+    pub fn turns(size_deg: f64) -> [Self; 3] {
+        let (hold, mirror) = (WheelPolicy::HoldLeft, WheelPolicy::Mirror);
+        [
+            Self::turn(&format!("left-{size_deg}"), &format!("{size_deg}° to the left"), &[size_deg], hold),
+            Self::turn(&format!("right-{size_deg}"), &format!("{size_deg}° to the right in reverse gear"), &[-size_deg], hold),
+            Self::turn(
+                &format!("right-{size_deg}-mirror"),
+                &format!("{size_deg}° to the right with the wheel to the right"),
+                &[-size_deg],
+                mirror,
+            ),
+        ]
+    }
+
+    /// The turn of any size that has this name, as `left-5`.
+    pub(crate) fn of_turn(name: &str) -> Option<Self> {
+        let size_deg: f64 = name.split('-').nth(1)?.parse().ok()?;
+        Self::turns(size_deg).into_iter().find(|turn| turn.name == name)
+    }
+
     /// Every scenario, in display order.
     pub fn all() -> Vec<Self> {
         let (hold, mirror) = (WheelPolicy::HoldLeft, WheelPolicy::Mirror);
         let mut all = Vec::new();
-        for size in [30.0, 90.0, 180.0] {
-            all.push(Self::turn(&format!("left-{size}"), &format!("{size}° to the left"), &[size], hold));
-        }
-        for size in [30.0, 90.0, 180.0] {
-            all.push(Self::turn(&format!("right-{size}"), &format!("{size}° to the right in reverse gear"), &[-size], hold));
-        }
-        for size in [30.0, 90.0, 180.0] {
-            let what = format!("{size}° to the right with the wheel to the right");
-            all.push(Self::turn(&format!("right-{size}-mirror"), &what, &[-size], mirror));
+        let sizes = [30.0, 90.0, 180.0].map(Self::turns);
+        for direction in 0..3 {
+            all.extend(sizes.iter().map(|turns| turns[direction].clone()));
         }
         all.push(Self::turn("chained", "left 90°, right 90°, left 180° in a row", &[90.0, -90.0, 180.0], hold));
         all.push(Self::turn("chained-mirror", "left 90°, right 90°, left 180° in a row, mirrored", &[90.0, -90.0, 180.0], mirror));
@@ -209,6 +224,7 @@ impl Scenario {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use std::collections::BTreeSet;
 
@@ -216,5 +232,15 @@ mod tests {
     fn every_scenario_has_its_own_name() {
         let all = Scenario::all();
         assert_eq!(all.iter().map(|s| s.name.as_str()).collect::<BTreeSet<_>>().len(), all.len());
+    }
+
+    #[test]
+    fn a_turn_of_any_size_is_known_by_its_name() {
+        for name in ["left-5", "right-7.5", "right-12-mirror", "left-90"] {
+            assert_eq!(Scenario::of_turn(name).unwrap().name, name);
+        }
+        for name in ["left-", "left-x", "left-90@80°", "slope", "up-5"] {
+            assert!(Scenario::of_turn(name).is_none(), "{name}");
+        }
     }
 }

@@ -118,6 +118,12 @@ pub struct ScenarioVerdict {
     pub class: Class,
     /// Judgement.
     pub status: Status,
+    /// Wheel angle of a pivot at another angle than the test angle [°].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_angle_deg: Option<f64>,
+    /// Perturbed plants that were driven; absent in files of versions before it, and where it was not tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub draws: Option<usize>,
     /// What a pass is about, if it is not about the map: a manoeuvre whose torque did not come from it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<String>,
@@ -174,14 +180,36 @@ impl ScenarioVerdict {
     /// A scenario that could not be run.
     pub(crate) fn not_tested(name: &str, what: &str, class: Class, why: String) -> Self {
         let (name, what) = (name.to_owned(), what.to_owned());
-        Self { name, what, class, status: Status::NotTested, about: None, notes: vec![why], metrics: Vec::new(), checks: Vec::new() }
+        Self {
+            name,
+            what,
+            class,
+            status: Status::NotTested,
+            wheel_angle_deg: None,
+            draws: None,
+            about: None,
+            notes: vec![why],
+            metrics: Vec::new(),
+            checks: Vec::new(),
+        }
     }
 
-    /// A scenario with its metrics, judged by the limits of its class.
-    pub(crate) fn new(name: &str, what: &str, class: Class, metrics: Vec<MetricSummary>, gate: &Gate) -> Self {
+    /// A scenario with its metrics over the nominal plant and `draws` perturbed ones, judged by the limits of its class.
+    pub(crate) fn new(name: &str, what: &str, class: Class, (metrics, draws): (Vec<MetricSummary>, usize), gate: &Gate) -> Self {
         let checks = gate.check(class, &metrics);
         let status = if checks.iter().all(|c| c.pass) { Status::Pass } else { Status::Fail };
-        Self { name: name.to_owned(), what: what.to_owned(), class, status, about: None, notes: Vec::new(), metrics, checks }
+        Self {
+            name: name.to_owned(),
+            what: what.to_owned(),
+            class,
+            status,
+            wheel_angle_deg: None,
+            draws: Some(draws),
+            about: None,
+            notes: Vec::new(),
+            metrics,
+            checks,
+        }
     }
 }
 

@@ -31,6 +31,8 @@ pub(crate) struct Undelivered {
     pub(crate) forgotten_s: f64,
     /// Median torque delivered in it [N·m].
     pub(crate) torque_nm: f64,
+    /// Median share of the commanded torque that was delivered.
+    pub(crate) share: f64,
 }
 
 /// The intervals of one log in order. `feedback` is corrected by its scale and offset; it shows the command `dead_time_s` late and lagged.
@@ -72,8 +74,16 @@ pub(crate) fn undelivered(command: &Series, feedback: &Series, (dead_time_s, lag
         let (Some(a), Some(b)) = (of_settled.first(), of_settled.last()) else { continue };
         if feedback.t_s[*b] - feedback.t_s[*a] >= SHORTEST_S {
             let delivered: Vec<f64> = of_settled.iter().map(|k| feedback.value[*k]).collect();
+            let shares: Vec<f64> =
+                of_settled.iter().map(|k| feedback.value[*k] / asked.at(feedback.t_s[*k] - dead_time_s).torque_nm).collect();
             let (from_s, to_s) = (feedback.t_s[first] - dead_time_s - MARGIN_S, feedback.t_s[i - 1] - dead_time_s);
-            found.push(Undelivered { from_s, to_s, forgotten_s: to_s + FORGOTTEN * lag_s, torque_nm: median(&delivered) });
+            found.push(Undelivered {
+                from_s,
+                to_s,
+                forgotten_s: to_s + FORGOTTEN * lag_s,
+                torque_nm: median(&delivered),
+                share: median(&shares),
+            });
         }
     }
     found
@@ -99,5 +109,6 @@ mod tests {
         let found = undelivered(&command, &feedback, (0.04, 0.05));
         assert_eq!(found.len(), 1, "{found:?}");
         assert!((found[0].from_s - 11.9).abs() < 0.08 && (found[0].to_s - 14.1).abs() < 0.15 && (found[0].torque_nm - 20.0).abs() < 0.2);
+        assert!((found[0].share - 20.0 / 30.0).abs() < 0.01, "{found:?}");
     }
 }

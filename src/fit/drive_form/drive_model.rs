@@ -206,6 +206,7 @@ impl DriveModel {
                 }
             },
             undelivered_s: None,
+            undelivered_share: None,
             compared: Vec::new(),
         }
     }

@@ -148,11 +148,16 @@ fn identified_drive(found: &Delays, estimate: &Estimate, surveys: &[&Survey], ch
     let undelivered = undelivered_samples(surveys, choice);
     if !undelivered.is_empty() {
         drive.undelivered_s = Some(round(undelivered.iter().map(|u| u.seconds).sum(), 1e2));
-        drive.limit = drive.limit.or_else(|| limit_of(&undelivered));
+        drive.undelivered_share = common_share(&undelivered).map(|share| round(share, 1e3));
+        drive.limit = drive.limit.or_else(|| limit_of(&undelivered)).filter(|_| drive.undelivered_share.is_none());
     }
     let plain = drive.family == DriveFamily::FirstOrder && drive.limit.is_none() && drive.compared.is_empty() && undelivered.is_empty();
     (!plain).then_some(drive)
 }
+
+/// Torques are different from this ratio on, and shares of them the same within this distance.
+const DIFFERENT_TORQUES: f64 = 1.3;
+const SAME_SHARE: f64 = 0.05;
 
 /// Torque that was not delivered in one interval.
 struct UndeliveredTorque {
@@ -160,6 +165,8 @@ struct UndeliveredTorque {
     /// Median torque [N·m] and speed [m/s].
     torque_nm: f64,
     speed_mps: f64,
+    /// Median share of the commanded torque that was delivered.
+    share: f64,
 }
 
 fn undelivered_samples(surveys: &[&Survey], choice: &TorqueChoice) -> Vec<UndeliveredTorque> {
@@ -167,11 +174,25 @@ fn undelivered_samples(surveys: &[&Survey], choice: &TorqueChoice) -> Vec<Undeli
         let encoder = &survey.track.encoder_mps;
         let one = |u: &Undelivered| {
             let speeds: Vec<f64> = encoder.range(u.from_s, u.to_s).map(|k| encoder.value[k].abs()).collect();
-            UndeliveredTorque { seconds: u.to_s - u.from_s, torque_nm: u.torque_nm.abs(), speed_mps: crate::signal::median(&speeds) }
+            let (seconds, torque_nm) = (u.to_s - u.from_s, u.torque_nm.abs());
+            UndeliveredTorque { seconds, torque_nm, speed_mps: crate::signal::median(&speeds), share: u.share }
         };
         choice.undelivered(&survey.track.source).iter().map(one).filter(|u| u.speed_mps.is_finite()).collect()
     };
     surveys.iter().flat_map(of_log).collect()
+}
+
+/// The share of the commanded torque that was delivered, where it is the same at different torques: another scale, and not a limit.
+fn common_share(undelivered: &[UndeliveredTorque]) -> Option<f64> {
+    let range = |of: &dyn Fn(&UndeliveredTorque) -> f64| {
+        let mut values: Vec<f64> = undelivered.iter().map(of).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
+        (at(0.1), at(0.9))
+    };
+    let (torques, shares) = (range(&|u| u.torque_nm), range(&|u| u.share));
+    let is_common = torques.1 > DIFFERENT_TORQUES * torques.0 && (shares.1 - shares.0).abs() < SAME_SHARE;
+    is_common.then(|| crate::signal::median(&undelivered.iter().map(|u| u.share).collect::<Vec<_>>()))
 }
 
 /// The limit that explains the intervals best: of speed, torque or power, the one that varies least among them.

@@ -103,6 +103,9 @@ pub struct IdentifiedDrive {
     /// Time for which torque that was asked for was not delivered, by the torque feedback [s].
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub undelivered_s: Option<f64>,
+    /// Share of the commanded torque that was delivered then, where it is the same at different torques: another scale, and not a limit.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub undelivered_share: Option<f64>,
     /// Other drives that were fitted, each worse.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub compared: Vec<ComparedDrive>,
@@ -177,6 +180,7 @@ mod tests {
             damping: None,
             limit: Some(limit),
             undelivered_s: None,
+            undelivered_share: None,
             compared: Vec::new(),
         };
         let text = |drive: &IdentifiedDrive| drive.lines().into_iter().map(|l| l.1).collect::<Vec<_>>().join("; ");

@@ -1,0 +1,128 @@
+//! A verdict added to the one that the same map already has: manoeuvres after pivots, small turns after large ones.
+//!
+//! What was driven before and is not driven now stays, so that no order of commands loses a failure. A failure goes only when the same
+//! scenario is driven again on at least as many perturbed vehicles.
+
+use crate::verify::scenario::Scenario;
+use crate::verify::verdict::{MapVerdict, ScenarioVerdict, Status};
+
+impl MapVerdict {
+    /// This verdict with what `earlier` judged of the same map and this verdict does not. Of another map, another controller, other limits or
+    /// another version of the file, nothing is kept.
+    #[must_use]
+    pub(crate) fn added_to(mut self, earlier: &Self) -> Self {
+        if !self.judges_as(earlier) {
+            return self;
+        }
+        let mut driven = std::mem::take(&mut self.scenarios);
+        let mut scenarios = Vec::new();
+        for before in &earlier.scenarios {
+            let now = driven.iter().position(|s| s.name == before.name).map(|k| driven.remove(k));
+            scenarios.push(match now {
+                Some(now) if !outlasts(before, &now) => now,
+                _ => before.clone(),
+            });
+        }
+        // new pivots follow the pivots before them, manoeuvres the manoeuvres
+        scenarios.append(&mut driven);
+        scenarios.sort_by_key(order);
+        if !self.drives_pivots() && earlier.scenarios.iter().any(|s| s.class.is_pivot()) {
+            self.draws = earlier.draws;
+        }
+        self.accepted.extend(earlier.accepted.iter().filter(|name| !self.accepted.contains(name)).cloned().collect::<Vec<_>>());
+        let replayed_now: Vec<&str> = self.replayed.iter().map(|r| r.file.as_str()).collect();
+        let replayed_before = earlier.replayed.iter().filter(|r| !replayed_now.contains(&r.file.as_str())).cloned().collect::<Vec<_>>();
+        let replayed = replayed_before.into_iter().chain(std::mem::take(&mut self.replayed)).collect();
+        for note in &earlier.notes {
+            if !self.notes.contains(note) {
+                self.notes.push(note.clone());
+            }
+        }
+        let accepted = self.accepted.clone();
+        self.checks.retain(|check| check.name != crate::verify::replay_check::REPLAY);
+        self.with_scenarios(scenarios, None).with_replayed(replayed, &accepted)
+    }
+
+    /// Whether both judge the same map in the same way.
+    fn judges_as(&self, other: &Self) -> bool {
+        self.generation == other.generation
+            && !self.generation.is_empty()
+            && self.table2_csv_sha256 == other.table2_csv_sha256
+            && self.format_version == other.format_version
+            && self.forced == other.forced
+            && self.plant == other.plant
+            && self.spread == other.spread
+            && self.controller == other.controller
+            && self.limits == other.limits
+            && self.round_trip_limit == other.round_trip_limit
+    }
+
+    fn drives_pivots(&self) -> bool {
+        self.scenarios.iter().any(|s| s.class.is_pivot())
+    }
+}
+
+/// Whether an earlier failure stands against a pass on fewer perturbed vehicles.
+fn outlasts(before: &ScenarioVerdict, now: &ScenarioVerdict) -> bool {
+    before.status == Status::Fail && now.status != Status::Fail && now.draws < before.draws
+}
+
+/// Place in the display order: pivots of the list, other turns, pivots at other wheel angles, manoeuvres.
+fn order(scenario: &ScenarioVerdict) -> (usize, usize) {
+    let known = Scenario::all().iter().position(|s| s.name == scenario.name);
+    match (known, scenario.class.is_pivot(), scenario.wheel_angle_deg) {
+        (Some(place), ..) => (0, place),
+        (None, true, None) => (1, 0),
+        (None, true, Some(_)) => (2, 0),
+        (None, false, _) => (3, 0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::verify::Class;
+
+    fn verdict() -> MapVerdict {
+        serde_json::from_str(include_str!("../../maps/verify.json")).unwrap()
+    }
+
+    fn scenario(name: &str, class: Class, status: Status, draws: usize) -> ScenarioVerdict {
+        ScenarioVerdict { status, draws: Some(draws), ..ScenarioVerdict::not_tested(name, "", class, String::new()) }
+    }
+
+    #[test]
+    fn manoeuvres_and_small_turns_are_added_and_stand_in_the_usual_order() {
+        let all = verdict();
+        let later = |scenarios| MapVerdict { scenarios, draws: 20, ..all.clone() };
+        let parked = later(vec![scenario("parking", Class::Parking, Status::Pass, 20)]).added_to(&all);
+        assert_eq!((parked.scenarios.len(), parked.status, parked.draws), (all.scenarios.len() + 1, Status::Pass, all.draws));
+        let small = later(vec![scenario("left-5", Class::Turn, Status::Pass, 200)]).added_to(&parked);
+        let names: Vec<&str> = small.scenarios.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names[names.len() - 2..], ["left-5", "parking"]);
+        assert_eq!(names[..all.scenarios.len()], all.scenarios.iter().map(|s| s.name.as_str()).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_failure_stays_until_it_is_driven_again_on_as_many_vehicles() {
+        let all = verdict();
+        let with = |status, draws| MapVerdict { scenarios: vec![scenario("left-90", Class::Turn, status, draws)], ..all.clone() };
+        let failed = with(Status::Fail, 200).concluded();
+        let quick = with(Status::Pass, 1).added_to(&failed);
+        assert_eq!((quick.status, quick.scenarios[0].status), (Status::Fail, Status::Fail));
+        assert_eq!(with(Status::Pass, 200).added_to(&quick).status, Status::Pass);
+        let other = MapVerdict { scenarios: vec![scenario("left-30", Class::Turn, Status::Pass, 200)], ..all.clone() };
+        assert_eq!(other.added_to(&failed).status, Status::Fail, "another scenario does not mend it");
+    }
+
+    #[test]
+    fn nothing_is_kept_of_another_map_or_other_limits() {
+        let all = verdict();
+        let now = || MapVerdict { scenarios: vec![scenario("left-90", Class::Turn, Status::Pass, 200)], ..all.clone() };
+        let kept = |earlier: MapVerdict| now().added_to(&earlier).scenarios.len();
+        assert_eq!(kept(MapVerdict { generation: "another".to_owned(), ..all.clone() }), 1);
+        assert_eq!(kept(MapVerdict { limits: Vec::new(), ..all.clone() }), 1);
+        assert_eq!(kept(all.clone()), all.scenarios.len());
+    }
+}
