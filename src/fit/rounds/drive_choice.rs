@@ -101,7 +101,11 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
     }
     let unlimited =
         tried.iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map_or(tried[0].calibration.drive, |g| g.calibration.drive);
-    tried.extend(promising(&delay_grid::limited(unlimited, TorqueLimit::Power(largest_power(surveys))), best));
+    let strongest = |drives: &[DriveModel]| examined.guess_of_most_power(choice, settings, drives, beside);
+    let limited = strongest(&delay_grid::limited(unlimited, TorqueLimit::Power(largest_power(surveys))));
+    if limited.deviance < strongest(&[unlimited]).deviance - WORTH_A_FIT.0 {
+        tried.push(limited);
+    }
     if tried.len() == 1 {
         return only(tried[0].calibration.drive);
     }

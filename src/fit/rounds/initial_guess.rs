@@ -11,7 +11,7 @@ use crate::fit::motion::log_data::{Cuts, LogData};
 use crate::fit::motion::passes::wide_speed;
 use crate::fit::motion::segment::Segment;
 use crate::fit::motion::segmentation::all_segments;
-use crate::fit::noise::model::Noise;
+use crate::fit::noise::model::{Noise, Reading};
 use crate::fit::rounds::delay_grid::{self, KnownDrive};
 use crate::fit::surface::lattice::Lattice;
 use crate::fit::{Error, FitSettings, Result};
@@ -101,10 +101,52 @@ impl<'a> Examined<'a> {
         drives: &[DriveModel],
         beside: Option<KnownDrive>,
     ) -> InitialGuess<'a> {
+        self.guess_from(&self.all_spread_out(), (choice, settings), drives, beside)
+    }
+
+    /// The same from the segments of most power first: those that show a limit of it. A limit acts in few of them.
+    pub(crate) fn guess_of_most_power(
+        &self,
+        choice: &TorqueChoice,
+        settings: &FitSettings,
+        drives: &[DriveModel],
+        beside: KnownDrive,
+    ) -> InitialGuess<'a> {
+        self.guess_from(&self.by_power(), (choice, settings), drives, Some(beside))
+    }
+
+    /// The numbers of the segments in an order in which any first part is spread over the whole.
+    fn all_spread_out(&self) -> Vec<usize> {
+        let own = |log: usize| -> Vec<usize> { (0..self.segments.len()).filter(|s| self.segments[*s].log == log).collect() };
+        (0..self.logs.len()).flat_map(|log| spread_out(&own(log))).collect()
+    }
+
+    /// The numbers of the segments: that of most driving power, one of all, and so on, so that both the limited and the usual are at the front.
+    fn by_power(&self) -> Vec<usize> {
+        let power = |s: usize| {
+            let (segment, speeds) = (&self.segments[s], &self.speeds[s]);
+            let mut command = self.logs[segment.log].survey.track.command_nm.cursor();
+            let of = |(reading, v): (&Reading, &f64)| command.held(reading.t_s).unwrap_or(0.0) * segment.gear.sign() * v;
+            segment.readings.iter().zip(speeds).map(of).fold(0.0, f64::max)
+        };
+        let powers: Vec<f64> = (0..self.segments.len()).map(power).collect();
+        let mut by_power: Vec<usize> = (0..self.segments.len()).collect();
+        by_power.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+        let mut taken = vec![false; self.segments.len()];
+        let in_turn = by_power.into_iter().zip(self.all_spread_out()).flat_map(|(strong, usual)| [strong, usual]);
+        in_turn.filter(|s| !std::mem::replace(&mut taken[*s], true)).collect()
+    }
+
+    fn guess_from(
+        &self,
+        order: &[usize],
+        (choice, settings): (&TorqueChoice, &FitSettings),
+        drives: &[DriveModel],
+        beside: Option<KnownDrive>,
+    ) -> InitialGuess<'a> {
         let views: Vec<delay_grid::GridLog> = (0..self.logs.len())
             .map(|k| {
-                let own: Vec<usize> = (0..self.segments.len()).filter(|s| self.segments[*s].log == k).collect();
-                let own = spread_out(&own);
+                let own: Vec<usize> = order.iter().copied().filter(|s| self.segments[*s].log == k).collect();
                 delay_grid::GridLog {
                     segments: own.iter().map(|s| &self.segments[*s]).collect(),
                     speed_mps: own.iter().map(|s| self.speeds[*s].as_slice()).collect(),

@@ -158,6 +158,8 @@ fn identified_drive(found: &Delays, estimate: &Estimate, surveys: &[&Survey], ch
 /// Torques are different from this ratio on, and shares of them the same within this distance.
 const DIFFERENT_TORQUES: f64 = 1.3;
 const SAME_SHARE: f64 = 0.05;
+/// Shares beyond this are no shares of what was asked for.
+const LARGEST_SHARE: f64 = 2.0;
 
 /// Torque that was not delivered in one interval.
 struct UndeliveredTorque {
@@ -184,15 +186,20 @@ fn undelivered_samples(surveys: &[&Survey], choice: &TorqueChoice) -> Vec<Undeli
 
 /// The share of the commanded torque that was delivered, where it is the same at different torques: another scale, and not a limit.
 fn common_share(undelivered: &[UndeliveredTorque]) -> Option<f64> {
+    // right after a step to none, next to nothing is asked for
+    let asked: Vec<&UndeliveredTorque> = undelivered.iter().filter(|u| u.share.is_finite() && u.share.abs() < LARGEST_SHARE).collect();
+    if asked.is_empty() {
+        return None;
+    }
     let range = |of: &dyn Fn(&UndeliveredTorque) -> f64| {
-        let mut values: Vec<f64> = undelivered.iter().map(of).collect();
+        let mut values: Vec<f64> = asked.iter().map(|u| of(u)).collect();
         values.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
         (at(0.1), at(0.9))
     };
     let (torques, shares) = (range(&|u| u.torque_nm), range(&|u| u.share));
     let is_common = torques.1 > DIFFERENT_TORQUES * torques.0 && (shares.1 - shares.0).abs() < SAME_SHARE;
-    is_common.then(|| crate::signal::median(&undelivered.iter().map(|u| u.share).collect::<Vec<_>>()))
+    is_common.then(|| crate::signal::median(&asked.iter().map(|u| u.share).collect::<Vec<_>>()))
 }
 
 /// The limit that explains the intervals best: of speed, torque or power, the one that varies least among them.
