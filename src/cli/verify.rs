@@ -82,7 +82,8 @@ pub(crate) struct Arguments {
     /// the segment that begins there)
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
-    /// Vehicle that drives the manoeuvres (TOML) instead of the bundled scrubber
+    /// Vehicle (TOML): it drives the manoeuvres instead of the bundled scrubber, and its sensors, steering, torque step, dead band and rate
+    /// limit act in the pivots
     #[arg(long, value_name = "FILE")]
     vehicle: Option<PathBuf>,
     /// Perturbed plants per scenario; by default 200, and 20 for manoeuvres
@@ -123,16 +124,14 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         None => Gate::with(None)?,
     };
     let defaults = ManoeuvreSettings::new()?;
+    let given = match &arguments.vehicle {
+        Some(path) => Some(VehicleFile::from_toml(&read_file(path)?).with_context(|| shown(path))?.settings()),
+        None => None,
+    };
     let driven = ManoeuvreSettings {
         manoeuvres,
         draws: arguments.draws.unwrap_or(defaults.draws),
-        vehicle: match &arguments.vehicle {
-            Some(path) => {
-                let text = read_file(path)?;
-                VehicleFile::from_toml(&text).with_context(|| shown(path))?.settings()
-            }
-            None => defaults.vehicle.clone(),
-        },
+        vehicle: given.clone().unwrap_or_else(|| defaults.vehicle.clone()),
         seed: arguments.seed,
         gate: gate.clone(),
         ..defaults
@@ -140,12 +139,13 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let accept = arguments.accept.clone();
     let usual = VerifySettings::new()?;
     let draws = arguments.draws.unwrap_or(usual.draws);
-    let settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, ..usual };
+    let mut settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, ..usual };
     if !arguments.maps.exists() {
         Maps::read(&arguments.maps, arguments.force)?; // the error
     }
     let mut folder = FolderWriter::open(&arguments.maps)?;
     let maps = Maps::read_from(&folder.view(), arguments.force)?;
+    settings.given_vehicle = given;
     for forced in &maps.forced {
         ui.warn(format!("{forced}; continued, since --force was given"));
     }

@@ -20,6 +20,9 @@ pub struct DriveSettings {
     pub torque_limit_nm: f64,
     /// Step of the command's encoding [N·m]; 0, the default, for no quantisation.
     pub torque_quantum_nm: f64,
+    /// Smaller commands give no torque [N·m]; 0, the default, for no dead band.
+    #[serde(skip_serializing_if = "is_none")]
+    pub torque_dead_band_nm: f64,
     /// Largest rate of the setpoint [N·m/s]. Default: unlimited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slew_limit_nm_s: Option<f64>,
@@ -43,6 +46,7 @@ impl Default for DriveSettings {
             lag_s: 0.05,
             torque_limit_nm: 44.0,
             torque_quantum_nm: 0.0,
+            torque_dead_band_nm: 0.0,
             slew_limit_nm_s: None,
             slew_fall_limit_nm_s: None,
             frequency_hz: None,
@@ -72,6 +76,18 @@ impl DriveSettings {
         }
     }
 
+    /// The same with what a vehicle file gives and torque steps hardly show: step and dead band of the command, and rate limits where none was
+    /// found.
+    pub(crate) fn with_given(self, given: &Self) -> Self {
+        Self {
+            torque_quantum_nm: given.torque_quantum_nm,
+            torque_dead_band_nm: given.torque_dead_band_nm,
+            slew_limit_nm_s: self.slew_limit_nm_s.or(given.slew_limit_nm_s),
+            slew_fall_limit_nm_s: self.slew_fall_limit_nm_s.or(given.slew_fall_limit_nm_s),
+            ..self
+        }
+    }
+
     /// Checks every number.
     ///
     /// # Errors
@@ -81,12 +97,18 @@ impl DriveSettings {
         within("drive.lag_s", self.lag_s, 0.0..=2.0, "0 to 2")?;
         within("drive.torque_limit_nm", self.torque_limit_nm, 1e-3..=1e5, "0.001 to 1e5")?;
         within("drive.torque_quantum_nm", self.torque_quantum_nm, 0.0..=1e3, "0 to 1000")?;
+        within("drive.torque_dead_band_nm", self.torque_dead_band_nm, 0.0..=1e4, "0 to 1e4")?;
         within("drive.slew_limit_nm_s", self.slew_limit_nm_s.unwrap_or(1.0), 1e-3..=1e7, "0.001 to 1e7")?;
         within("drive.slew_fall_limit_nm_s", self.slew_fall_limit_nm_s.unwrap_or(1.0), 1e-3..=1e7, "0.001 to 1e7")?;
         within("drive.frequency_hz", self.frequency_hz.unwrap_or(1.0), 0.1..=100.0, "0.1 to 100")?;
         within("drive.damping", self.damping.unwrap_or(0.7), 0.01..=10.0, "0.01 to 10")?;
         within("drive.estop_brake_nm", self.estop_brake_nm, 0.0..=1e5, "0 to 1e5")
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_none(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Effective torque [N·m] over one step.
@@ -263,7 +285,7 @@ impl Drive {
         let limit = self.settings.torque_limit_nm;
         let quantum = self.settings.torque_quantum_nm;
         let coded = if quantum > 0.0 { (command_nm / quantum).round() * quantum } else { command_nm };
-        if coded.is_nan() { 0.0 } else { coded.clamp(-limit, limit) }
+        if coded.is_nan() || coded.abs() < self.settings.torque_dead_band_nm { 0.0 } else { coded.clamp(-limit, limit) }
     }
 }
 

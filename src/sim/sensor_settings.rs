@@ -11,6 +11,9 @@ use serde::{Deserialize, Serialize};
 pub struct EncoderSettings {
     /// Counts per revolution; 0 for an encoder that measures the speed directly. Default 4096.
     pub counts_per_rev: u32,
+    /// Step of the reading of an encoder that measures the speed directly [m/s]; 0, the default, for none.
+    #[serde(skip_serializing_if = "is_none")]
+    pub step_mps: f64,
     /// Standard deviation of a reading [m/s]. Default 0.006.
     pub noise_mps: f64,
     /// Reading over true speed: an error of the nominal rolling radius. Default 1.
@@ -83,9 +86,14 @@ pub struct SensorSettings {
     pub pose: PoseSettings,
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_none(value: &f64) -> bool {
+    *value == 0.0
+}
+
 impl Default for EncoderSettings {
     fn default() -> Self {
-        Self { counts_per_rev: 4096, noise_mps: 0.006, scale: 1.0, timing: Timing::default() }
+        Self { counts_per_rev: 4096, step_mps: 0.0, noise_mps: 0.006, scale: 1.0, timing: Timing::default() }
     }
 }
 
@@ -118,7 +126,7 @@ impl SensorSettings {
     pub fn ideal() -> Self {
         let timing = Timing::ideal(1000.0);
         Self {
-            encoder: EncoderSettings { counts_per_rev: 0, noise_mps: 0.0, scale: 1.0, timing },
+            encoder: EncoderSettings { counts_per_rev: 0, step_mps: 0.0, noise_mps: 0.0, scale: 1.0, timing },
             gyro: GyroSettings { noise_rad_s: 0.0, bias_rad_s: 0.0, timing },
             steering_angle: SteeringAngleSettings { noise_deg: 0.0, bias_deg: 0.0, quantum_deg: 0.0, timing },
             torque_feedback: TorqueFeedbackSettings { noise_nm: 0.0, timing },
@@ -126,11 +134,16 @@ impl SensorSettings {
         }
     }
 
-    /// The sensors of a fit: its speed noise, usual values for the rest, and no biases, which are removed on a calibrated vehicle.
+    /// The sensors of a fit: its speed noise and the step of its readings, usual values for the rest, and no biases, which are removed on a calibrated vehicle.
     pub fn identified(noise: &PlantNoise) -> Self {
         let usual = Self::default();
         Self {
-            encoder: EncoderSettings { counts_per_rev: 0, noise_mps: noise.speed_noise_mps, ..usual.encoder },
+            encoder: EncoderSettings {
+                counts_per_rev: 0,
+                step_mps: noise.speed_step_mps,
+                noise_mps: noise.speed_noise_mps,
+                ..usual.encoder
+            },
             gyro: GyroSettings { bias_rad_s: 0.0, ..usual.gyro },
             steering_angle: SteeringAngleSettings { bias_deg: 0.0, ..usual.steering_angle },
             ..usual
@@ -152,6 +165,7 @@ impl SensorSettings {
     pub(crate) fn check(&self) -> Result<()> {
         let noise = 0.0..=100.0;
         within("sensors.encoder.noise_mps", self.encoder.noise_mps, noise.clone(), "0 to 100")?;
+        within("sensors.encoder.step_mps", self.encoder.step_mps, 0.0..=10.0, "0 to 10")?;
         within("sensors.encoder.scale", self.encoder.scale, 0.1..=10.0, "0.1 to 10")?;
         within("sensors.gyro.noise_rad_s", self.gyro.noise_rad_s, noise.clone(), "0 to 100")?;
         within("sensors.gyro.bias_rad_s", self.gyro.bias_rad_s, -10.0..=10.0, "-10 to 10")?;

@@ -141,7 +141,8 @@ impl Sensors {
                 let counts = (rolled_m * counts_per_m).floor();
                 (counts - std::mem::replace(last, counts)) / (counts_per_m * period_s)
             };
-            noisy(speed_mps, encoder.noise_mps, random)
+            let reading_mps = noisy(speed_mps, encoder.noise_mps, random);
+            if encoder.step_mps > 0.0 { (reading_mps / encoder.step_mps).round() * encoder.step_mps } else { reading_mps }
         });
         self.gyro.poll(now_s, |t_s, random| {
             let yaw_rate_rad_s = scene.yaw_rate_rad_s - scene.yaw_accel_rad_s2 * ago(t_s);
@@ -213,7 +214,8 @@ mod tests {
     #[test]
     fn noise_and_scale_have_the_given_values() {
         let mut settings = SensorSettings::ideal();
-        settings.encoder = EncoderSettings { counts_per_rev: 0, noise_mps: 0.006, scale: 1.01, timing: Timing::ideal(100.0) };
+        settings.encoder =
+            EncoderSettings { counts_per_rev: 0, step_mps: 0.0, noise_mps: 0.006, scale: 1.01, timing: Timing::ideal(100.0) };
         let speeds = readings(&settings, 0.5);
         let n = speeds.len() as f64;
         let mean = speeds.iter().sum::<f64>() / n;

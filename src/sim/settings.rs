@@ -67,6 +67,17 @@ impl WorldSettings {
         })
     }
 
+    /// The same world with what a vehicle file gives of it beside its motion: steering, sensors, and of the drive what torque steps hardly
+    /// show. The plant keeps the speed noise that the fit found if it is larger.
+    #[must_use]
+    pub fn with_given(&self, given: &Self) -> Self {
+        let mut world =
+            Self { drive: self.drive.with_given(&given.drive), steering: given.steering, sensors: given.sensors, ..self.clone() };
+        world.sensors.encoder.noise_mps = world.sensors.encoder.noise_mps.max(self.sensors.encoder.noise_mps);
+        world.sensors.encoder.step_mps = world.sensors.encoder.step_mps.max(self.sensors.encoder.step_mps);
+        world
+    }
+
     /// The same world with its plant, drive and noise varied.
     ///
     /// # Errors
@@ -99,6 +110,15 @@ impl WorldSettings {
         varied.drive.torque_limit_nm *= by.torque_limit_factor;
         varied.sensors = varied.sensors.with_noise_factor(by.noise_factor);
         Ok(varied)
+    }
+
+    /// Step of the encoder's speed readings [m/s]; 0 for none.
+    pub(crate) fn speed_step_mps(&self) -> f64 {
+        let encoder = &self.sensors.encoder;
+        if encoder.counts_per_rev == 0 {
+            return encoder.step_mps;
+        }
+        std::f64::consts::TAU * self.vehicle.wheel_radius_m * encoder.timing.rate_hz / f64::from(encoder.counts_per_rev)
     }
 
     pub(crate) fn check(&self) -> Result<()> {
@@ -199,7 +219,13 @@ mod tests {
                 per_log: Vec::new(),
             },
             witnesses: Vec::new(),
-            noise: PlantNoise { disturbance_mps2: 0.0, disturbance_time_s: 0.2, run_offset_mps2: 0.0, speed_noise_mps: 0.004 },
+            noise: PlantNoise {
+                disturbance_mps2: 0.0,
+                disturbance_time_s: 0.2,
+                run_offset_mps2: 0.0,
+                speed_noise_mps: 0.004,
+                speed_step_mps: 0.0,
+            },
             maps: vec![map],
             families: Vec::new(),
             checks: Vec::new(),

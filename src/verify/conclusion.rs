@@ -107,7 +107,10 @@ impl MapVerdict {
             }
         }
         let judged = self.scenarios.iter().filter_map(named).count();
-        if judged < all.len() {
+        if judged == 0 {
+            let names: Vec<&str> = pivots.iter().map(|s| s.name.as_str()).collect();
+            scope.push(format!("{} only", names.join(", ")));
+        } else if judged < all.len() {
             scope.push(format!("{judged} of {} pivots only", all.len()));
         }
         scope.extend(about);

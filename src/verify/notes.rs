@@ -87,7 +87,7 @@ mod tests {
             notes: all,
             table2_csv_sha256: Vec::new(),
             forced: vec!["let pass".to_owned()],
-            plant: PlantSummary { kind: String::new(), dead_time_s: 0.0, lag_s: 0.0, torque_limit_nm: 0.0, breakaway_nm: 0.0 },
+            plant: PlantSummary::default(),
             draws: 0,
             comparison_draws: 0,
             seed: 1,

@@ -26,6 +26,9 @@ pub struct VerifySettings {
     pub accept: Vec<String>,
     /// The drive law; `None`, the default, is the usual one for the map's vehicle.
     pub law: Option<WaypointLawSettings>,
+    /// A vehicle whose sensors, steering, and step, dead band and rate limits of the torque act beside the identified motion. Default none.
+    #[doc(hidden)]
+    pub given_vehicle: Option<sim::WorldSettings>,
     /// The plant; `None`, the default, is the one that Table 1 identified.
     #[doc(hidden)]
     pub plant: Option<sim::WorldSettings>,
@@ -46,6 +49,7 @@ impl VerifySettings {
             gate: Gate::with(None)?,
             accept: Vec::new(),
             law: None,
+            given_vehicle: None,
             plant: None,
         })
     }

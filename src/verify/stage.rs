@@ -47,7 +47,11 @@ impl<'a> PivotStage<'a> {
     /// # Errors
     /// A plant that cannot be simulated.
     pub(crate) fn new(maps: &'a Maps, settings: &VerifySettings, done: &'a (dyn Fn() + Sync)) -> Result<Self> {
-        let plant = settings.plant.as_ref().map_or_else(|| sim::WorldSettings::identified(&maps.table1), |p| Ok(p.clone()))?;
+        let plant = match (&settings.plant, &settings.given_vehicle) {
+            (Some(plant), _) => plant.clone(),
+            (None, Some(given)) => sim::WorldSettings::identified(&maps.table1)?.with_given(given),
+            (None, None) => sim::WorldSettings::identified(&maps.table1)?,
+        };
         let exact = ExactMap::new(&plant)?;
         Ok(Self {
             maps,

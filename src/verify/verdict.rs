@@ -93,7 +93,7 @@ pub struct MapVerdict {
 }
 
 /// The plant that was driven.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PlantSummary {
     /// `identified` (a fitted Table 1) or `physical`.
     pub kind: String,
@@ -105,6 +105,18 @@ pub struct PlantSummary {
     pub torque_limit_nm: f64,
     /// Torque that sets the resting wheel in motion [N·m].
     pub breakaway_nm: f64,
+    /// Step of the torque command [N·m], where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_step_nm: Option<f64>,
+    /// Dead band of the torque command [N·m], where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_dead_band_nm: Option<f64>,
+    /// Largest rate of the torque [N·m/s], found or given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_limit_nm_s: Option<f64>,
+    /// Step of the speed readings [m/s], found or given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_step_mps: Option<f64>,
 }
 
 /// One scenario judged.

@@ -14,6 +14,7 @@ pub(crate) fn plant_noise(estimate: &Estimate) -> PlantNoise {
         disturbance_time_s: round(estimate.noise.disturbance_time_s, 1e6),
         run_offset_mps2: round(estimate.noise.offset_mps2, 1e6),
         speed_noise_mps: round(estimate.noise.reading_mps[0], 1e6),
+        speed_step_mps: round(estimate.data.logs.iter().map(|log| log.coarse_mps[0]).fold(0.0, f64::max), 1e6),
     }
 }
 
