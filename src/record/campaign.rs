@@ -52,6 +52,9 @@ fn default_seed() -> u64 {
 pub struct TopicSettings {
     /// `/drive/torque_command`: the valid command at the time of the message, so that a stamp is late by its phase. Default 50 Hz.
     pub torque_command: Timing,
+    /// Whether the command is logged only when it changes. Default false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub torque_command_on_change: bool,
     /// `/drive/gear`. Default 10 Hz.
     pub gear: Timing,
     /// `/safety/estop`. Default 10 Hz.
@@ -63,7 +66,7 @@ pub struct TopicSettings {
 impl Default for TopicSettings {
     fn default() -> Self {
         let slow = Timing { rate_hz: 10.0, ..Timing::default() };
-        Self { torque_command: Timing::default(), gear: slow, estop: slow, odometry: slow }
+        Self { torque_command: Timing::default(), torque_command_on_change: false, gear: slow, estop: slow, odometry: slow }
     }
 }
 

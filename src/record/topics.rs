@@ -21,6 +21,9 @@ pub(crate) struct Topics {
     start_ns: u64,
     wheel_radius_m: f64,
     torque_command: Channel<f64>,
+    /// The last command written, if only changes are.
+    last_command_nm: Option<f64>,
+    on_change: bool,
     gear: Channel<i8>,
     estop: Channel<bool>,
     odometry: Channel<()>,
@@ -41,6 +44,8 @@ impl Topics {
             start_ns,
             wheel_radius_m: vehicle.wheel_radius_m,
             torque_command: Channel::new(&settings.torque_command, seed, Stream::CommandMessages, 0.0)?,
+            last_command_nm: None,
+            on_change: settings.torque_command_on_change,
             gear: Channel::new(&settings.gear, seed, Stream::GearMessages, 0)?,
             estop: Channel::new(&settings.estop, seed, Stream::EstopMessages, false)?,
             odometry: Channel::new(&settings.odometry, seed, Stream::OdometryMessages, ())?,
@@ -52,7 +57,10 @@ impl Topics {
         let now_s = world.state().t_s;
         self.torque_command.poll(now_s, |_, _| world.accepted_torque_nm(command));
         if let Some(reading) = self.torque_command.taken().copied() {
-            self.plain("/drive/torque_command", &reading, &RosMessage::Float64(single(reading.value)))?;
+            if !self.on_change || self.last_command_nm != Some(reading.value) {
+                self.plain("/drive/torque_command", &reading, &RosMessage::Float64(single(reading.value)))?;
+            }
+            self.last_command_nm = Some(reading.value);
         }
         self.gear.poll(now_s, |_, _| match command.gear {
             None => 0,

@@ -95,6 +95,14 @@ impl Motion {
         }
     }
 
+    /// Torque that the drive delivers of a requested one now [N·m]; that of a physical vehicle's power limit and governor.
+    pub(crate) fn delivered_nm(&self, torque_nm: f64) -> f64 {
+        match self {
+            Self::Physical(motion) => motion.delivered_nm(torque_nm),
+            Self::Identified(_) => torque_nm,
+        }
+    }
+
     /// Inertia of wheel and motor alone as mass at the rim [kg]: it spins up when the wheel slips.
     pub(crate) fn wheel_mass_kg(&self) -> f64 {
         match self {

@@ -22,6 +22,7 @@ pub(crate) struct PhysicalMotion {
     speed_mps: f64,
     accel_mps2: f64,
     run_factor: f64,
+    steps: u64,
     run: Random,
     disturbance: RandomDisturbance,
 }
@@ -42,6 +43,7 @@ impl PhysicalMotion {
             speed_mps: 0.0,
             accel_mps2: 0.0,
             run_factor: 1.0,
+            steps: 0,
             run: Random::new(seed, Stream::Run),
             disturbance: RandomDisturbance::new(seed, settings.disturbance_nm, settings.disturbance_time_s, step_s),
         };
@@ -49,10 +51,11 @@ impl PhysicalMotion {
         Ok(motion)
     }
 
-    /// Draws the friction of the next run (never below a fifth of the nominal).
+    /// Draws the friction of the next run (never below a fifth of the nominal), of the vehicle as warm as it is by then.
     pub(crate) fn begin_run(&mut self) {
         let spread = self.plant.settings.friction_spread;
-        self.run_factor = if spread > 0.0 { (1.0 + spread * self.run.normal()).max(0.2) } else { 1.0 };
+        let drawn = if spread > 0.0 { (1.0 + spread * self.run.normal()).max(0.2) } else { 1.0 };
+        self.run_factor = drawn * self.plant.warmed(self.steps as f64 * self.step_s);
         self.draw_curves();
     }
 
@@ -87,6 +90,11 @@ impl PhysicalMotion {
         if self.steady {
             self.draw_curves();
         }
+    }
+
+    /// Torque that the drive delivers of a requested one now [N·m].
+    pub(crate) fn delivered_nm(&self, torque_nm: f64) -> f64 {
+        self.plant.delivered_at_nm(self.speed_mps, torque_nm)
     }
 
     /// Mass on which a slope acts along the wheel [kg].
@@ -133,6 +141,7 @@ impl PhysicalMotion {
     /// Advances one step.
     #[inline]
     pub(crate) fn step(&mut self, load: &Load) -> SpeedStep {
+        self.steps += 1;
         let start_mps = self.speed_mps;
         let mut external_nm = load.external_nm;
         let sign = if start_mps == 0.0 {
@@ -153,8 +162,8 @@ impl PhysicalMotion {
         let torque = [load.torque.start_nm, load.torque.mid_nm, load.torque.end_nm];
         let largest_nm = torque[0].abs().max(torque[1].abs()).max(torque[2].abs());
         // room for the speed to rise within the step
-        let below_power_limit = largest_nm * (start_mps.abs() + 0.1) < self.plant.power_nm_mps;
-        let (mut speed, accel_mps2) = if self.steady && below_power_limit {
+        let is_limited = largest_nm * (start_mps.abs() + 0.1) >= self.plant.power_nm_mps || self.plant.settings.governor_mps.is_some();
+        let (mut speed, accel_mps2) = if self.steady && !is_limited {
             self.two_derivatives(way, torque, external_nm, load.brake_nm)
         } else {
             runge_kutta(self.step_s, start_mps, |stage, v| {
@@ -297,6 +306,27 @@ mod tests {
             assert!(apart < 1e-7, "step {k}: {apart:e} m/s apart");
             assert!((fast.accel_mps2() - classical.accel_mps2()).abs() < 1e-3, "step {k}");
         }
+    }
+
+    #[test]
+    fn a_governor_takes_the_torque_away_between_its_speeds_and_a_warm_vehicle_has_less_friction() {
+        let governed = PhysicalSettings { governor_mps: Some([0.5, 0.6]), ..PhysicalSettings::default() };
+        let settled_mps = |settings: &PhysicalSettings| {
+            let mut motion = motion(settings, STEP_S);
+            for _ in 0..20_000 {
+                motion.step(&load(40.0));
+            }
+            motion.speed_mps()
+        };
+        let speed_mps = settled_mps(&governed);
+        assert!((0.5..0.6).contains(&speed_mps) && settled_mps(&PhysicalSettings::default()) > 2.0, "{speed_mps}");
+        let mut warming = motion(&PhysicalSettings { friction_fall: 0.2, warming_time_s: 10.0, ..PhysicalSettings::default() }, STEP_S);
+        for _ in 0..20_000 {
+            warming.step(&load(0.0));
+        }
+        warming.begin_run();
+        let expected = 1.0 - 0.2 * (1.0 - (-2.0f64).exp());
+        assert!((warming.run_factor - expected).abs() < 1e-9, "{}", warming.run_factor);
     }
 
     #[test]

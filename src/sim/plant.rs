@@ -47,6 +47,15 @@ pub struct PhysicalSettings {
     /// Largest mechanical power of the drive [W]; unlimited if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power_limit_w: Option<f64>,
+    /// Speeds between which a governor takes the driving torque away [m/s]: all of it from the second on. Default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub governor_mps: Option<[f64; 2]>,
+    /// Share by which friction falls while the vehicle warms up, below 1; negative if it rises. Default 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub friction_fall: f64,
+    /// Time constant of the warming [s]: friction has fallen by 63 % of its fall then. Default 300.
+    #[serde(skip_serializing_if = "is_warming_time")]
+    pub warming_time_s: f64,
     /// Share of the effective mass on which a slope acts along the wheel, 0 to 1. For a pivot: distance of the centre of mass from the rear
     /// axle, divided by the wheelbase.
     pub slope_share: f64,
@@ -56,6 +65,16 @@ pub struct PhysicalSettings {
     pub disturbance_nm: f64,
     /// Its time constant [s].
     pub disturbance_time_s: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_warming_time(value: &f64) -> bool {
+    *value == 300.0
 }
 
 impl Default for PhysicalSettings {
@@ -75,6 +94,9 @@ impl Default for PhysicalSettings {
             brake_efficiency: 1.03,
             reverse_friction_factor: 1.04,
             power_limit_w: None,
+            governor_mps: None,
+            friction_fall: 0.0,
+            warming_time_s: 300.0,
             slope_share: 0.5,
             friction_spread: 0.0,
             disturbance_nm: 0.0,
@@ -103,6 +125,11 @@ impl PhysicalSettings {
         within("motion.brake_efficiency", self.brake_efficiency, 0.1..=2.0, "0.1 to 2")?;
         within("motion.reverse_friction_factor", self.reverse_friction_factor, 0.1..=10.0, "0.1 to 10")?;
         within("motion.power_limit_w", self.power_limit_w.unwrap_or(1.0), 1e-3..=1e7, "0.001 to 1e7")?;
+        let [from, to] = self.governor_mps.unwrap_or([0.5, 0.6]);
+        within("motion.governor_mps[0]", from, 0.0..=100.0, "0 to 100")?;
+        within("motion.governor_mps[1]", to, from + 1e-3..=100.0, "above the first to 100")?;
+        within("motion.friction_fall", self.friction_fall, -2.0..=0.9, "-2 to 0.9")?;
+        within("motion.warming_time_s", self.warming_time_s, 1e-3..=1e6, "0.001 to 1e6")?;
         within("motion.slope_share", self.slope_share, 0.0..=1.0, "0 to 1")?;
         within("motion.friction_spread", self.friction_spread, 0.0..=0.5, "0 to 0.5")?;
         within("motion.disturbance_nm", self.disturbance_nm, torque, "0 to 1e5")?;
@@ -176,11 +203,31 @@ impl Plant {
     #[inline]
     pub(crate) fn arriving_nm(&self, way: FrictionDirection, s: f64, torque_nm: f64) -> f64 {
         if torque_nm * way.sign >= 0.0 {
-            let within_power = torque_nm.abs() * s <= self.power_nm_mps;
-            self.settings.drive_efficiency * if within_power { torque_nm } else { (self.power_nm_mps / s).copysign(torque_nm) }
+            self.settings.drive_efficiency * self.delivered_nm(s, torque_nm)
         } else {
             self.settings.brake_efficiency * torque_nm
         }
+    }
+
+    /// Driving torque that the drive delivers at speed `s` ≥ 0 of a requested one [N·m].
+    #[inline]
+    fn delivered_nm(&self, s: f64, torque_nm: f64) -> f64 {
+        let within_power = torque_nm.abs() * s <= self.power_nm_mps;
+        let torque_nm = if within_power { torque_nm } else { (self.power_nm_mps / s).copysign(torque_nm) };
+        match self.settings.governor_mps {
+            None => torque_nm,
+            Some([from, to]) => torque_nm * ((to - s) / (to - from)).clamp(0.0, 1.0),
+        }
+    }
+
+    /// Torque that the drive delivers of a requested one [N·m], at a speed [m/s] of either sign.
+    pub(crate) fn delivered_at_nm(&self, speed_mps: f64, torque_nm: f64) -> f64 {
+        if torque_nm * speed_mps > 0.0 { self.delivered_nm(speed_mps.abs(), torque_nm) } else { torque_nm }
+    }
+
+    /// Friction after a time of warming, relative to that at the start.
+    pub(crate) fn warmed(&self, t_s: f64) -> f64 {
+        1.0 - self.settings.friction_fall * (1.0 - (-t_s / self.settings.warming_time_s).exp())
     }
 
     /// `T_f` [N·m] at speed `s` ≥ 0.

@@ -54,6 +54,15 @@ pub struct SteeringAngleSettings {
 pub struct TorqueFeedbackSettings {
     /// Standard deviation of a reading [N·m]. Default 0.3.
     pub noise_nm: f64,
+    /// Reading over effective torque: 1, the default, for the torque at the wheel.
+    #[serde(skip_serializing_if = "is_one")]
+    pub scale: f64,
+    /// Reading at no torque [N·m]. Default 0.
+    #[serde(skip_serializing_if = "is_none")]
+    pub offset_nm: f64,
+    /// Whether it shows what a power limit and a governor take away. Default false: it stands before them.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub shows_limits: bool,
     /// Timing of the readings.
     pub timing: Timing,
 }
@@ -91,6 +100,11 @@ fn is_none(value: &f64) -> bool {
     *value == 0.0
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
 impl Default for EncoderSettings {
     fn default() -> Self {
         Self { counts_per_rev: 4096, step_mps: 0.0, noise_mps: 0.006, scale: 1.0, timing: Timing::default() }
@@ -111,7 +125,7 @@ impl Default for SteeringAngleSettings {
 
 impl Default for TorqueFeedbackSettings {
     fn default() -> Self {
-        Self { noise_nm: 0.3, timing: Timing::default() }
+        Self { noise_nm: 0.3, scale: 1.0, offset_nm: 0.0, shows_limits: false, timing: Timing::default() }
     }
 }
 
@@ -129,7 +143,7 @@ impl SensorSettings {
             encoder: EncoderSettings { counts_per_rev: 0, step_mps: 0.0, noise_mps: 0.0, scale: 1.0, timing },
             gyro: GyroSettings { noise_rad_s: 0.0, bias_rad_s: 0.0, timing },
             steering_angle: SteeringAngleSettings { noise_deg: 0.0, bias_deg: 0.0, quantum_deg: 0.0, timing },
-            torque_feedback: TorqueFeedbackSettings { noise_nm: 0.0, timing },
+            torque_feedback: TorqueFeedbackSettings { noise_nm: 0.0, timing, ..TorqueFeedbackSettings::default() },
             pose: PoseSettings { noise_m: 0.0, noise_deg: 0.0, timing },
         }
     }
@@ -173,6 +187,8 @@ impl SensorSettings {
         within("sensors.steering_angle.bias_deg", self.steering_angle.bias_deg, -180.0..=180.0, "-180 to 180")?;
         within("sensors.steering_angle.quantum_deg", self.steering_angle.quantum_deg, 0.0..=10.0, "0 to 10")?;
         within("sensors.torque_feedback.noise_nm", self.torque_feedback.noise_nm, 0.0..=1e4, "0 to 1e4")?;
+        within("sensors.torque_feedback.scale", self.torque_feedback.scale, -1e3..=1e3, "-1000 to 1000")?;
+        within("sensors.torque_feedback.offset_nm", self.torque_feedback.offset_nm, -1e4..=1e4, "-1e4 to 1e4")?;
         within("sensors.pose.noise_m", self.pose.noise_m, noise.clone(), "0 to 100")?;
         within("sensors.pose.noise_deg", self.pose.noise_deg, noise, "0 to 100")
     }

@@ -25,6 +25,20 @@ pub struct Timing {
     pub dropouts_per_s: f64,
     /// Length of a dropout [s]. Default 0.3.
     pub dropout_s: f64,
+    /// Readings arrive together, once in this time [s]; 0, the default, for each when it is due.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub burst_s: f64,
+    /// Stamps are rounded to this step [s]; 0, the default, for none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub stamp_step_s: f64,
+    /// Whether the stamp is the time of arrival. Default false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stamped_on_arrival: bool,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Default for Timing {
@@ -38,6 +52,9 @@ impl Default for Timing {
             lost_fraction: 0.003,
             dropouts_per_s: 0.0,
             dropout_s: 0.3,
+            burst_s: 0.0,
+            stamp_step_s: 0.0,
+            stamped_on_arrival: false,
         }
     }
 }
@@ -61,7 +78,9 @@ impl Timing {
         within("timing.lost_fraction", self.lost_fraction, 0.0..=0.99, "0 to 0.99")?;
         within("timing.dropouts_per_s", self.dropouts_per_s, 0.0..=10.0, "0 to 10")?;
         within("timing.dropout_s", self.dropout_s, 0.0..=1000.0, "0 to 1000")?;
-        let needed = (self.latency_s * self.rate_hz).ceil() as usize + 1;
+        within("timing.burst_s", self.burst_s, 0.0..=10.0, "0 to 10")?;
+        within("timing.stamp_step_s", self.stamp_step_s, 0.0..=10.0, "0 to 10")?;
+        let needed = ((self.latency_s + self.burst_s) * self.rate_hz).ceil() as usize + 1;
         if needed > KEPT { Err(Error::LatencyTooLong { field: "timing.latency_s", needed, most: KEPT }) } else { Ok(()) }
     }
 }
@@ -189,8 +208,10 @@ impl<T: Copy> Channel<T> {
             if self.is_lost(t_s) {
                 continue;
             }
-            let reading =
-                SensorReading { t_s, stamp_s: t_s + self.timing.clock_offset_s + jitter_s, arrival_s: t_s + self.timing.latency_s, value };
+            let arrival_s = up_to_step(t_s + self.timing.latency_s, self.timing.burst_s);
+            let taken_s = if self.timing.stamped_on_arrival { arrival_s } else { t_s };
+            let stamp_s = to_step(taken_s + self.timing.clock_offset_s + jitter_s, self.timing.stamp_step_s);
+            let reading = SensorReading { t_s, stamp_s, arrival_s, value };
             self.taken = Some(reading);
             self.underway[self.newest] = Some(reading);
             self.newest = (self.newest + 1) % KEPT;
@@ -205,6 +226,16 @@ impl<T: Copy> Channel<T> {
         let lost = timing.lost_fraction > 0.0 && self.random.uniform() < timing.lost_fraction;
         lost || t_s < self.dropout_until_s
     }
+}
+
+/// The next multiple of a step; the value itself where there is no step.
+fn up_to_step(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).ceil() * step } else { value }
+}
+
+/// The nearest multiple of a step; the value itself where there is no step.
+fn to_step(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).round() * step } else { value }
 }
 
 #[cfg(test)]
@@ -246,6 +277,23 @@ mod tests {
         // 90 % of the share 1/(1 + 0.1·0.5) to exp(−0.05) that remains; the counting error is below 0.5 %
         let share = f64::from(kept) / 1e5;
         assert!((share - 0.9 * 0.953).abs() < 0.01, "{share}");
+    }
+
+    #[test]
+    fn a_burst_delivers_together_and_a_rounded_stamp_stands_still() {
+        let timing = Timing { burst_s: 0.1, stamp_step_s: 0.05, phase_s: Some(0.013), latency_s: 0.001, ..Timing::ideal(50.0) };
+        let mut channel = channel(&timing);
+        let mut seen: Vec<SensorReading<f64>> = Vec::new();
+        for k in 0..200 {
+            channel.poll(f64::from(k) * 1e-3, |t_s, _| t_s);
+            seen.extend(channel.taken());
+        }
+        assert!(seen[..5].iter().all(|r| (r.arrival_s - 0.1).abs() < 1e-12) && (seen[5].arrival_s - 0.2).abs() < 1e-12, "{seen:?}");
+        assert!((seen[0].stamp_s).abs() < 1e-12 && (seen[1].stamp_s - 0.05).abs() < 1e-12 && (seen[2].stamp_s - 0.05).abs() < 1e-12);
+        let arrived = Timing { stamped_on_arrival: true, ..timing };
+        let mut channel = Channel::new(&arrived, 3, Stream::Gyro, -1.0).unwrap();
+        channel.poll(0.02, |t_s, _| t_s);
+        assert!((channel.taken().unwrap().stamp_s - 0.1).abs() < 1e-12);
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub(crate) struct Scene {
     pub(crate) wheel_angle_offset_rad: f64,
     pub(crate) torque_nm: f64,
     pub(crate) torque_slope_nm_s: f64,
+    /// The effective torque as far as it is delivered [N·m].
+    pub(crate) delivered_nm: f64,
     pub(crate) yaw_rate_rad_s: f64,
     pub(crate) yaw_accel_rad_s2: f64,
     pub(crate) pose: [f64; 3],
@@ -154,8 +156,12 @@ impl Sensors {
             let deg = noisy(true_deg + angle.bias_deg, angle.noise_deg, random);
             RAD_PER_DEG * if angle.quantum_deg > 0.0 { (deg / angle.quantum_deg).round() * angle.quantum_deg } else { deg }
         });
-        self.torque_feedback
-            .poll(now_s, |t_s, random| noisy(scene.torque_nm - scene.torque_slope_nm_s * ago(t_s), s.torque_feedback.noise_nm, random));
+        let feedback = &s.torque_feedback;
+        self.torque_feedback.poll(now_s, |t_s, random| {
+            let torque_nm = scene.torque_nm - scene.torque_slope_nm_s * ago(t_s);
+            let shown_nm = if feedback.shows_limits && scene.delivered_nm != scene.torque_nm { scene.delivered_nm } else { torque_nm };
+            noisy(feedback.scale * shown_nm + feedback.offset_nm, feedback.noise_nm, random)
+        });
         let pose = &s.pose;
         self.pose.poll(now_s, |t_s, random| {
             let [x, y, heading] = scene.pose;

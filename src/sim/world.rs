@@ -334,6 +334,7 @@ impl World {
             wheel_angle_rad: self.steering.angle_rad(),
             wheel_angle_offset_rad: self.wheel_angle_offset_rad,
             torque_nm: self.drive.effective_nm(),
+            delivered_nm: self.motion.delivered_nm(self.drive.effective_nm()),
             torque_slope_nm_s: (self.drive.effective_nm() - self.torque_before_nm) / self.step_s,
             yaw_rate_rad_s: self.body.yaw_rate_rad_s(),
             yaw_accel_rad_s2: self.motion.accel_mps2() * self.angle.sin[2] / self.wheelbase_m,
