@@ -15,6 +15,7 @@ mod runs;
 mod settings;
 mod slip;
 mod survey;
+mod survey_checks;
 
 pub(crate) use crate::map::SampleVerdict;
 pub(crate) use angles::{Census, HeldAngle};

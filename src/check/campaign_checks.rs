@@ -6,7 +6,7 @@
 use crate::check::change_checks::change_checks;
 use crate::check::loss_check::loss_check;
 use crate::map::{
-    AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, LogActuator, RunRow, SampleVerdict, SpeedSource, Table1File,
+    AccelMap, CellStatus, Check, CheckOutcome, DelayStatus, Gear, LogActuator, RunRow, SampleVerdict, SpeedSource, Table1File, Vehicle,
 };
 
 /// Departure of the encoder's scale from the yaw rate's above which it is a warning, and an objection: tyres wear by 1 to 2 %; a wheelbase
@@ -84,7 +84,11 @@ pub(crate) fn content_checks(file: &Table1File) -> Vec<Check> {
 /// Encoder against yaw rate × wheelbase. `None` without a second source of speed.
 fn encoder_scale(file: &Table1File) -> Option<Check> {
     let encoder = file.witnesses.iter().find(|w| w.name == SpeedSource::Encoder && w.scale_std_err.is_some())?;
-    let scale = encoder.scale;
+    Some(scale_check(&file.vehicle, encoder.scale))
+}
+
+/// The check of an encoder's scale, its speed over that of the yaw rate.
+pub(crate) fn scale_check(vehicle: &Vehicle, scale: f64) -> Check {
     let departure = (scale - 1.0).abs();
     let (outcome, limit) = CheckOutcome::graded(departure, ENCODER_SCALE);
     let meaning = format!(
@@ -93,11 +97,11 @@ fn encoder_scale(file: &Table1File) -> Option<Check> {
         100.0 * limit
     );
     let check = Check::passed("encoder-scale", (100.0 * departure, 100.0 * limit, "%"), meaning);
-    Some(check.judged(outcome, scale_advice(file, scale)))
+    check.judged(outcome, scale_advice(vehicle, scale))
 }
 
 /// Advice on a wrong scale: the most likely cause first.
-fn scale_advice(file: &Table1File, scale: f64) -> String {
+fn scale_advice(vehicle: &Vehicle, scale: f64) -> String {
     let ratio = scale.max(1.0 / scale.max(1e-9));
     let near = |value: f64| (ratio / value - 1.0).abs() < ENCODER_SCALE[1];
     if let Some((_, mistake)) = UNIT_RATIOS.iter().find(|(value, _)| near(*value)) {
@@ -105,10 +109,10 @@ fn scale_advice(file: &Table1File, scale: f64) -> String {
     }
     let dimensions = format!(
         "wheelbase ({:.3} m would agree instead of {:.3} m) and wheel radius ({:.4} m would agree instead of {:.4} m)",
-        file.vehicle.wheelbase_m * scale,
-        file.vehicle.wheelbase_m,
-        file.vehicle.wheel_radius_m / scale,
-        file.vehicle.wheel_radius_m
+        vehicle.wheelbase_m * scale,
+        vehicle.wheelbase_m,
+        vehicle.wheel_radius_m / scale,
+        vehicle.wheel_radius_m
     );
     let gear = if ratio > 1.5 { format!(", and a gear ratio of {ratio:.2} between encoder and wheel") } else { String::new() };
     format!("measure {dimensions}{gear}, and look at the units (rpm for rad/s is 9.549, degrees for radians 57.3)")

@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     /// Signal map that comes with the program: pivot-cal, autoware or joint-state
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
-    /// Read every message: true rates, losses, and the runs
+    /// Read every message: true rates, losses, the runs, and checks of the signals; an objection ends with status 3
     #[arg(long)]
     runs: bool,
     /// Wheelbase [m], for --runs, over any signal map
@@ -88,9 +88,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             surveys.push(Inspected { survey, runs });
         }
     }
+    let objects = surveys.iter().any(|inspected| inspected.runs.as_ref().is_some_and(crate::cli::inspect_runs::Runs::objects));
     let damaged = surveys.iter().any(|inspected| inspected.survey.loss.as_ref().is_some_and(log::Loss::is_damaged));
     ui.document(&InspectDocument { logs: surveys })?;
-    Ok(if damaged && arguments.strict { Outcome::Rejected } else { Outcome::Done })
+    Ok(if objects || damaged && arguments.strict { Outcome::Rejected } else { Outcome::Done })
 }
 
 fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Result<LogSurvey> {

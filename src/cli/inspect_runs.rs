@@ -3,8 +3,9 @@
 use crate::campaign;
 use crate::campaign::{Census, HeldAngle, Survey, ledger, runs as run_rows, with_missing};
 use crate::cli::Ui;
+use crate::cli::verify_text::show_checks;
 use crate::log::{Source, VehicleOverrides, read_split};
-use crate::map::{LedgerRow, RunRow};
+use crate::map::{Check, LedgerRow, RunRow};
 use crate::signal::Track;
 use crate::text::shown;
 use comfy_table::{Table, presets};
@@ -15,6 +16,8 @@ use std::path::PathBuf;
 pub(crate) struct Runs {
     ledger: Vec<LedgerRow>,
     runs: Vec<RunRow>,
+    /// The checks that need no fit.
+    checks: Vec<Check>,
     /// The wheel angles of the runs, if they are not all at the test angle.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     wheel_angles: Vec<HeldAngle>,
@@ -54,7 +57,16 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
     for note in &survey.track.notes {
         ui.say(format!("  note: {note}"));
     }
-    Some(Runs { ledger: table, runs: rows, wheel_angles: census.held })
+    let checks = survey.checks();
+    show_checks(&checks, ui);
+    Some(Runs { ledger: table, runs: rows, checks, wheel_angles: census.held })
+}
+
+impl Runs {
+    /// Whether a check is an objection.
+    pub(crate) fn objects(&self) -> bool {
+        self.checks.iter().any(Check::objects)
+    }
 }
 
 fn text(rows: &[RunRow]) -> String {

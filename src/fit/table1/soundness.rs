@@ -34,6 +34,7 @@ pub(crate) fn objections(estimate: &Estimate, maps: &[AccelMap], samples: &[Used
 pub(crate) fn checks(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSample], settings: &FitSettings) -> Vec<Check> {
     let mut all = vec![coverage_check(&maps.iter().collect::<Vec<_>>(), settings.least_coverage)];
     all.extend(estimate.data.gears.iter().map(|gear| varied_torques(*gear, samples)));
+    all.extend(speed_at_rest(estimate));
     all.extend(agreement(estimate));
     // a power limit is estimated; where a torque limit lies between two torques, no run shows
     let limit = estimate.calibration.drive.limit;
@@ -41,6 +42,12 @@ pub(crate) fn checks(estimate: &Estimate, maps: &[AccelMap], samples: &[UsedSamp
     all.extend(maps.iter().filter_map(|map| torque_gain(map, most_nm)));
     all.push(convergence(estimate.rounds, settings));
     all
+}
+
+/// The speed at rest of the log in which it is farthest from zero.
+fn speed_at_rest(estimate: &Estimate) -> Option<Check> {
+    let of_logs = estimate.data.logs.iter().filter_map(|log| log.survey.speed_at_rest());
+    of_logs.max_by(|a, b| a.figure.total_cmp(&b.figure))
 }
 
 /// Share of the cells that are measured.
