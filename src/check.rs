@@ -17,8 +17,8 @@ mod point_rules;
 pub use finding::{CheckReport, Count, Rule, RuleBreach, Severity};
 
 use crate::check::foreign::{cells_of_csv, says_long_form};
-use crate::map::{Error, Result};
-use crate::text::{read_bytes, shown};
+use crate::map::{Error, Result, read_whole};
+use crate::text::shown;
 use std::path::Path;
 
 /// Settings of a check.
@@ -41,10 +41,10 @@ impl Default for CheckSettings {
 /// # Errors
 /// The file cannot be opened or read at all. Faults in its content are findings.
 pub fn check(path: &Path, settings: CheckSettings) -> Result<CheckReport> {
-    let bytes = read_bytes(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    let bytes = read_whole(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let name = path.file_name().map(shown).unwrap_or_default();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let beside = |name: &str| read_bytes(&folder.join(name)).ok();
+    let beside = |name: &str| read_whole(&folder.join(name)).ok();
     Ok(Map { path: shown(path), name, bytes: &bytes, beside: &beside }.report(settings))
 }
 

@@ -5,8 +5,6 @@
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 
 /// Longest name that is kept whole [characters]. ROS allows 255 for a topic.
@@ -80,31 +78,6 @@ pub(crate) fn owned_name(name: String) -> String {
 /// A path as it is shown: on one line, whatever its bytes are.
 pub(crate) fn shown(path: impl AsRef<Path>) -> String {
     name_from_outside(&path.as_ref().to_string_lossy()).into_owned()
-}
-
-/// Largest file that is read whole [bytes]: maps, signal maps, vehicles, campaigns. The largest of them, traces of 500 runs, has under 10 MB.
-const LARGEST_FILE: u64 = 256 << 20;
-
-/// The bytes of a file that is read whole: any but a log.
-///
-/// # Errors
-/// Any error of the file system; more than 256 MiB, with that number.
-pub(crate) fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        let text = format!("it has more than {LARGEST_FILE} bytes; no file of a map or a setting has as many");
-        return Err(io::Error::new(ErrorKind::FileTooLarge, text));
-    }
-    Ok(bytes)
-}
-
-/// The text of such a file.
-///
-/// # Errors
-/// As [`read_bytes`], and bytes that are not UTF-8.
-pub(crate) fn read_text(path: &Path) -> io::Result<String> {
-    String::from_utf8(read_bytes(path)?).map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
 }
 
 /// Text for a terminal or a pipe: line ends stay, everything else that is not for reading is escaped, and a number with more than 22 digits is

@@ -1,4 +1,4 @@
-//! Faults around the program: kills, full disks, closed pipes, racing writers and readers, a log that is rewritten while it is read.
+//! Faults around the program: kills, full disks, denied folders, closed pipes, racing writers and readers, a log that is rewritten while it is read.
 //!
 //! A fault may cost the run; it never leaves a torn file, never hides, and is never taken for a result. `PIVOT_CAL_FAULTS=N` repeats what is
 //! random N times; the default is quick.
@@ -120,6 +120,33 @@ fn a_disk_that_is_full_costs_the_run_and_changes_nothing() {
     let text = errors(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("table2.") && text.matches("File too large").count() == 1 && !text.contains(".pivot-cal-"), "{text}");
+    assert_eq!(content(&maps), old);
+    assert_eq!(temporary_files(&maps), 0);
+}
+
+/// No name can be made in `/sys`, nor below a file, whoever asks.
+#[test]
+fn a_folder_that_takes_no_file_costs_the_run_and_changes_nothing() {
+    let (_keep, maps) = copied();
+    let old = content(&maps);
+    let demo = map_copy_repo("data/demo.mcap");
+    let folders = ["table1.csv", "table1.csv/below", "/sys/kernel"];
+    for folder in folders.iter().filter(|folder| !folder.starts_with('/') || Path::new(folder).is_dir()) {
+        let commands: [&[&str]; 3] = [
+            &["fit", &demo, "--maps", folder, "-q"],
+            &["report", "--maps", ".", "-o", &format!("{folder}/page.html")],
+            &["export", "--maps", ".", "--format", "json", "-o", folder],
+        ];
+        for arguments in commands {
+            let output = program().current_dir(&maps).args(arguments).output().unwrap();
+            let text = errors(&output);
+            assert_eq!(output.status.code(), Some(1), "{arguments:?}: {text}");
+            assert!(
+                text.contains(folder) && text.matches("os error").count() == 1 && !text.contains(".pivot-cal-"),
+                "{arguments:?}: {text}"
+            );
+        }
+    }
     assert_eq!(content(&maps), old);
     assert_eq!(temporary_files(&maps), 0);
 }

@@ -1,6 +1,7 @@
 //! Small text files on the command line: signal maps, vehicles, campaigns, gates, points.
 
-use crate::text::{read_text, shown};
+use crate::map::read_whole_text;
+use crate::text::shown;
 use anyhow::Context;
 use std::path::Path;
 
@@ -9,5 +10,5 @@ use std::path::Path;
 /// # Errors
 /// A file that is missing, too large or no text, with its path.
 pub(crate) fn read_file(path: &Path) -> anyhow::Result<String> {
-    read_text(path).with_context(|| shown(path))
+    read_whole_text(path).with_context(|| shown(path))
 }

@@ -1,8 +1,8 @@
 //! One side of a comparison: the tables of a file with their standard errors, in one layout whichever table it is.
 
 use crate::diff::{Error, Result};
-use crate::map::{CellStatus, Gear, LogRef, MapFolder, Mismatch, TABLE2_FORMAT, Table1File, Table2File, Vehicle, lookup};
-use crate::text::{read_text, shown};
+use crate::map::{CellStatus, Gear, LogRef, MapFolder, Mismatch, TABLE2_FORMAT, Table1File, Table2File, Vehicle, lookup, read_whole_text};
+use crate::text::shown;
 use serde::Serialize;
 use std::path::Path;
 
@@ -75,7 +75,7 @@ impl DiffSide {
         } else {
             path.to_owned()
         };
-        let text = read_text(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        let text = read_whole_text(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
         // any other file is read as Table 1, whose reader reports its fault
         let second = serde_json::from_str::<serde_json::Value>(&text).is_ok_and(|json| json["format"] == TABLE2_FORMAT);
         Self::of_text(&path, &text, second)

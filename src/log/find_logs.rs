@@ -1,7 +1,8 @@
 //! Finds the named logs: files, folders of logs, rosbag2 folders, patterns.
 
 use crate::log::{Error, Result};
-use crate::text::{read_text, shown};
+use crate::map::read_whole_text;
+use crate::text::shown;
 use std::path::{Path, PathBuf};
 
 /// The recordings named by `named`, each as its files in order; inside a folder or a pattern they are sorted by name.
@@ -60,7 +61,7 @@ fn bag(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>> {
     if std::fs::metadata(metadata).map_err(Error::Io)?.len() > LARGEST {
         return crate::log::find_logs::folder(folder);
     }
-    let text = read_text(metadata).map_err(Error::Io)?;
+    let text = read_whole_text(metadata).map_err(Error::Io)?;
     let mut files = Vec::new();
     let mut lines = text.lines().skip_while(|line| line.trim() != "relative_file_paths:");
     lines.next();

@@ -115,6 +115,8 @@ pub(crate) struct SpotTurn {
     under_way: UnderWay,
     standing_s: f64,
     stops: u32,
+    /// How far the stops of this turn go past their aim [m], 0 or more. The next one aims as much short of the heading.
+    overrun_m: f64,
 }
 
 impl SpotTurn {
@@ -130,6 +132,7 @@ impl SpotTurn {
             under_way,
             standing_s: 0.0,
             stops: 0,
+            overrun_m: 0.0,
         }
     }
 
@@ -160,7 +163,9 @@ impl SpotTurn {
                 let slow = (self.gear.sign() * front_mps) <= 2.0 * settings.wheelbase_m * settings.rate.min_rad_s;
                 let needed_mps2 = arrival.needed_mps2();
                 let must = needed_mps2 >= 3.0 * settings.stop_decel_mps2;
-                if left_m <= 0.0 || must || (slow && needed_mps2 >= settings.stop_decel_mps2) {
+                // a correction smaller than the overrun is stopped as soon as the wheel moves
+                let is_short = !standing && left_m <= self.overrun_m;
+                if left_m <= 0.0 || is_short || must || (slow && needed_mps2 >= settings.stop_decel_mps2) {
                     (self.stage, self.standing_s) = (DriveStage::Stopping, 0.0);
                 } else if self.standing_s > settings.stall_s {
                     return self.fail(Trouble::Stalled);
@@ -168,6 +173,9 @@ impl SpotTurn {
             }
             _ if self.standing_s >= 0.3 => {
                 let small = settings.rate.dead_zone_rad;
+                // with less friction than in the map every stop goes too far, in both directions alike: without this, corrections would cycle
+                let past_m = -self.gear.sign() * error_rad * settings.wheelbase_m;
+                self.overrun_m = (self.overrun_m + past_m).max(0.0);
                 if error_rad.abs() <= small || (self.stops >= settings.corrections && error_rad.abs() <= 2.0 * small) {
                     self.stage = DriveStage::Arrived;
                 } else if self.stops >= settings.corrections {
@@ -214,7 +222,8 @@ impl SpotTurn {
     fn arrival(&self, error_rad: f64, front_mps: f64) -> (Arrival, f64) {
         let (settings, sign) = (&self.settings, self.gear.sign());
         let left_m = sign * error_rad * settings.wheelbase_m;
-        (Arrival::after(settings.reaction_s, sign * front_mps, self.under_way.mean_mps2(), left_m), left_m)
+        let aim_m = left_m - self.overrun_m;
+        (Arrival::after(settings.reaction_s, sign * front_mps, self.under_way.mean_mps2(), aim_m), left_m)
     }
 
     fn begin(&mut self, error_rad: f64) {
@@ -233,6 +242,55 @@ impl SpotTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::Pose;
+
+    /// Friction by the map, as the deceleration that it alone would give [m/s²].
+    const FRICTION_MPS2: f64 = 0.5;
+
+    /// A wheel on which 1 N·m accelerates by 1 m/s².
+    struct Unit;
+
+    impl TorqueSource for Unit {
+        fn torque_nm(&self, speed_mps: f64, accel_mps2: f64, _wheel_angle_rad: f64) -> f64 {
+            accel_mps2 + FRICTION_MPS2.copysign(speed_mps)
+        }
+    }
+
+    /// The outcome of a turn to `goal_rad`, the heading at its end [rad] and the number of corrections. A command acts after `delay`
+    /// periods; friction is by `easier_mps2` lower than in the map once the wheel moves.
+    fn driven(goal_rad: f64, delay: usize, easier_mps2: f64) -> (DriveStage, f64, u32) {
+        let settings = TurnSettings::new(&VehicleResponse::quick(0.9));
+        let mut turn = SpotTurn::new(settings);
+        let (mut heading_rad, mut speed_mps, mut pending) = (0.0, 0.0_f64, std::collections::VecDeque::from(vec![0.0; delay]));
+        for _ in 0..2000 {
+            let pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad };
+            let inputs = Inputs { speed_mps: Some(speed_mps), wheel_angle_rad: FRAC_PI_2, pose, gear: Some(turn.gear), estop: false };
+            let command = turn.step(goal_rad, &inputs, &Unit);
+            if matches!(command.stage, DriveStage::Arrived | DriveStage::Failed(_)) {
+                return (command.stage, heading_rad, turn.stops);
+            }
+            pending.push_back(command.torque_nm);
+            let torque_nm = pending.pop_front().unwrap_or(0.0);
+            let sign = turn.gear.sign();
+            let moved_mps = speed_mps + (torque_nm - sign * (FRICTION_MPS2 - easier_mps2)) * settings.period_s;
+            let moves = speed_mps != 0.0 || torque_nm.abs() > FRICTION_MPS2;
+            speed_mps = if moves && moved_mps * sign > 0.0 { moved_mps } else { 0.0 };
+            heading_rad += speed_mps / settings.wheelbase_m * settings.period_s;
+        }
+        (turn.stage, heading_rad, turn.stops)
+    }
+
+    #[test]
+    fn corrections_do_not_cycle_where_every_stop_goes_too_far() {
+        for (delay, easier_mps2) in [(5, 0.0), (5, 0.09), (5, 0.12), (7, 0.15)] {
+            for goal_deg in [14.0_f64, -25.0, 60.0, 90.0] {
+                let (stage, heading_rad, stops) = driven(goal_deg * RAD_PER_DEG, delay, easier_mps2);
+                let off_deg = heading_rad / RAD_PER_DEG - goal_deg;
+                let case = format!("{goal_deg}°, {delay} periods, {easier_mps2} m/s²: {off_deg:.2}° off, {stops} corrections");
+                assert!(stage == DriveStage::Arrived && off_deg.abs() <= 0.5 && stops <= 1, "{stage:?} {case}");
+            }
+        }
+    }
 
     #[test]
     fn the_rate_has_two_gains_a_dead_zone_and_limits() {

@@ -8,8 +8,8 @@ use crate::map::Result;
 use crate::map::files::csv_name::is_csv_name;
 use crate::map::files::fault;
 use crate::map::files::folder_lock::{FolderLock, is_written};
+use crate::map::files::read::read_whole;
 use crate::map::files::save::{StagedFile, sync_folder};
-use crate::text::read_bytes;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ impl FolderView {
     /// # Errors
     /// Any error of the file system.
     pub(crate) fn read(&self, name: &str) -> io::Result<Vec<u8>> {
-        self.made.get(name).map_or_else(|| read_bytes(&self.path.join(name)), |bytes| Ok(bytes.clone()))
+        self.made.get(name).map_or_else(|| read_whole(&self.path.join(name)), |bytes| Ok(bytes.clone()))
     }
 }
 
