@@ -1,6 +1,7 @@
 //! A map in the form that controllers and calibration tools load.
 //!
-//! In: the folder of a map, whose files must belong together. Out: files, as names and texts. All are written from `table2.json`, except
+//! In: the folder of a map, whose files must belong together. Out: files, as names and texts, each with the verdict on the map in its header,
+//! or the word UNVERIFIED. All are written from `table2.json`, except
 //! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal, and the lateral compensation from
 //! `lateral_table.json`. The same map gives the same bytes.
 
@@ -17,6 +18,7 @@ mod json;
 mod lateral;
 mod lateral_source;
 mod number;
+mod proof;
 mod provenance;
 mod rust;
 mod source;
@@ -25,6 +27,7 @@ pub use error::Error;
 pub(crate) use error::Result;
 pub use file::File;
 pub use number::Precision;
+pub use proof::Proof;
 pub use source::MapSource;
 
 use std::fmt;

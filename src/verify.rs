@@ -9,6 +9,7 @@ mod basis;
 pub(crate) mod bench;
 mod comparison;
 mod conclusion;
+pub(crate) mod deployment;
 pub(crate) mod drive;
 mod error;
 mod exact_map;

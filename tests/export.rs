@@ -79,11 +79,16 @@ fn json_files_keep_their_published_schemas() {
     let Some(python) = readers::python(&["jsonschema"], "JSON Schemas") else { return };
     let (folder, maps) = copied();
     export(folder.path(), &["--format", "json"]);
+    let verdict = text(&maps, "verify.json");
+    std::fs::remove_file(maps.join("verify.json")).unwrap();
+    export(folder.path(), &["--format", "json", "--unverified", "-o", "unverified"]);
+    std::fs::write(maps.join("verify.json"), verdict).unwrap();
     let schema = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/schema").join(format!("{name}.schema.json"));
     let exported = maps.join("export");
     assert_eq!(text(&exported, "pivot_map.json"), text(&maps, "table2.json"));
     let mut files: Vec<_> = ["table1", "table2", "verify"].map(|name| (schema(name), maps.join(format!("{name}.json")))).into();
     files.push((exported.join("pivot_map.schema.json"), exported.join("pivot_map.json")));
+    files.push((exported.join("pivot_map.schema.json"), folder.path().join("unverified/pivot_map.json")));
     let sound = files.len();
     // and a schema that lets anything pass would be none
     let breaks: [(&str, &str, Change); 7] = [
@@ -206,7 +211,7 @@ fn apollo_has_one_entry_for_a_limit_and_one_for_a_held_wheel() {
         }
         places = vec![[map.speed_mps[5], map.accel_mps2[last]], [0.0, map.accel_mps2[0]]];
     });
-    export(folder.path(), &["--format", "apollo"]);
+    export(folder.path(), &["--format", "apollo", "--unverified"]);
     let input = serde_json::to_string(&[&places]).unwrap();
     let read = &readers::read_with(&python, "apollo.py", &[&maps.join("export/calibration_table.pb.txt")], &input)[0];
     assert!((read[0].as_f64().unwrap() - 100.0).abs() < 1e-9, "{read}");
@@ -272,6 +277,54 @@ fn a_damaged_or_mismatched_map_is_refused() {
     let (status, _, errors) = run(folder.path(), &["export", "--format", "c"]);
     assert_eq!(status, 1);
     assert!(errors.contains("table2.reverse.csv"), "{errors}");
+}
+
+#[test]
+fn a_map_without_a_passed_verdict_is_exported_only_as_unverified_and_every_file_says_so() {
+    let formats = "c,rust,autoware,apollo,dcm,cdfx,json";
+    type Spoil = fn(&mut Value);
+    let spoils: [(&str, Spoil); 4] = [
+        ("FAIL: ", |v| v["scenarios"][0]["status"] = "fail".into()),
+        ("verdict on another map", |v| v["generation"] = "0123456789abcdef".into()),
+        ("verdict on another map", |v| v["table2_csv_sha256"][0] = "0".repeat(64).into()),
+        ("no verdict on every pivot", |v| v["scenarios"].as_array_mut().unwrap().truncate(3)),
+    ];
+    let refused = |folder: &Path, maps: &Path, why: &str| {
+        let (status, _, errors) = run(folder, &["export", "--format", formats, "-q"]);
+        assert_eq!(status, 3, "{why}: {errors}");
+        assert!(errors.contains(why) && errors.contains("pivot-cal verify"), "{why}: {errors}");
+        assert!(!maps.join("export").exists(), "{why}");
+    };
+    for (why, spoil) in spoils {
+        let (folder, maps) = copied();
+        let mut verdict: Value = serde_json::from_str(&text(&maps, "verify.json")).unwrap();
+        spoil(&mut verdict);
+        std::fs::write(maps.join("verify.json"), verdict.to_string()).unwrap();
+        refused(folder.path(), &maps, why);
+    }
+    let (folder, maps) = copied();
+    export(folder.path(), &["--format", formats, "-o", "proven"]);
+    std::fs::remove_file(maps.join("verify.json")).unwrap();
+    refused(folder.path(), &maps, "there is no verify.json");
+    export(folder.path(), &["--format", formats, "--unverified"]);
+    let mut files = 0;
+    for entry in std::fs::read_dir(maps.join("export")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let (unverified, proven) = (text(&maps.join("export"), &name), text(&folder.path().join("proven"), &name));
+        // the schema of the JSON is no map
+        if name != "pivot_map.schema.json" {
+            let head = |text: &str| text.chars().take(700).collect::<String>();
+            assert!(head(&unverified).contains("UNVERIFIED") && !proven.contains("UNVERIFIED"), "{name}: {}", head(&unverified));
+            files += 1;
+        }
+    }
+    assert_eq!(files, 15);
+    let c = |folder: &Path| text(folder, "pivot_map.h");
+    assert!(c(&folder.path().join("proven")).contains("Verdict: pass: 90 deg only; assumed: scale of the torque."));
+    assert!(c(&folder.path().join("proven")).contains("#define PIVOT_MAP_VERIFIED 1"));
+    assert!(c(&maps.join("export")).contains("#define PIVOT_MAP_VERIFIED 0"));
+    // what the JSON says, the reader of Table 2 reads
+    assert!(Table2File::from_json(&text(&maps, "export/pivot_map.json")).unwrap().unverified.is_some());
 }
 
 #[test]

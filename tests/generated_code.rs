@@ -257,7 +257,7 @@ fn a_map_without_reverse_gear_says_so_and_compiles_without_warning() {
     let Some(compiler) = compiler() else { return };
     let (folder, maps) = copied();
     change_table2(&maps, |file| file.maps.truncate(1));
-    assert_eq!(run(folder.path(), &["export", "--format", "c,rust"]).0, 0);
+    assert_eq!(run(folder.path(), &["export", "--format", "c,rust", "--unverified"]).0, 0);
     let exported = maps.join("export");
     assert!(text(&exported, "pivot_map.h").contains("#define PIVOT_MAP_HAS_REVERSE 0"));
     let program = c_program(&compiler, &exported, 64, "-O2");

@@ -25,7 +25,10 @@ Examples:
   cdfx      pivot_map.cdfx                  ASAM CDF 2.0
   json      pivot_map.json                  table2.json with its JSON Schema
 
-Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.")]
+Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.
+The verdict on the map is in the header of every file. Without a verify.json that judged every pivot of this map and passed, nothing is
+written, unless --unverified is given; then every file says so.
+Exit status: 0 written, 3 the map is not verified, 1 error.")]
 pub(crate) struct Arguments {
     /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, json; several with commas
     #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = format)]
@@ -33,6 +36,9 @@ pub(crate) struct Arguments {
     /// Folder with table1.json and table2.json
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
+    /// Export a map without a passed verdict; every file says UNVERIFIED in its header
+    #[arg(long)]
+    unverified: bool,
     /// Folder to write into, by default `export` in the folder of the map; `-` is standard output, for a format of one file
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -86,6 +92,17 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
             names.join(", ")
         );
     }
+    let proof = &source.proof;
+    if !proof.is_verified && !arguments.unverified {
+        ui.document(&serde_json::json!({ "refused": proof.reason }))?;
+        let folder = shown(&arguments.maps);
+        Ui::refuse(format!(
+            "nothing is written: {}; `pivot-cal verify --maps {folder}` judges the map, and --unverified exports it as it is",
+            proof.reason
+        ));
+        return Ok(Outcome::Rejected);
+    }
+    ui.say(proof.line());
     let mut written = Vec::new();
     for (format, file) in files {
         let path = if printed { folder.clone() } else { folder.join(&file.name) };

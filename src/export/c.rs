@@ -30,6 +30,7 @@ pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
             .replace("@SHA256@", &sha256(source))
             .replace("@GENERATION@", &source.table2.generation)
             .replace("@EXPORT_ID@", &export_id(source, precision))
+            .replace("@VERIFIED@", if source.proof.is_verified { "1" } else { "0" })
             .replace("@HAS_FORWARD@", has(Gear::Forward))
             .replace("@HAS_REVERSE@", has(Gear::Reverse))
             .replace("@CONSTANTS@", &constants.join("\n"))

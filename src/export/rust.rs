@@ -33,6 +33,7 @@ pub(crate) fn file(source: &MapSource, precision: Precision) -> File {
         .replace("@REAL@", if precision == Precision::Double { "f64" } else { "f32" })
         .replace("@SHA256@", &sha256(source))
         .replace("@GENERATION@", &source.table2.generation)
+        .replace("@VERIFIED@", if source.proof.is_verified { "true" } else { "false" })
         .replace("@CONSTANTS@", &constants.join("\n"))
         .replace("@TABLES@", &tables)
         .replace("@CHOICE@", &choice.concat());

@@ -50,6 +50,7 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         format_version: FORMAT_VERSION,
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
         generation: file.generation.clone(),
+        unverified: None,
         units: Units::default(),
         vehicle: file.vehicle,
         logs: file.logs.clone(),

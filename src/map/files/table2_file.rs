@@ -22,6 +22,9 @@ pub struct Table2File {
     /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub generation: String,
+    /// Why the map must not be deployed; only in a file of `export --unverified`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unverified: Option<String>,
     /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle.
