@@ -9,6 +9,7 @@ mod breaks;
 mod calibrate;
 mod check;
 mod completions;
+mod controller_file;
 mod diff;
 mod export;
 mod fault;

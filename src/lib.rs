@@ -29,6 +29,7 @@ pub mod campaign;
 pub mod check;
 #[doc(hidden)]
 pub mod cli;
+pub mod controller;
 mod diff;
 pub mod export;
 pub mod fit;

@@ -5,7 +5,7 @@ use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
 use crate::cli::text_file::read_file;
 use crate::cli::verify_text::{new_table, show};
-use crate::cli::{Ui, points};
+use crate::cli::{Ui, controller_file, points};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::{FolderWriter, write_whole};
@@ -25,6 +25,7 @@ Examples:
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
+  pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
   pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
 
   pivot-cal verify --accept coverage          the objection of a check overruled by hand
@@ -49,6 +50,9 @@ pub(crate) struct Arguments {
     /// Beside each manoeuvre's nominal run also log its worst perturbed one, as NAME.worst.mcap
     #[arg(long, requires = "log")]
     log_worst: bool,
+    /// Settings of the controller that drives (TOML) instead of the built-in ones; data/controllers has examples
+    #[arg(long, value_name = "FILE")]
+    controller_settings: Option<PathBuf>,
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
@@ -98,6 +102,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         Some(path) => Gate::with(gate.as_deref()).with_context(|| shown(path))?,
         None => Gate::with(None)?,
     };
+    let controller = controller_file::read(arguments.controller_settings.as_deref())?;
     let defaults = ManoeuvreSettings::new()?;
     let driven = ManoeuvreSettings {
         manoeuvres,
@@ -111,12 +116,13 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         },
         seed: arguments.seed,
         gate: gate.clone(),
+        controller: controller.settings().clone(),
         ..defaults
     };
     let accept = arguments.accept.clone();
     let usual = VerifySettings::new()?;
     let draws = arguments.draws.unwrap_or(usual.draws);
-    let settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, ..usual };
+    let settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, controller, ..usual };
     if !arguments.maps.exists() {
         Maps::read(&arguments.maps, arguments.force)?; // the error
     }

@@ -1,5 +1,6 @@
 //! Origin of an exported map, as lines for a comment.
 
+use crate::controller::ControllerFile;
 use crate::export::{MapSource, Proof};
 use crate::map::{FixedText, IdentifiedDrive, LateralTableFile};
 
@@ -24,6 +25,7 @@ pub(crate) fn lines(source: &MapSource) -> Vec<String> {
     lines.extend(drive.map(|(label, text)| {
         clean(&format!("{label} {text}").replace('·', ".").replace('±', "+-").replace('/', " per ")).trim().to_owned()
     }));
+    lines.extend(source.proof.controller.iter().flat_map(controller_lines));
     for map in &file.maps {
         let band = &map.dead_band;
         lines.push(format!(
@@ -62,12 +64,21 @@ pub(crate) fn lateral_lines(file: &LateralTableFile, proof: &Proof) -> Vec<Strin
     lines
 }
 
-/// The verdict on the map. Signs become words; of the others, only those remain that end no comment.
+/// The controller that the verdict is about: its file, and all of its settings.
+fn controller_lines(controller: &ControllerFile) -> impl Iterator<Item = String> {
+    let head = format!("Controller settings: {}, SHA-256 {}.", clean(controller.settings().name()), clean(controller.sha256()));
+    std::iter::once(head).chain(controller.settings().lines().into_iter().map(|line| format!("  {}", harmless(&line))))
+}
+
+/// The verdict on the map. Signs become words.
 fn proof_line(proof: &Proof) -> String {
     let words = [("°", " deg"), ("±", "+-"), ("·", "."), ("²", "2"), ("³", "3"), ("/", " per "), ("µ", "u")];
-    let line = words.iter().fold(proof.line(), |line, (sign, word)| line.replace(sign, word));
-    let harmless = |c: char| c.is_ascii_alphanumeric() || "._-+ :;,()%=".contains(c);
-    line.chars().map(|c| if harmless(c) { c } else { '_' }).collect()
+    harmless(&words.iter().fold(proof.line(), |line, (sign, word)| line.replace(sign, word)))
+}
+
+/// Letters, digits and signs of a sentence that end no comment; every other character becomes `_`.
+fn harmless(line: &str) -> String {
+    line.chars().map(|c| if c.is_ascii_alphanumeric() || "._-+ :;,()%=".contains(c) { c } else { '_' }).collect()
 }
 
 /// Letters, digits and harmless signs; every other character becomes `_`.
@@ -82,7 +93,7 @@ mod tests {
     #[test]
     fn a_file_name_cannot_end_the_comment() {
         assert_eq!(clean("a*/b\nc\".mcap"), "a__b_c_.mcap");
-        let proof = Proof { is_verified: false, reason: "0.9° of 1 m/s² */ \n-->".to_owned() };
+        let proof = Proof { is_verified: false, reason: "0.9° of 1 m/s² */ \n-->".to_owned(), controller: None };
         assert_eq!(proof_line(&proof), "UNVERIFIED, not for deployment: 0.9 deg of 1 m per s2 * per  _--_.".replace('*', "_"));
     }
 }

@@ -7,7 +7,6 @@ use crate::verify::basis::Basis;
 use crate::verify::bench::PivotMoment;
 use crate::verify::comparison::{compare, comparison_runs};
 use crate::verify::drive::EachMoment;
-use crate::verify::laws::map_law;
 use crate::verify::metric::Values;
 use crate::verify::notes::notes;
 use crate::verify::perturbations::draws;
@@ -49,7 +48,8 @@ pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
 pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
     let (checks, basis) = (all_checks(&maps.table1), Basis::new(&maps.table1));
     let accepted = accepted(&checks, &settings.accept)?;
-    let tested = settings.scenarios.iter().filter(|s| basis.untestable(s, maps.reverse.is_some()).is_none()).count();
+    let policy = settings.controller.settings.planning.wheel_policy;
+    let tested = settings.scenarios.iter().filter(|s| basis.untestable(s, maps.reverse.is_some(), policy).is_none()).count();
     let total = tested * (settings.draws + 1) + comparison_runs(settings);
     let done = || {
         if let Some(progress) = wanted.progress {
@@ -95,6 +95,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         comparison_draws: settings.comparison_draws,
         seed: settings.seed,
         spread: settings.spread,
+        controller_settings: Some(settings.controller.clone()),
         controller: serde_json::json!({ "modules": stage.control, "drive_law": stage.law }),
         round_trip_limit: settings.gate.round_trip.clone(),
         limits: settings.gate.limits.clone(),
@@ -126,8 +127,7 @@ fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
 /// As [`verify`].
 pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, record: impl FnMut(&PivotMoment)) -> Result<Values> {
     let stage = PivotStage::new(maps, settings, &|| ())?;
-    let law = map_law(maps, &stage.law);
-    run(&stage.bench(), scenario, &stage.plant, law, settings.seed, EachMoment(record))
+    run(&stage.bench(), scenario, &stage.plant, stage.map_law(), settings.seed, EachMoment(record))
 }
 
 /// The verdict on each scenario, and the log of its nominal run if requested.
@@ -138,13 +138,14 @@ fn judge_scenarios(
     varied: &[(sim::WorldSettings, u64)],
     logs: bool,
 ) -> Result<Vec<(ScenarioVerdict, Option<RunLog>)>> {
+    let policy = settings.controller.settings.planning.wheel_policy;
     let judge = |scenario: &Scenario| {
         let (name, what) = (&scenario.name, &scenario.what);
-        if let Some(why) = basis.untestable(scenario, stage.maps.reverse.is_some()) {
+        if let Some(why) = basis.untestable(scenario, stage.maps.reverse.is_some(), policy) {
             return Ok((ScenarioVerdict::not_tested(name, what, scenario.class, why), None));
         }
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));
-        let runs = stage.run_all(scenario, varied, || map_law(stage.maps, &stage.law), log, || ())?;
+        let runs = stage.run_all(scenario, varied, || stage.map_law(), log, || ())?;
         let mut verdict = ScenarioVerdict::new(name, what, scenario.class, runs.summaries(), &settings.gate);
         if scenario.assumes_symmetry() {
             verdict.notes.push("symmetry assumed: the table was measured with the wheel to the left".to_owned());

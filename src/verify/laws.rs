@@ -1,25 +1,16 @@
 //! The laws that are run: the map under test, and the laws that it is compared with.
 
 use crate::control::{
-    ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
+    ConstantGain, HeadingLaw, HeadingLawSettings, SpeedLoopSettings, WaypointLawSettings,
 };
-use crate::map::{CellStatus, TorqueTable};
+use crate::map::CellStatus;
 use crate::sim;
-use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotBench;
 use crate::verify::metric::{Metric, Values};
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
 use crate::verify::{Maps, Result};
 use rayon::prelude::*;
-
-/// The law of the map under test.
-pub(crate) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
-    WaypointLaw::new(
-        *settings,
-        Tables { forward: maps.forward.view(), reverse: maps.reverse.as_ref().map(TorqueTable::view), policy: OutsidePolicy::Clamp },
-    )
-}
 
 /// The gain that a user without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
 /// accelerate.
@@ -117,17 +108,6 @@ pub(crate) fn tuned_heading_law(
     let worst = worst?;
     let best = (0..order.len()).min_by(|&a, &b| worst[a].total_cmp(&worst[b])).map_or(0, |place| order[place]);
     Ok(candidate(best))
-}
-
-/// The settings of the map's law for a vehicle: the reaction time is the dead time and lag that `table2.json` carries.
-pub(crate) fn law_settings(maps: &Maps) -> WaypointLawSettings {
-    let table2 = &maps.table2;
-    WaypointLawSettings { reaction_s: table2.dead_time_s + table2.lag_s, ..WaypointLawSettings::new(table2.vehicle.wheelbase_m) }
-}
-
-/// Wheel angle of the map [rad].
-pub(crate) fn test_angle_rad(maps: &Maps) -> f64 {
-    maps.table2.vehicle.test_angle_deg * RAD_PER_DEG
 }
 
 #[cfg(test)]

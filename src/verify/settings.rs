@@ -1,6 +1,6 @@
 //! Settings of the verification.
 
-use crate::control::WaypointLawSettings;
+use crate::controller::ControllerFile;
 use crate::sim;
 use crate::verify::Result;
 use crate::verify::gate::Gate;
@@ -24,8 +24,8 @@ pub struct VerifySettings {
     pub gate: Gate,
     /// Names of checks whose objections a person overrules. Default none.
     pub accept: Vec<String>,
-    /// The drive law; `None`, the default, is the usual one for the map's vehicle.
-    pub law: Option<WaypointLawSettings>,
+    /// Settings of the controller that drives. Default `data/controllers/default.toml`.
+    pub controller: ControllerFile,
     /// The plant; `None`, the default, is the one that Table 1 identified.
     #[doc(hidden)]
     pub plant: Option<sim::WorldSettings>,
@@ -35,7 +35,7 @@ impl VerifySettings {
     /// The defaults.
     ///
     /// # Errors
-    /// None in practice: the built-in gate is parsed.
+    /// None in practice: the built-in gate and controller are parsed.
     pub fn new() -> Result<Self> {
         Ok(Self {
             scenarios: Scenario::all(),
@@ -45,7 +45,7 @@ impl VerifySettings {
             seed: 1,
             gate: Gate::with(None)?,
             accept: Vec::new(),
-            law: None,
+            controller: ControllerFile::bundled()?,
             plant: None,
         })
     }

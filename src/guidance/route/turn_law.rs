@@ -5,6 +5,7 @@
 
 use crate::control::numeric::{sqrt, wrapped};
 use crate::control::{Arrival, Inputs, SpeedLoop, SpeedLoopSettings, UnderWay};
+use crate::controller::sections::SpotTurnKeys;
 use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_accel};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::torque_source::TorqueSource;
@@ -100,6 +101,18 @@ impl TurnSettings {
             preview_s: 0.3 + (vehicle.reaction_s() - 0.12).max(0.0),
             stall_s: 4.0,
             corrections: 6,
+        }
+    }
+
+    /// The same with the speed loop, preview and stop of a controller file.
+    pub(crate) fn with_loop(self, turn: &SpotTurnKeys) -> Self {
+        Self {
+            accel_mps2: turn.accel_mps2,
+            speed_loop: turn.gains(),
+            standstill_mps: turn.standstill_speed_mps,
+            stop_decel_mps2: turn.stop_decel_mps2,
+            preview_s: turn.preview_s.value().unwrap_or(self.preview_s),
+            ..self
         }
     }
 }
