@@ -26,6 +26,7 @@ mod points;
 mod record;
 mod report;
 mod text_file;
+mod tune;
 mod ui;
 mod verify;
 mod verify_text;
@@ -95,6 +96,8 @@ enum CliCommand {
     Export(export::Arguments),
     /// Show the changes between two maps, and whether they are significant
     Diff(diff::Arguments),
+    /// Find gains and preview of the controller for a map and its vehicle
+    Tune(tune::Arguments),
     /// Plan the next runs: those that reduce the standard errors most, as a campaign file
     Plan(plan::Arguments),
     /// Print a completion script for a shell
@@ -127,6 +130,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Check(arguments) => check::run(&arguments, ui),
         CliCommand::Export(arguments) => export::run(&arguments, ui),
         CliCommand::Diff(arguments) => diff::run(&arguments, ui),
+        CliCommand::Tune(arguments) => tune::run(&arguments, ui),
         CliCommand::Plan(arguments) => plan::run(&arguments, ui),
         CliCommand::Completions(arguments) => completions::run(&arguments, command()),
     };

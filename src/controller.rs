@@ -5,10 +5,12 @@
 
 mod apply;
 mod error;
-mod or_word;
-pub(crate) mod sections;
+pub(crate) mod module_sections;
+pub(crate) mod or_word;
+mod sections;
 mod setting;
 mod settings;
+pub(crate) mod words;
 
 pub use error::Error;
 pub(crate) use error::Result;

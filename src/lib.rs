@@ -48,6 +48,7 @@ pub mod signal;
 mod sim;
 mod spelling;
 mod text;
+mod tune;
 mod units;
 pub mod verify;
 

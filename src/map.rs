@@ -29,7 +29,7 @@ pub(crate) use files::{
 pub(crate) use files::{LateralTableFile, toml_text, write_whole};
 pub(crate) use numbers::AccelMaps;
 pub(crate) use numbers::{ACCEL_AXIS, SPEED_AXIS, TORQUE_AXIS, check_values, decimal};
-pub use numbers::{AccelTable, AngleFamily, Axis, CellStatus, Gear, Matrix, Side, TorqueTable, WheelAngle};
+pub use numbers::{AccelTable, AngleFamily, Axis, CellStatus, Gear, Matrix, RawUnit, RawUnits, Side, TorqueTable, WheelAngle};
 pub(crate) use numbers::{AngleSurface, PerGear, SAME_ANGLE_DEG, angle_lookup, lookup};
 #[doc(hidden)] // details of the fit
 pub use numbers::{DepartureFrom, LeftOutAngle};

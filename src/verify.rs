@@ -40,7 +40,7 @@ pub use error::Error;
 pub(crate) use error::Result;
 pub use gate::{Gate, Limit, LimitCheck};
 pub use judge::verify;
-pub(crate) use judge::{Verified, verify_with};
+pub(crate) use judge::{Verified, judge_pivots, verify_with};
 pub use maps::Maps;
 pub(crate) use metric::Values;
 pub use metric::{Metric, MetricSummary, Statistic};

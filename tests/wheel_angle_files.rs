@@ -59,7 +59,8 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
 
     let (status, said, errors) = run(folder, &["check", "maps/table1.json", "maps/table2.json", "maps/table2.angle30.csv"]);
     assert_eq!(status, 0, "{said}{errors}");
-    for args in [&["report"][..], &["diff", "maps", "maps"], &["plan", "--minutes", "1"], &["export", "--format", "c,json", "--unverified"]] {
+    for args in [&["report"][..], &["diff", "maps", "maps"], &["plan", "--minutes", "1"], &["export", "--format", "c,json", "--unverified"]]
+    {
         let (status, said, errors) = run(folder, args);
         assert_eq!(status, 0, "{args:?}: {said}{errors}");
     }

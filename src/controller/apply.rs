@@ -5,7 +5,9 @@ use crate::control::{
     SpeedLoopSettings, StoppingGuard, WaypointLawSettings,
 };
 use crate::controller::ControllerSettings;
-use crate::controller::sections::{Ending, LoopKeys, SpotTurnKeys, TrackingKeys};
+use crate::controller::module_sections::{SpotTurnKeys, TrackingKeys};
+use crate::controller::sections::LoopKeys;
+use crate::controller::words::Ending;
 use crate::units::RAD_PER_DEG;
 
 impl ControllerSettings {
@@ -47,10 +49,10 @@ impl ControllerSettings {
                 drive_factor: monitoring.drive_factor,
                 drive_extra_s: monitoring.drive_extra_s,
                 standstill_wait_s: monitoring.standstill_wait_s,
-                after_failure: monitoring.failure_decel_mps2.value().map_or(AfterFailure::Coast, |decel_mps2| AfterFailure::Brake {
-                    decel_mps2,
-                    fade_mps: monitoring.failure_fade_mps,
-                }),
+                after_failure: monitoring
+                    .failure_decel_mps2
+                    .value()
+                    .map_or(AfterFailure::Coast, |decel_mps2| AfterFailure::Brake { decel_mps2, fade_mps: monitoring.failure_fade_mps }),
             },
         }
     }

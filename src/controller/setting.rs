@@ -62,6 +62,16 @@ pub(crate) struct Setting {
 }
 
 impl Setting {
+    /// A setting that is a number, or a number or a word.
+    pub(crate) fn number<T: Settable>(key: &'static str, value: T, range: RangeInclusive<f64>, about: &'static str) -> Self {
+        Self { key, about, value: value.shown(), words: T::WORDS, range: Some(range) }
+    }
+
+    /// A setting that is a word.
+    pub(crate) fn word<T: Settable>(key: &'static str, value: T, about: &'static str) -> Self {
+        Self { key, about, value: value.shown(), words: T::WORDS, range: None }
+    }
+
     /// The allowed values, in words.
     pub(crate) fn allowed(&self) -> String {
         let words = self.words.iter().map(|word| format!("\"{word}\""));

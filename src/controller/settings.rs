@@ -1,8 +1,7 @@
 //! All settings of the controller, as a file and as they are stored in a verdict.
 
-use crate::controller::sections::{
-    AdditionKeys, FinishKeys, LoopKeys, MonitoringKeys, TrackingKeys, PlanningKeys, PreviewKeys, SpotTurnKeys, SteeringKeys,
-};
+use crate::controller::module_sections::{MonitoringKeys, SpotTurnKeys, SteeringKeys, TrackingKeys};
+use crate::controller::sections::{AdditionKeys, FinishKeys, LoopKeys, PlanningKeys, PreviewKeys};
 use crate::controller::setting::{Setting, Shown};
 use crate::controller::{Error, Result};
 use crate::map::{sha256_hex, toml_text};
@@ -97,11 +96,8 @@ impl ControllerFile {
 
 impl ControllerSettings {
     fn from_toml(text: &str) -> Result<Self> {
-        let settings: Self = toml_text(text).map_err(|fault| Error::Toml {
-            line: fault.line,
-            message: fault.message,
-            nearest: fault.nearest,
-        })?;
+        let settings: Self =
+            toml_text(text).map_err(|fault| Error::Toml { line: fault.line, message: fault.message, nearest: fault.nearest })?;
         settings.checked(text)?;
         Ok(settings)
     }
@@ -213,4 +209,68 @@ fn line_of(text: &str, section: &str, key: &str) -> Option<usize> {
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::control::{PivotSettings, WaypointLawSettings};
+
+    const HEADS: [&[&str]; 2] = [
+        &[
+            "The controller that pivot-cal verifies maps with, unless another is given by --controller-settings FILE.",
+            "A key that a file leaves out has the value of this file.",
+        ],
+        &[
+            "The published law with nothing added: waypoints, preview (1), speed loop (2), look-up, and an end where the torque stops at the threshold.",
+        ],
+    ];
+
+    #[test]
+    fn the_bundled_files_hold_every_key_and_the_default_is_the_controller_of_the_crate() {
+        let default = ControllerFile::bundled().unwrap().settings;
+        let plain = ControllerFile::from_toml(include_str!("../../data/controllers/plain.toml")).unwrap().settings;
+        let files = [DEFAULT, include_str!("../../data/controllers/plain.toml")];
+        for ((file, settings), head) in files.into_iter().zip([&default, &plain]).zip(HEADS) {
+            assert_eq!(file, settings.to_toml(&head.iter().map(|line| (*line).to_owned()).collect::<Vec<_>>()));
+        }
+        assert_eq!(default, ControllerSettings::default().named("default"));
+        // what the crate documents as its defaults
+        assert_eq!(default.pivot(0.92, 1.5), PivotSettings::new(0.92, 1.5));
+        assert_eq!(default.law(0.92, 0.1), WaypointLawSettings::new(0.92));
+        let law = plain.law(0.92, 0.1);
+        assert!(law.guard.is_none() && law.accel_rise_mps3.is_none() && law.finish == crate::control::Finish::Threshold);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_line_and_what_is_allowed() {
+        let cases = [
+            ("[speed_loop]\nproportional = 3", "line 2: unknown field `proportional`", "did you mean `proportional_per_s`?"),
+            ("name = \"a\"\n[speed_loop]\nproportional_per_s = 80", "line 3: speed_loop.proportional_per_s is 80", "allowed: 0 to 50"),
+            ("[additions]\nguard_from_mps2 = \"none\"", "line 2: invalid value: string \"none\"", "a number or \"off\""),
+            ("[additions]\naccel_rise_mps3 = -1", "line 2: additions.accel_rise_mps3 is -1", "allowed: \"off\", 0.1 to 100"),
+            ("[preview]\nnearest = \"point\"", "line 2: unknown variant `point`", "`waypoint`"),
+            ("[planning]\ncruise_speed_mps = 0.05", "planning.start_speed_mps is 0.1", "above its highest speed"),
+            ("[planning]\ndecel_mps2 = 0.8", "additions.guard_from_mps2 is 0.5", "the guard would brake on the plan itself"),
+            ("period_s = 0.0205", "line 1: period_s is 0.0205", "whole milliseconds"),
+            ("period_s = nan", "line 1: period_s is NaN", "0.005 to 0.1"),
+        ];
+        for (text, found, allowed) in cases {
+            let error = ControllerFile::from_toml(text).unwrap_err().to_string();
+            assert!(error.contains(found) && error.contains(allowed), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_key_that_is_left_out_has_its_default_and_the_text_reads_back_as_it_is() {
+        let text = "name = \"mine\"\n[speed_loop]\nproportional_per_s = 2\n[planning]\nwheel_policy = \"mirror\"\nright_angle_deg = -80\n";
+        let settings = ControllerFile::from_toml(text).unwrap().settings;
+        assert_eq!(settings.law(0.9, 0.1).speed_loop.proportional_per_s, 2.0);
+        assert_eq!(settings.law(0.9, 0.1).preview, WaypointLawSettings::new(0.9).preview);
+        assert!((settings.pivot(0.9, 1.5).planning.right_angle_rad + 80f64.to_radians()).abs() < 1e-12);
+        assert_eq!(ControllerSettings::from_toml(&settings.to_toml(&[])).unwrap(), settings);
+        let json = serde_json::to_string(&settings).unwrap();
+        assert_eq!(serde_json::from_str::<ControllerSettings>(&json).unwrap(), settings);
+    }
 }

@@ -1,7 +1,7 @@
 //! `table2.json` as it is, with the JSON Schema that describes it. A map that is not verified has one field more, which says so.
 
-use crate::export::file::File;
 use crate::export::MapSource;
+use crate::export::file::File;
 
 /// The published schema.
 const SCHEMA: &str = include_str!("../../docs/schema/table2.schema.json");

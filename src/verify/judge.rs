@@ -1,6 +1,7 @@
 //! Runs the scenarios and the comparison, applies the gate, and forms the verdict.
 
 use crate::check::campaign_checks::all_checks;
+use crate::control::WaypointLaw;
 use crate::map::{Check, FORMAT_VERSION};
 use crate::sim;
 use crate::verify::basis::Basis;
@@ -128,6 +129,30 @@ fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
 pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, record: impl FnMut(&PivotMoment)) -> Result<Values> {
     let stage = PivotStage::new(maps, settings, &|| ())?;
     run(&stage.bench(), scenario, &stage.plant, stage.map_law(), settings.seed, EachMoment(record))
+}
+
+/// The verdict on each scenario of `settings`, driven with the map, or with the perfect inverse of the plant; without round trip and comparison.
+///
+/// # Errors
+/// As [`verify`].
+pub(crate) fn judge_pivots(maps: &Maps, settings: &VerifySettings, perfect: bool) -> Result<Vec<ScenarioVerdict>> {
+    let basis = Basis::new(&maps.table1);
+    let stage = PivotStage::new(maps, settings, &|| ())?;
+    let varied = draws(&stage.plant, &settings.spread, settings.draws, settings.seed)?;
+    let policy = settings.controller.settings.planning.wheel_policy;
+    let judge = |scenario: &Scenario| {
+        let (name, what, class) = (&scenario.name, &scenario.what, scenario.class);
+        if let Some(why) = basis.untestable(scenario, maps.reverse.is_some(), policy) {
+            return Ok(ScenarioVerdict::not_tested(name, what, class, why));
+        }
+        let summaries = if perfect {
+            stage.run_all(scenario, &varied, || WaypointLaw::new(stage.law, &stage.exact), (), || ())?.summaries()
+        } else {
+            stage.run_all(scenario, &varied, || stage.map_law(), (), || ())?.summaries()
+        };
+        Ok(ScenarioVerdict::new(name, what, class, summaries, &settings.gate))
+    };
+    settings.scenarios.par_iter().map(judge).collect()
 }
 
 /// The verdict on each scenario, and the log of its nominal run if requested.

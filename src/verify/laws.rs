@@ -1,8 +1,6 @@
 //! The laws that are run: the map under test, and the laws that it is compared with.
 
-use crate::control::{
-    ConstantGain, HeadingLaw, HeadingLawSettings, SpeedLoopSettings, WaypointLawSettings,
-};
+use crate::control::{ConstantGain, HeadingLaw, HeadingLawSettings, SpeedLoopSettings, WaypointLawSettings};
 use crate::map::CellStatus;
 use crate::sim;
 use crate::verify::bench::PivotBench;

@@ -1,6 +1,6 @@
 //! The plant, the law and the controller of a verdict, and runs of one law over a scenario: nominal and on every draw.
 
-use crate::control::{DriveLaw, OutsidePolicy, PivotSettings, Tables, TorqueFromAccel as _, WaypointLaw, WaypointLawSettings};
+use crate::control::{DriveLaw, OutsidePolicy, PivotSettings, Tables, TorqueFromAccel as _, UnderWay, WaypointLaw, WaypointLawSettings};
 use crate::map::{Gear, TorqueTable};
 use crate::sim;
 use crate::units::RAD_PER_DEG;
@@ -51,10 +51,12 @@ impl<'a> PivotStage<'a> {
         let plant = settings.plant.as_ref().map_or_else(|| sim::WorldSettings::identified(&maps.table1), |p| Ok(p.clone()))?;
         let exact = ExactMap::new(&plant)?;
         let (controller, vehicle) = (&settings.controller.settings, &maps.table2.vehicle);
+        let law = controller.law(vehicle.wheelbase_m, maps.table2.dead_time_s + maps.table2.lag_s);
+        UnderWay::checked(law.reaction_s, law.period_s)?;
         Ok(Self {
             maps,
             control: controller.pivot(vehicle.wheelbase_m, vehicle.test_angle_deg * RAD_PER_DEG),
-            law: controller.law(vehicle.wheelbase_m, maps.table2.dead_time_s + maps.table2.lag_s),
+            law,
             outside: controller.outside(),
             region: Region::new(&maps.table2),
             plant,

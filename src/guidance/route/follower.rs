@@ -5,7 +5,7 @@
 
 use crate::control::numeric::sin_cos;
 use crate::control::{Arrival, Inputs, Preview, SpeedLoop, SpeedLoopSettings, UnderWay};
-use crate::controller::sections::TrackingKeys;
+use crate::controller::module_sections::TrackingKeys;
 use crate::guidance::route::leg_speed::LegSpeed;
 use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};

@@ -5,7 +5,7 @@
 
 use crate::control::numeric::{sqrt, wrapped};
 use crate::control::{Arrival, Inputs, SpeedLoop, SpeedLoopSettings, UnderWay};
-use crate::controller::sections::SpotTurnKeys;
+use crate::controller::module_sections::SpotTurnKeys;
 use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_accel};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::torque_source::TorqueSource;
@@ -246,6 +246,17 @@ impl SpotTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_default_controller_file_has_the_defaults_of_path_tracking_and_turns() {
+        use crate::guidance::route::follower::FollowerSettings;
+        use crate::guidance::route::tracking::{LawName, TrackingSettings};
+        let controller = crate::controller::ControllerSettings::default();
+        let (vehicle, law) = (VehicleResponse::quick(0.9), TrackingSettings::new(LawName::Lqr));
+        let (follower, turn) = (FollowerSettings::new(&vehicle, law), TurnSettings::new(&vehicle));
+        assert_eq!(follower.with_loop(&controller.path_tracking), follower);
+        assert_eq!(turn.with_loop(&controller.spot_turn), turn);
+    }
 
     #[test]
     fn the_rate_has_two_gains_a_dead_zone_and_limits() {
