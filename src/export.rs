@@ -10,7 +10,6 @@ mod autoware;
 mod c;
 mod cdfx;
 mod constant;
-mod crc;
 mod dcm;
 mod error;
 mod file;
@@ -21,14 +20,19 @@ mod number;
 mod proof;
 mod provenance;
 mod rust;
+mod settings;
 mod source;
+mod stored;
+mod user_unit;
 
 pub use error::Error;
 pub(crate) use error::Result;
 pub use file::File;
 pub use number::Precision;
 pub use proof::Proof;
+pub use settings::ExportSettings;
 pub use source::MapSource;
+pub use user_unit::{UnitNumbers, UserUnit, UserUnits};
 
 use std::fmt;
 
@@ -68,20 +72,30 @@ impl Format {
         }
     }
 
-    /// The files of this form. `precision` is for C and Rust; the others are decimal text.
+    /// The files of this form.
     ///
     /// # Errors
-    /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo.
-    pub fn files(self, source: &MapSource, precision: Precision) -> Result<Vec<File>> {
+    /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo, without raw
+    /// units for whole counts. Units of the user for a form with units of its own.
+    pub fn files(self, source: &MapSource, settings: &ExportSettings) -> Result<Vec<File>> {
+        let precision = settings.precision;
+        if self.has_own_units() && !settings.units.are_si() {
+            return Err(Error::OwnUnits { format: self.name() });
+        }
         match self {
-            Self::C => Ok(c::files(source, precision).into_iter().chain(lateral::c_files(source, precision)).collect()),
-            Self::Rust => Ok(std::iter::once(rust::file(source, precision)).chain(lateral::rust_files(source, precision)).collect()),
-            Self::Autoware => autoware::files(source),
-            Self::Apollo => apollo::files(source),
-            Self::Dcm => Ok(vec![dcm::file(source)]),
-            Self::Cdfx => Ok(vec![cdfx::file(source)]),
+            Self::C => Ok(c::files(source, settings)?.into_iter().chain(lateral::c_files(source, precision)).collect()),
+            Self::Rust => Ok(std::iter::once(rust::file(source, settings)?).chain(lateral::rust_files(source, precision)).collect()),
+            Self::Autoware => autoware::files(source, settings),
+            Self::Apollo => apollo::files(source, settings),
+            Self::Dcm => Ok(vec![dcm::file(source, &settings.units)]),
+            Self::Cdfx => Ok(vec![cdfx::file(source, &settings.units)]),
             Self::Json => Ok(json::files(source)),
         }
+    }
+
+    /// Whether its units are part of the form.
+    fn has_own_units(self) -> bool {
+        matches!(self, Self::Autoware | Self::Apollo | Self::Json)
     }
 }
 

@@ -18,7 +18,8 @@ fn verdict(maps: &Path) -> Value {
 
 /// The exact map of the scrubber with another drive, in `maps`.
 fn slow_drive(folder: &Path, dead_time_s: f64, lag_s: f64) {
-    let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+    let vehicle =
+        Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0), torque_full_scale_nm: None };
     let mut world = World::physical(vehicle, PhysicalSettings::default());
     (world.drive.dead_time_s, world.drive.lag_s) = (dead_time_s, lag_s);
     let (table1, table2) = known_maps(&world).unwrap();
@@ -54,7 +55,7 @@ fn a_controller_file_drives_is_stored_with_its_hash_and_shown_everywhere() {
         let left = verdict["scenarios"].as_array().unwrap().iter().find(|s| s["name"] == "left-90").unwrap();
         left["metrics"].as_array().unwrap().iter().find(|m| m["metric"] == "settling_time_s").unwrap()["median"].as_f64().unwrap()
     };
-    assert!(settling(&calm) > 1.2 * settling(&usual), "{} {}", settling(&calm), settling(&usual));
+    assert!(settling(&calm) > 1.1 * settling(&usual), "{} {}", settling(&calm), settling(&usual));
 
     assert_eq!(run(folder.path(), &["report"]).0, 0);
     let page = text(&maps, "report.html");

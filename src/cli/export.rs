@@ -2,8 +2,8 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::export::{Format, MapSource, Precision};
-use crate::map::{sha256_hex, write_whole};
+use crate::export::{ExportSettings, Format, MapSource, Precision, UnitNumbers, UserUnit, UserUnits};
+use crate::map::{RawUnit, sha256_hex, write_whole};
 use crate::text::shown;
 use anyhow::bail;
 use std::path::PathBuf;
@@ -15,6 +15,8 @@ Examples:
   pivot-cal export --format c
   pivot-cal export --format c --float -o firmware/generated
   pivot-cal export --format autoware,apollo,dcm,cdfx,rust,json
+  pivot-cal export --format c --speed-unit km/h --torque-unit % --torque-full-scale 44
+  pivot-cal export --format c --int16        whole counts of 16 bits, of a map of `invert --int16`
 
   c         pivot_map.h, pivot_map.c        C99, no dependency, no allocation, checksum with self-test
   rust      pivot_map.rs                    a module that needs core only
@@ -45,6 +47,30 @@ pub(crate) struct Arguments {
     /// Wheel angle of the map [°]; by default the test angle. JSON always holds all
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     angle: Option<f64>,
+    /// Unit of the speeds (C, Rust, DCM, CDFX): m/s, km/h, mm/s, rpm or rad/s of the wheel, or raw with --speed-scale
+    #[arg(long, value_name = "UNIT")]
+    speed_unit: Option<String>,
+    /// Speed of one raw count [m/s]; by default that of the map
+    #[arg(long, value_name = "MPS", requires = "speed_unit")]
+    speed_scale: Option<f64>,
+    /// Speed of the raw count 0 [m/s]
+    #[arg(long, value_name = "MPS", requires = "speed_scale", allow_negative_numbers = true)]
+    speed_offset: Option<f64>,
+    /// Unit of the torques (C, Rust, DCM, CDFX): N.m, mN.m, %, permille, A with --torque-scale, or raw with --torque-scale
+    #[arg(long, value_name = "UNIT")]
+    torque_unit: Option<String>,
+    /// Torque of one ampere or raw count [N·m]; of a count by default that of the map
+    #[arg(long, value_name = "NM", requires = "torque_unit")]
+    torque_scale: Option<f64>,
+    /// Torque of the raw count 0 [N·m]
+    #[arg(long, value_name = "NM", requires = "torque_scale", allow_negative_numbers = true)]
+    torque_offset: Option<f64>,
+    /// Torque that is 100 % [N·m]: of % and permille, and of the pedals of Autoware and Apollo; by default the vehicle's
+    #[arg(long, value_name = "NM")]
+    torque_full_scale: Option<f64>,
+    /// Tables as whole counts of 16 bits (C and Rust), of a map that was inverted with --int16 or raw units
+    #[arg(long)]
+    int16: bool,
     /// Tables and look-up in single precision (C and Rust)
     #[arg(long)]
     float: bool,
@@ -68,6 +94,30 @@ struct Written {
     note: Option<String>,
 }
 
+/// The settings of the export; what a unit lacks is taken from the map.
+fn settings(arguments: &Arguments, source: &MapSource) -> anyhow::Result<ExportSettings> {
+    if let Some(found) = arguments.torque_full_scale.filter(|full| !(full.is_finite() && *full > 0.0)) {
+        bail!("--torque-full-scale is {found}; allowed: above 0");
+    }
+    let full_scale_nm = arguments.torque_full_scale.or(source.table2.vehicle.torque_full_scale_nm);
+    let raw = source.table2.raw.unwrap_or_default();
+    let numbers = |name: &str, scale: Option<f64>, offset: Option<f64>, raw: Option<RawUnit>| {
+        let of_map = raw.filter(|_| name == "raw" && scale.is_none());
+        UnitNumbers { scale: scale.or(of_map.map(|r| r.scale)), offset: offset.or(of_map.map(|r| r.offset)), full_scale_nm }
+    };
+    let speed = arguments.speed_unit.as_deref().map(|name| {
+        let numbers = numbers(name, arguments.speed_scale, arguments.speed_offset, raw.speed_mps);
+        UserUnit::of_speed(name, numbers, source.table2.vehicle.wheel_radius_m)
+    });
+    let torque = arguments.torque_unit.as_deref().map(|name| {
+        let numbers = numbers(name, arguments.torque_scale, arguments.torque_offset, raw.torque_nm);
+        UserUnit::of_torque(name, UnitNumbers { full_scale_nm: full_scale_nm.or(Some(source.full_torque_nm())), ..numbers })
+    });
+    let precision = if arguments.float { Precision::Float } else { Precision::Double };
+    let units = UserUnits { speed: speed.transpose()?, torque: torque.transpose()? };
+    Ok(ExportSettings { precision, int16: arguments.int16, units, full_scale_nm })
+}
+
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let ui = ui.beside(arguments.output.as_deref().filter(|output| output.as_os_str() == "-"))?;
     let source = MapSource::read_at(&arguments.maps, arguments.angle)?;
@@ -76,12 +126,12 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         let angle_deg = source.table2.vehicle.test_angle_deg;
         ui.say(format!("the map of {angle_deg}°; table2.json also holds {} (--angle)", others.join(", ")));
     }
-    let precision = if arguments.float { Precision::Float } else { Precision::Double };
+    let settings = settings(arguments, &source)?;
     let folder = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("export"));
     // all forms first: nothing is written if one of them is impossible
     let mut files = Vec::new();
     for format in &arguments.format {
-        files.extend(format.files(&source, precision)?.into_iter().map(|file| (*format, file)));
+        files.extend(format.files(&source, &settings)?.into_iter().map(|file| (*format, file)));
     }
     let printed = folder.as_os_str() == "-";
     if printed && files.len() > 1 {

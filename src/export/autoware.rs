@@ -9,13 +9,13 @@
 
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Error, MapSource, Result};
+use crate::export::{Error, ExportSettings, MapSource, Result};
 use crate::map::{AccelTable, Gear};
 
 const FORMAT: &str = "autoware";
 
-pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
-    let full_nm = source.full_torque_nm();
+pub(crate) fn files(source: &MapSource, settings: &ExportSettings) -> Result<Vec<File>> {
+    let full_nm = settings.full_scale_nm.unwrap_or_else(|| source.full_torque_nm());
     let mut files = Vec::new();
     for (gear, table) in &source.accel {
         // a corner cell has no line of its own for a verdict
