@@ -92,7 +92,7 @@ enum CliCommand {
     Calibrate(calibrate::Arguments),
     /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
     Check(check::Arguments),
-    /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX or JSON
+    /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX, A2L or JSON
     Export(export::Arguments),
     /// Show the changes between two maps, and whether they are significant
     Diff(diff::Arguments),

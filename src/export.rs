@@ -5,6 +5,7 @@
 //! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal, and the lateral compensation from
 //! `lateral_table.json`. The same map gives the same bytes.
 
+mod a2l;
 mod apollo;
 mod autoware;
 mod c;
@@ -51,13 +52,15 @@ pub enum Format {
     Dcm,
     /// ASAM CDF 2.0.
     Cdfx,
+    /// A2L (ASAP2), of the exported C.
+    A2l,
     /// `table2.json` with its JSON Schema.
     Json,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 7] = [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::Json];
+    pub const ALL: [Self; 8] = [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::A2l, Self::Json];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -68,6 +71,7 @@ impl Format {
             Self::Apollo => "apollo",
             Self::Dcm => "dcm",
             Self::Cdfx => "cdfx",
+            Self::A2l => "a2l",
             Self::Json => "json",
         }
     }
@@ -89,6 +93,7 @@ impl Format {
             Self::Apollo => apollo::files(source, settings),
             Self::Dcm => Ok(vec![dcm::file(source, &settings.units)]),
             Self::Cdfx => Ok(vec![cdfx::file(source, &settings.units)]),
+            Self::A2l => Ok(vec![a2l::file(source, settings)?]),
             Self::Json => Ok(json::files(source)),
         }
     }

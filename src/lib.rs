@@ -34,6 +34,7 @@ mod diff;
 pub mod export;
 pub mod fit;
 mod guidance;
+mod import;
 #[doc(hidden)]
 pub mod internals;
 pub mod invert;

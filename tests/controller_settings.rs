@@ -106,8 +106,8 @@ fn a_wrong_controller_file_is_an_error_about_its_line() {
 #[test]
 fn a_drive_for_which_the_default_gains_are_too_fast_passes_with_tuned_ones() {
     let folder = tempfile::tempdir().unwrap();
-    slow_drive(folder.path(), 0.16, 0.22);
-    let (status, said, errors) = run(folder.path(), &["verify", "--draws", "60"]);
+    slow_drive(folder.path(), 0.10, 0.12);
+    let (status, said, errors) = run(folder.path(), &["verify", "--draws", "100"]);
     assert_eq!(status, 3, "the default fails: {said}{errors}");
     let (status, said, errors) = run(folder.path(), &["tune", "--draws", "30"]);
     assert_eq!(status, 0, "{said}{errors}");

@@ -75,6 +75,54 @@ fn cdfx_is_valid_and_read_by_asamint() {
 }
 
 #[test]
+fn a2l_is_read_by_pya2l_and_names_the_symbols_of_the_c_source() {
+    let Some(python) = readers::python(&["asamint", "pya2l"], "A2L export") else { return };
+    let (folder, maps) = copied();
+    assert_eq!(run(folder.path(), &["invert", "--int16"]).0, 0);
+    let arguments = ["--format", "c,a2l", "--int16", "--unverified", "--speed-unit", "km/h"];
+    export(folder.path(), &arguments);
+    let source = text(&maps.join("export"), "pivot_map.c");
+    let read = readers::read_with(&python, "a2l.py", &[&maps.join("export/pivot_map.a2l")], "");
+    let file = Table2File::from_json(&text(&maps, "table2.json")).unwrap();
+    let raw = file.raw.unwrap();
+    for map in &file.maps {
+        let found = &read[format!("PIVOT_MAP_TORQUE_{}", map.gear.to_string().to_uppercase())];
+        assert_eq!(
+            (&found["kind"], &found["order"], &found["type"], &found["unit"]),
+            (&"MAP".into(), &"ROW_DIR".into(), &"SWORD".into(), &"Nm".into())
+        );
+        assert_eq!(found["scale"], serde_json::json!([raw.torque_nm.unwrap().scale, 0.0]));
+        let (x, y) = (&found["x"], &found["y"]);
+        assert_eq!((&x["unit"], &y["unit"]), (&"m/s^2".into(), &"km/h".into()));
+        assert_eq!((&x["count"], &y["count"]), (&map.accel_mps2.len().into(), &map.speed_mps.len().into()));
+        assert!((y["scale"][0].as_f64().unwrap() - 3.6 * raw.speed_mps.unwrap().scale).abs() < 1e-12);
+        assert!((y["limits"][1].as_f64().unwrap() - 3.6 * map.speed_mps.last().unwrap()).abs() < 1e-9);
+        for symbol in [&found["symbol"], &x["symbol"], &y["symbol"]] {
+            assert!(source.contains(&format!("static const pivot_map_stored {}[", symbol.as_str().unwrap())), "{symbol}");
+        }
+    }
+}
+
+#[test]
+fn units_of_the_user_are_in_dcm_and_cdfx_and_refused_where_a_form_has_its_own() {
+    let (folder, maps) = copied();
+    let units = ["--speed-unit", "rpm", "--torque-unit", "A", "--torque-scale", "2.2"];
+    export(folder.path(), &[&["--format", "dcm,cdfx"][..], &units].concat());
+    let exported = maps.join("export");
+    assert!(text(&exported, "pivot_map.dcm").contains("EINHEIT_Y \"rpm\"\n   EINHEIT_W \"A\""));
+    assert!(text(&exported, "pivot_map.cdfx").contains("<UNIT-DISPLAY-NAME>rpm</UNIT-DISPLAY-NAME>"));
+    for (arguments, why) in [
+        (&["--format", "json", "--speed-unit", "km/h"][..], "json has units of its own"),
+        (&["--format", "c", "--speed-unit", "N.m"], "allowed: m/s, km/h"),
+        (&["--format", "c", "--torque-unit", "A"], "--torque-scale"),
+        (&["--format", "c", "--torque-unit", "%", "--torque-full-scale", "-1"], "--torque-full-scale"),
+    ] {
+        let (status, _, errors) = run(folder.path(), &[&["export"], arguments].concat());
+        assert!(status == 1 && errors.contains(why), "{arguments:?}: {errors}");
+    }
+}
+
+#[test]
 fn json_files_keep_their_published_schemas() {
     let Some(python) = readers::python(&["jsonschema"], "JSON Schemas") else { return };
     let (folder, maps) = copied();
@@ -265,7 +313,7 @@ fn a_damaged_or_mismatched_map_is_refused() {
     for (name, value, words) in damage {
         let (folder, maps) = copied();
         std::fs::write(maps.join(name), with_last_decimal_changed(&text(&maps, name), value)).unwrap();
-        for format in ["c", "rust", "autoware", "apollo", "dcm", "cdfx", "json"] {
+        for format in ["c", "rust", "autoware", "apollo", "dcm", "cdfx", "a2l", "json"] {
             let (status, _, errors) = run(folder.path(), &["export", "--format", format]);
             assert_eq!(status, 1, "{format} with another {name}");
             assert!(errors.contains(words) && errors.contains(name), "{errors}");
@@ -281,7 +329,7 @@ fn a_damaged_or_mismatched_map_is_refused() {
 
 #[test]
 fn a_map_without_a_passed_verdict_is_exported_only_as_unverified_and_every_file_says_so() {
-    let formats = "c,rust,autoware,apollo,dcm,cdfx,json";
+    let formats = "c,rust,autoware,apollo,dcm,cdfx,a2l,json";
     type Spoil = fn(&mut Value);
     let spoils: [(&str, Spoil); 4] = [
         ("FAIL: ", |v| v["scenarios"][0]["status"] = "fail".into()),
@@ -318,7 +366,7 @@ fn a_map_without_a_passed_verdict_is_exported_only_as_unverified_and_every_file_
             files += 1;
         }
     }
-    assert_eq!(files, 15);
+    assert_eq!(files, 16);
     let c = |folder: &Path| text(folder, "pivot_map.h");
     assert!(c(&folder.path().join("proven")).contains("Verdict: pass: 90 deg only; assumed: scale of the torque."));
     assert!(c(&folder.path().join("proven")).contains("#define PIVOT_MAP_VERIFIED 1"));
@@ -330,7 +378,7 @@ fn a_map_without_a_passed_verdict_is_exported_only_as_unverified_and_every_file_
 #[test]
 fn the_same_map_gives_the_same_bytes_wherever_it_is_written() {
     let (folder, maps) = copied();
-    let formats = "c,rust,autoware,apollo,dcm,cdfx,json";
+    let formats = "c,rust,autoware,apollo,dcm,cdfx,a2l,json";
     export(folder.path(), &["--format", formats]);
     export(folder.path(), &["--format", formats, "-o", "elsewhere/deep"]);
     let names = |path: &Path| {
@@ -352,6 +400,7 @@ fn the_same_map_gives_the_same_bytes_wherever_it_is_written() {
             "lateral_compensation.c",
             "lateral_compensation.h",
             "lateral_compensation.rs",
+            "pivot_map.a2l",
             "pivot_map.c",
             "pivot_map.cdfx",
             "pivot_map.dcm",

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 Examples:
   pivot-cal export --format c
   pivot-cal export --format c --float -o firmware/generated
-  pivot-cal export --format autoware,apollo,dcm,cdfx,rust,json
+  pivot-cal export --format autoware,apollo,dcm,cdfx,a2l,rust,json
   pivot-cal export --format c --speed-unit km/h --torque-unit % --torque-full-scale 44
   pivot-cal export --format c --int16        whole counts of 16 bits, of a map of `invert --int16`
 
@@ -25,6 +25,7 @@ Examples:
   apollo    calibration_table.pb.txt        protobuf text
   dcm       pivot_map.dcm                   DCM 2.0
   cdfx      pivot_map.cdfx                  ASAM CDF 2.0
+  a2l       pivot_map.a2l                   ASAP2 1.71 of the exported C, addresses open
   json      pivot_map.json                  table2.json with its JSON Schema
 
 Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.
@@ -32,7 +33,7 @@ The verdict on the map is in the header of every file. Without a verify.json tha
 written, unless --unverified is given; then every file says so.
 Exit status: 0 written, 3 the map is not verified, 1 error.")]
 pub(crate) struct Arguments {
-    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, json; several with commas
+    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, a2l, json; several with commas
     #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = format)]
     format: Vec<Format>,
     /// Folder with table1.json and table2.json
@@ -47,7 +48,7 @@ pub(crate) struct Arguments {
     /// Wheel angle of the map [°]; by default the test angle. JSON always holds all
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     angle: Option<f64>,
-    /// Unit of the speeds (C, Rust, DCM, CDFX): m/s, km/h, mm/s, rpm or rad/s of the wheel, or raw with --speed-scale
+    /// Unit of the speeds (C, Rust, DCM, CDFX, A2L): m/s, km/h, mm/s, rpm or rad/s of the wheel, or raw with --speed-scale
     #[arg(long, value_name = "UNIT")]
     speed_unit: Option<String>,
     /// Speed of one raw count [m/s]; by default that of the map
@@ -56,7 +57,7 @@ pub(crate) struct Arguments {
     /// Speed of the raw count 0 [m/s]
     #[arg(long, value_name = "MPS", requires = "speed_scale", allow_negative_numbers = true)]
     speed_offset: Option<f64>,
-    /// Unit of the torques (C, Rust, DCM, CDFX): N.m, mN.m, %, permille, A with --torque-scale, or raw with --torque-scale
+    /// Unit of the torques (C, Rust, DCM, CDFX, A2L): N.m, mN.m, %, permille, A with --torque-scale, or raw with --torque-scale
     #[arg(long, value_name = "UNIT")]
     torque_unit: Option<String>,
     /// Torque of one ampere or raw count [N·m]; of a count by default that of the map

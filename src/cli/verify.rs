@@ -6,6 +6,7 @@ use crate::cli::outcome::Outcome;
 use crate::cli::text_file::read_file;
 use crate::cli::verify_text::{new_table, show};
 use crate::cli::{Ui, controller_file, points};
+use crate::import::{FullScale, read_map};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::{FolderWriter, write_whole};
@@ -26,6 +27,7 @@ Examples:
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
   pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
+  pivot-cal verify --table tuned.dcm          a map that came back from a tool, on the measured plant
   pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
 
   pivot-cal verify --accept coverage          the objection of a check overruled by hand
@@ -50,6 +52,13 @@ pub(crate) struct Arguments {
     /// Beside each manoeuvre's nominal run also log its worst perturbed one, as NAME.worst.mcap
     #[arg(long, requires = "log")]
     log_worst: bool,
+    /// Judge the Table 2 of this file instead of the folder's, on the same plant: DCM, CDFX, C, Apollo, matrix or long CSV, as a person changed
+    /// it; nothing is written
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
+    /// Torque that is 100 % [N·m], for a --table in % that does not say it
+    #[arg(long, value_name = "NM", requires = "table")]
+    torque_full_scale: Option<f64>,
     /// Settings of the controller that drives (TOML) instead of the built-in ones; data/controllers has examples
     #[arg(long, value_name = "FILE")]
     controller_settings: Option<PathBuf>,
@@ -131,6 +140,16 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     for forced in &maps.forced {
         ui.warn(format!("{forced}; continued, since --force was given"));
     }
+    let maps = match &arguments.table {
+        Some(path) => {
+            let vehicle = &maps.table2.vehicle;
+            let torque_nm = arguments.torque_full_scale.or(vehicle.torque_full_scale_nm);
+            let imported = read_map(path, FullScale { torque_nm, wheel_radius_m: vehicle.wheel_radius_m })?;
+            ui.say(format!("{}: {}, {} table(s)", shown(path), imported.format, imported.tables.len()));
+            maps.with_tables(&imported).with_context(|| shown(path))?
+        }
+        None => maps,
+    };
     let logs_wanted = arguments.log.is_some();
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
         Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress), ..Wanted::default() })?)
@@ -141,16 +160,20 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     })?;
     logs.extend(judged.logs);
     let verdict = verdict.with_scenarios(judged.verdicts, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
-    let path = arguments.maps.join("verify.json");
-    put_verdict(&verdict, traces.as_ref(), &mut folder)?;
-    // those of an earlier verdict stay: they name their Table 2
-    if let Some(traces) = judged.traces {
-        folder.put("manoeuvre_traces.json", traces.to_json()?);
+    // the verdict on a file is none on the map of the folder
+    if arguments.table.is_none() {
+        put_verdict(&verdict, traces.as_ref(), &mut folder)?;
+        // those of an earlier verdict stay: they name their Table 2
+        if let Some(traces) = judged.traces {
+            folder.put("manoeuvre_traces.json", traces.to_json()?);
+        }
+        folder.commit()?;
     }
-    folder.commit()?;
     ui.document(&verdict)?;
     show(&verdict, ui);
-    ui.say(format!("written: {}", shown(&path)));
+    if arguments.table.is_none() {
+        ui.say(format!("written: {}", shown(&arguments.maps.join("verify.json"))));
+    }
     if let Some(folder) = &arguments.log {
         for log in &logs {
             let path = folder.join(format!("{}.mcap", log.name));

@@ -158,7 +158,8 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
     };
     if depth == Depth::Everything {
         // the rates do not depend on the vehicle
-        let any = Vehicle { wheelbase_m: 1.0, wheel_radius_m: 1.0, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: Some(1.0) };
+        let any =
+            Vehicle { wheelbase_m: 1.0, wheel_radius_m: 1.0, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: Some(1.0) };
         let plans = resolve::plans(&mut choices, &container, &samples, &any).unwrap_or_else(|error| {
             notes.push(error.to_string());
             BTreeMap::new()

@@ -29,6 +29,10 @@ pub(crate) enum Knob {
     EndThreshold,
     /// Deceleration from which the guard brakes, over that of the plan.
     GuardOverPlan,
+    /// Acceleration of the plan [m/s²].
+    PlanAccel,
+    /// Deceleration of the plan [m/s²]; the guard follows.
+    PlanDecel,
 }
 
 /// Speed and accelerations of the plan, as a share of those of the start.
@@ -37,9 +41,22 @@ pub(crate) const SLOWER: [f64; 5] = [0.85, 0.7, 0.55, 0.45, 0.35];
 pub(crate) const FASTER: [f64; 4] = [1.15, 1.3, 1.5, 1.75];
 
 impl Knob {
-    /// All of them, in the order in which they are tried.
-    pub(crate) const ALL: [Self; 7] =
+    /// Gains and preview, in the order in which they are tried.
+    pub(crate) const GAINS: [Self; 7] =
         [Self::Kp, Self::LagTimesKp, Self::KiOverKp2, Self::Creep, Self::EndThreshold, Self::LeastDistance, Self::GuardOverPlan];
+
+    /// The same, and the accelerations of the plan.
+    pub(crate) const ALL: [Self; 9] = [
+        Self::Kp,
+        Self::LagTimesKp,
+        Self::PlanDecel,
+        Self::PlanAccel,
+        Self::KiOverKp2,
+        Self::Creep,
+        Self::EndThreshold,
+        Self::LeastDistance,
+        Self::GuardOverPlan,
+    ];
 
     /// The values that are tried, rising.
     pub(crate) fn ladder(self) -> &'static [f64] {
@@ -50,7 +67,8 @@ impl Knob {
             Self::LeastDistance => &[0.0, 0.005, 0.01, 0.02, 0.03],
             Self::Creep => &[0.02, 0.03, 0.045, 0.06, 0.08, 0.1],
             Self::EndThreshold => &[0.002, 0.004, 0.006, 0.008, 0.011, 0.015, 0.02, 0.03, 0.04],
-            Self::GuardOverPlan => &[1.1, 1.25, 1.5, 2.0],
+            Self::GuardOverPlan => &[1.1, 1.25, 1.5, 2.0, 3.0],
+            Self::PlanAccel | Self::PlanDecel => &[0.04, 0.06, 0.08, 0.11, 0.14, 0.18, 0.22, 0.28, 0.34, 0.4],
         }
     }
 
@@ -74,6 +92,8 @@ impl Knob {
             Self::LeastDistance => of.preview.least_distance_m,
             Self::Creep => of.finish.creep_speed_mps,
             Self::EndThreshold => of.finish.end_threshold_m,
+            Self::PlanAccel => of.planning.accel_mps2,
+            Self::PlanDecel => of.planning.decel_mps2,
             Self::GuardOverPlan => of.additions.guard_from_mps2.value().unwrap_or(f64::INFINITY) / of.planning.decel_mps2,
         }
     }
@@ -92,6 +112,14 @@ impl Knob {
             Self::LeastDistance => to.preview.least_distance_m = value,
             Self::Creep => to.finish.creep_speed_mps = value,
             Self::EndThreshold => to.finish.end_threshold_m = value,
+            Self::PlanAccel => to.planning.accel_mps2 = value,
+            Self::PlanDecel => {
+                let guard = Self::GuardOverPlan.get(of);
+                to.planning.decel_mps2 = value;
+                if guard.is_finite() {
+                    to = Self::GuardOverPlan.set(&to, guard);
+                }
+            }
             Self::GuardOverPlan => {
                 to.additions.guard_from_mps2 = Or::number(rounded_to(value * of.planning.decel_mps2, 1e-3));
             }

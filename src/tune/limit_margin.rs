@@ -57,3 +57,14 @@ impl LimitMargin {
         format!("{} ({}) of {name} is {value}, limit {limit}, {side}", self.metric.title(), self.statistic.title())
     }
 }
+
+/// Of each limit the scenario that is nearest to it; `margins` begin with the smallest.
+pub(crate) fn nearest_limits(margins: &[LimitMargin]) -> Vec<LimitMargin> {
+    let mut nearest: Vec<LimitMargin> = Vec::new();
+    for margin in margins {
+        if !nearest.iter().any(|n| n.is_of_the_limit(margin)) {
+            nearest.push(margin.clone());
+        }
+    }
+    nearest
+}

@@ -1,7 +1,7 @@
 //! One candidate driven: its limits, and how long it takes.
 
 use crate::controller::ControllerSettings;
-use crate::tune::limit_margin::LimitMargin;
+use crate::tune::limit_margin::{LimitMargin, nearest_limits};
 use crate::tune::loop_margins::LoopMargins;
 use crate::tune::settings::TuneSettings;
 use crate::verify::{Class, Maps, Metric, Result, Scenario, ScenarioVerdict, Statistic, Status, VerifySettings, judge_pivots};
@@ -29,6 +29,9 @@ pub(crate) struct Trial {
     /// Verdicts on the scenarios.
     pub(crate) verdicts: Vec<ScenarioVerdict>,
 }
+
+/// What one limit may lack in the sum over all of them: beyond it, others count for more.
+const MOST_LACK: f64 = 5.0;
 
 /// Above every time that a good candidate may cost.
 const BAD: f64 = 1e3;
@@ -71,7 +74,8 @@ impl Trial {
 
     /// What the search makes small: the time, if every limit has its reserve and the speed loop its margins, otherwise what the reserve lacks.
     pub(crate) fn cost(&self, reserve: f64) -> f64 {
-        let lack = (reserve - self.least_margin()).max(self.loop_margins.lack());
+        let of_limits: f64 = nearest_limits(&self.margins).iter().map(|m| (reserve - m.margin).clamp(0.0, MOST_LACK)).sum();
+        let lack = of_limits + self.loop_margins.lack().max(0.0);
         if lack <= 0.0 { self.settling_s } else { BAD * (1.0 + lack) }
     }
 }

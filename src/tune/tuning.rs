@@ -3,7 +3,6 @@
 use crate::controller::ControllerSettings;
 use crate::tune::limit_margin::LimitMargin;
 use crate::tune::loop_margins::LoopMargins;
-use crate::tune::trial::Trial;
 use crate::verify::Maps;
 use serde::Serialize;
 
@@ -57,17 +56,6 @@ impl Tuning {
         let generation = maps.table1.generation.get(..8).unwrap_or("map");
         self.settings.clone().named(&format!("tuned for {generation}")).to_toml(&head)
     }
-}
-
-/// Of each metric and statistic the limit with the smallest margin.
-pub(crate) fn nearest_limits(trial: &Trial) -> Vec<LimitMargin> {
-    let mut nearest: Vec<LimitMargin> = Vec::new();
-    for margin in &trial.margins {
-        if !nearest.iter().any(|n| n.is_of_the_limit(margin)) {
-            nearest.push(margin.clone());
-        }
-    }
-    nearest
 }
 
 /// The settings in which two controllers differ.
