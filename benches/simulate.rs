@@ -11,7 +11,8 @@ fn main() {
 }
 
 fn physical() -> WorldSettings {
-    let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+    let vehicle =
+        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
     let motion = PhysicalSettings { friction_spread: 0.01, disturbance_nm: 0.25, ..PhysicalSettings::default() };
     WorldSettings::physical(vehicle, motion)
 }

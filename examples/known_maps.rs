@@ -14,7 +14,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let world = match arguments.next() {
         Some(path) => VehicleFile::from_toml(&std::fs::read_to_string(path)?)?.settings(),
         None => WorldSettings::physical(
-            Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) },
+            Vehicle {
+                wheelbase_m: 0.92,
+                wheel_radius_m: 0.12,
+                test_angle_deg: 90.0,
+                torque_limit_nm: Some(44.0),
+                torque_full_scale_nm: None,
+            },
             PhysicalSettings::default(),
         ),
     };

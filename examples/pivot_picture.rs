@@ -28,7 +28,8 @@ struct Panel {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+    let vehicle =
+        Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0), torque_full_scale_nm: None };
     let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default()))?;
     let maps = Maps::new(table1, table2)?;
     let scenario = Scenario::all().into_iter().find(|s| s.name == "left-90").ok_or("no such scenario")?;

@@ -67,7 +67,7 @@ pub fn calibrate_with(logs: &[PathBuf], folder: &Path, settings: &CalibrateSetti
     let mut folder = FolderWriter::open(folder)?;
     let fitted = fit_into(&mut folder, logs, &settings.fit, listen)?;
     let inversion = invert_into(&mut folder, &settings.invert, listen)?;
-    let verdict = verify_into(&mut folder, &settings.accept, listen)?;
+    let verdict = verify_into(&mut folder, &settings.accept, settings.controller.as_ref(), listen)?;
     report_into(&mut folder)?;
     folder.commit()?;
     Ok(Calibrated { fitted, inversion, verdict })

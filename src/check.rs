@@ -71,12 +71,6 @@ impl Map<'_> {
         if extension == "txt" || extension == "pb" || (text.contains('{') && words().any(|w| w == "calibration")) {
             return self.apollo(text);
         }
-        if has_decimal_commas(text) {
-            let what = "the cells are separated by semicolons and the numbers have decimal commas, as some spreadsheets save them; save it with \
-                        commas between the cells and decimal points";
-            let finding = RuleBreach::whole(Rule::Readable, Severity::Error, what);
-            return CheckReport::new(self.path.clone(), "CSV", String::new(), vec![finding], &[]);
-        }
         let cells = cells_of_csv(text);
         let corner = cells.first().and_then(|line| line.texts.first()).map_or("", String::as_str);
         if corner.contains('\\') || self.name.starts_with("table1") || self.name.starts_with("table2") {
@@ -87,14 +81,6 @@ impl Map<'_> {
             _ => self.autoware(&cells, settings),
         }
     }
-}
-
-/// Whether a file is a table with semicolons between its cells and commas in its numbers: most cells of the second line are such numbers.
-fn has_decimal_commas(text: &str) -> bool {
-    let Some(line) = text.lines().nth(1) else { return false };
-    let cells: Vec<&str> = line.split(';').collect();
-    let is_number = |cell: &&&str| cell.contains(',') && cell.trim().replacen(',', ".", 1).parse::<f64>().is_ok();
-    cells.len() > 1 && 2 * cells.iter().filter(is_number).count() > cells.len()
 }
 
 #[cfg(test)]
@@ -150,13 +136,10 @@ mod tests {
     }
 
     #[test]
-    fn decimal_commas_are_one_finding() {
+    fn a_spreadsheets_decimal_commas_are_read() {
         let text = "speed_mps\\accel_mps2;-0,1;0;0,1\n0;-1,25;0,5;2,125\n0,1;-1,5;0,75;2,5\n";
-        let report = of_text("table2.csv", text.as_bytes());
-        assert_eq!(report.findings.len(), 1, "{report:?}");
-        assert!(report.findings[0].what.contains("decimal commas"), "{report:?}");
         let plain = "speed_mps\\accel_mps2,-0.1,0,0.1\n0,-1.25,0.5,2.125\n0.1,-1.5,0.75,2.5\n";
-        assert!(of_text("table2.csv", plain.as_bytes()).findings.iter().all(|f| !f.what.contains("decimal commas")));
+        assert_eq!(of_text("table2.csv", text.as_bytes()).findings, of_text("table2.csv", plain.as_bytes()).findings);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod breaks;
 mod calibrate;
 mod check;
 mod completions;
+mod controller_file;
 mod diff;
 mod export;
 mod fault;
@@ -25,6 +26,7 @@ mod points;
 mod record;
 mod report;
 mod text_file;
+mod tune;
 mod ui;
 mod verify;
 mod verify_text;
@@ -90,10 +92,12 @@ enum CliCommand {
     Calibrate(calibrate::Arguments),
     /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
     Check(check::Arguments),
-    /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX or JSON
+    /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX, A2L or JSON
     Export(export::Arguments),
     /// Show the changes between two maps, and whether they are significant
     Diff(diff::Arguments),
+    /// Find gains and preview of the controller for a map and its vehicle
+    Tune(tune::Arguments),
     /// Plan the next runs: those that reduce the standard errors most, as a campaign file
     Plan(plan::Arguments),
     /// Print a completion script for a shell
@@ -126,6 +130,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Check(arguments) => check::run(&arguments, ui),
         CliCommand::Export(arguments) => export::run(&arguments, ui),
         CliCommand::Diff(arguments) => diff::run(&arguments, ui),
+        CliCommand::Tune(arguments) => tune::run(&arguments, ui),
         CliCommand::Plan(arguments) => plan::run(&arguments, ui),
         CliCommand::Completions(arguments) => completions::run(&arguments, command()),
     };

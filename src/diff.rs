@@ -1,4 +1,4 @@
-//! Changes between two maps, where they are, and whether they are more than chance.
+//! Changes between two maps, where they are, and whether they are more than chance; and the cells that a person changed in a file.
 //!
 //! In: two `table1.json` or two `table2.json`. Out: a [`MapComparison`] with a verdict, and a heat map as HTML.
 //!
@@ -11,6 +11,7 @@
 
 mod compare;
 mod comparison;
+mod edited;
 mod error;
 mod heat_map;
 mod html;
@@ -19,6 +20,7 @@ mod significance;
 
 pub(crate) use compare::compare;
 pub(crate) use comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
+pub(crate) use edited::edited;
 pub(crate) use error::{Error, Result};
 pub(crate) use html::html;
 pub(crate) use sheet::{DiffSide, Table};

@@ -1,15 +1,16 @@
 //! A map in the form that controllers and calibration tools load.
 //!
-//! In: the folder of a map, whose files must belong together. Out: files, as names and texts. All are written from `table2.json`, except
+//! In: the folder of a map, whose files must belong together. Out: files, as names and texts, each with the verdict on the map in its header,
+//! or the word UNVERIFIED. All are written from `table2.json`, except
 //! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal, and the lateral compensation from
 //! `lateral_table.json`. The same map gives the same bytes.
 
+mod a2l;
 mod apollo;
 mod autoware;
 mod c;
 mod cdfx;
 mod constant;
-mod crc;
 mod dcm;
 mod error;
 mod file;
@@ -17,15 +18,22 @@ mod json;
 mod lateral;
 mod lateral_source;
 mod number;
+mod proof;
 mod provenance;
 mod rust;
+mod settings;
 mod source;
+mod stored;
+mod user_unit;
 
 pub use error::Error;
 pub(crate) use error::Result;
 pub use file::File;
 pub use number::Precision;
+pub use proof::Proof;
+pub use settings::ExportSettings;
 pub use source::MapSource;
+pub use user_unit::{UnitNumbers, UserUnit, UserUnits};
 
 use std::fmt;
 
@@ -44,13 +52,15 @@ pub enum Format {
     Dcm,
     /// ASAM CDF 2.0.
     Cdfx,
+    /// A2L (ASAP2), of the exported C.
+    A2l,
     /// `table2.json` with its JSON Schema.
     Json,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 7] = [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::Json];
+    pub const ALL: [Self; 8] = [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::A2l, Self::Json];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -61,24 +71,36 @@ impl Format {
             Self::Apollo => "apollo",
             Self::Dcm => "dcm",
             Self::Cdfx => "cdfx",
+            Self::A2l => "a2l",
             Self::Json => "json",
         }
     }
 
-    /// The files of this form. `precision` is for C and Rust; the others are decimal text.
+    /// The files of this form.
     ///
     /// # Errors
-    /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo.
-    pub fn files(self, source: &MapSource, precision: Precision) -> Result<Vec<File>> {
+    /// A map that this form cannot hold: without braking torques for Autoware, not strictly monotone for Autoware and Apollo, without raw
+    /// units for whole counts. Units of the user for a form with units of its own.
+    pub fn files(self, source: &MapSource, settings: &ExportSettings) -> Result<Vec<File>> {
+        let precision = settings.precision;
+        if self.has_own_units() && !settings.units.are_si() {
+            return Err(Error::OwnUnits { format: self.name() });
+        }
         match self {
-            Self::C => Ok(c::files(source, precision).into_iter().chain(lateral::c_files(source, precision)).collect()),
-            Self::Rust => Ok(std::iter::once(rust::file(source, precision)).chain(lateral::rust_files(source, precision)).collect()),
-            Self::Autoware => autoware::files(source),
-            Self::Apollo => apollo::files(source),
-            Self::Dcm => Ok(vec![dcm::file(source)]),
-            Self::Cdfx => Ok(vec![cdfx::file(source)]),
+            Self::C => Ok(c::files(source, settings)?.into_iter().chain(lateral::c_files(source, precision)).collect()),
+            Self::Rust => Ok(std::iter::once(rust::file(source, settings)?).chain(lateral::rust_files(source, precision)).collect()),
+            Self::Autoware => autoware::files(source, settings),
+            Self::Apollo => apollo::files(source, settings),
+            Self::Dcm => Ok(vec![dcm::file(source, &settings.units)]),
+            Self::Cdfx => Ok(vec![cdfx::file(source, &settings.units)]),
+            Self::A2l => Ok(vec![a2l::file(source, settings)?]),
             Self::Json => Ok(json::files(source)),
         }
+    }
+
+    /// Whether its units are part of the form.
+    fn has_own_units(self) -> bool {
+        matches!(self, Self::Autoware | Self::Apollo | Self::Json)
     }
 }
 

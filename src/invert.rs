@@ -10,6 +10,7 @@ mod error;
 mod inverse;
 mod optimal;
 mod product;
+mod raw;
 mod round_trip;
 mod settings;
 
@@ -17,4 +18,5 @@ pub(crate) use crate::map::ZeroRow;
 pub use error::Error;
 pub(crate) use error::Result;
 pub use product::{Inversion, invert};
+pub use raw::RawSettings;
 pub use settings::InvertSettings;

@@ -29,10 +29,12 @@ pub mod campaign;
 pub mod check;
 #[doc(hidden)]
 pub mod cli;
+pub mod controller;
 mod diff;
 pub mod export;
 pub mod fit;
 mod guidance;
+mod import;
 #[doc(hidden)]
 pub mod internals;
 pub mod invert;
@@ -47,6 +49,7 @@ pub mod signal;
 mod sim;
 mod spelling;
 mod text;
+mod tune;
 mod units;
 pub mod verify;
 

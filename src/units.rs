@@ -28,6 +28,8 @@ pub enum Dimension {
     Time,
     /// Metres.
     Length,
+    /// A share of a full scale.
+    Share,
     /// A number without dimension: a gear, a flag, a ratio.
     Number,
 }
@@ -41,6 +43,7 @@ impl fmt::Display for Dimension {
             Self::Torque => "torque",
             Self::Time => "time",
             Self::Length => "length",
+            Self::Share => "share",
             Self::Number => "number",
         })
     }
@@ -80,12 +83,16 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["m"], Dimension::Length, 1.0),
     (&["mm"], Dimension::Length, 1e-3),
     (&["1", "", "%1", "number", "enum", "bool"], Dimension::Number, 1.0),
-    (&["%"], Dimension::Number, 1e-2),
+    (&["%"], Dimension::Share, 1e-2),
+    (&["permille", "‰"], Dimension::Share, 1e-3),
 ];
 
 /// An unknown unit name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("unit {found:?} is not known; known units: {}", known())]
+#[error(
+    "unit {found:?} is not known; known units: {}; for any other, give one of these and `scale`, which multiplies the number in the message",
+    known()
+)]
 pub struct UnknownUnit {
     /// The name that was found.
     pub found: String,

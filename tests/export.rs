@@ -75,15 +75,68 @@ fn cdfx_is_valid_and_read_by_asamint() {
 }
 
 #[test]
+fn a2l_is_read_by_pya2l_and_names_the_symbols_of_the_c_source() {
+    let Some(python) = readers::python(&["asamint", "pya2l"], "A2L export") else { return };
+    let (folder, maps) = copied();
+    assert_eq!(run(folder.path(), &["invert", "--int16"]).0, 0);
+    let arguments = ["--format", "c,a2l", "--int16", "--unverified", "--speed-unit", "km/h"];
+    export(folder.path(), &arguments);
+    let source = text(&maps.join("export"), "pivot_map.c");
+    let read = readers::read_with(&python, "a2l.py", &[&maps.join("export/pivot_map.a2l")], "");
+    let file = Table2File::from_json(&text(&maps, "table2.json")).unwrap();
+    let raw = file.raw.unwrap();
+    for map in &file.maps {
+        let found = &read[format!("PIVOT_MAP_TORQUE_{}", map.gear.to_string().to_uppercase())];
+        assert_eq!(
+            (&found["kind"], &found["order"], &found["type"], &found["unit"]),
+            (&"MAP".into(), &"ROW_DIR".into(), &"SWORD".into(), &"Nm".into())
+        );
+        assert_eq!(found["scale"], serde_json::json!([raw.torque_nm.unwrap().scale, 0.0]));
+        let (x, y) = (&found["x"], &found["y"]);
+        assert_eq!((&x["unit"], &y["unit"]), (&"m/s^2".into(), &"km/h".into()));
+        assert_eq!((&x["count"], &y["count"]), (&map.accel_mps2.len().into(), &map.speed_mps.len().into()));
+        assert!((y["scale"][0].as_f64().unwrap() - 3.6 * raw.speed_mps.unwrap().scale).abs() < 1e-12);
+        assert!((y["limits"][1].as_f64().unwrap() - 3.6 * map.speed_mps.last().unwrap()).abs() < 1e-9);
+        for symbol in [&found["symbol"], &x["symbol"], &y["symbol"]] {
+            assert!(source.contains(&format!("static const pivot_map_stored {}[", symbol.as_str().unwrap())), "{symbol}");
+        }
+    }
+}
+
+#[test]
+fn units_of_the_user_are_in_dcm_and_cdfx_and_refused_where_a_form_has_its_own() {
+    let (folder, maps) = copied();
+    let units = ["--speed-unit", "rpm", "--torque-unit", "A", "--torque-scale", "2.2"];
+    export(folder.path(), &[&["--format", "dcm,cdfx"][..], &units].concat());
+    let exported = maps.join("export");
+    assert!(text(&exported, "pivot_map.dcm").contains("EINHEIT_Y \"rpm\"\n   EINHEIT_W \"A\""));
+    assert!(text(&exported, "pivot_map.cdfx").contains("<UNIT-DISPLAY-NAME>rpm</UNIT-DISPLAY-NAME>"));
+    for (arguments, why) in [
+        (&["--format", "json", "--speed-unit", "km/h"][..], "json has units of its own"),
+        (&["--format", "c", "--speed-unit", "N.m"], "allowed: m/s, km/h"),
+        (&["--format", "c", "--torque-unit", "A"], "--torque-scale"),
+        (&["--format", "c", "--torque-unit", "%", "--torque-full-scale", "-1"], "--torque-full-scale"),
+    ] {
+        let (status, _, errors) = run(folder.path(), &[&["export"], arguments].concat());
+        assert!(status == 1 && errors.contains(why), "{arguments:?}: {errors}");
+    }
+}
+
+#[test]
 fn json_files_keep_their_published_schemas() {
     let Some(python) = readers::python(&["jsonschema"], "JSON Schemas") else { return };
     let (folder, maps) = copied();
     export(folder.path(), &["--format", "json"]);
+    let verdict = text(&maps, "verify.json");
+    std::fs::remove_file(maps.join("verify.json")).unwrap();
+    export(folder.path(), &["--format", "json", "--unverified", "-o", "unverified"]);
+    std::fs::write(maps.join("verify.json"), verdict).unwrap();
     let schema = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/schema").join(format!("{name}.schema.json"));
     let exported = maps.join("export");
     assert_eq!(text(&exported, "pivot_map.json"), text(&maps, "table2.json"));
     let mut files: Vec<_> = ["table1", "table2", "verify"].map(|name| (schema(name), maps.join(format!("{name}.json")))).into();
     files.push((exported.join("pivot_map.schema.json"), exported.join("pivot_map.json")));
+    files.push((exported.join("pivot_map.schema.json"), folder.path().join("unverified/pivot_map.json")));
     let sound = files.len();
     // and a schema that lets anything pass would be none
     let breaks: [(&str, &str, Change); 7] = [
@@ -206,7 +259,7 @@ fn apollo_has_one_entry_for_a_limit_and_one_for_a_held_wheel() {
         }
         places = vec![[map.speed_mps[5], map.accel_mps2[last]], [0.0, map.accel_mps2[0]]];
     });
-    export(folder.path(), &["--format", "apollo"]);
+    export(folder.path(), &["--format", "apollo", "--unverified"]);
     let input = serde_json::to_string(&[&places]).unwrap();
     let read = &readers::read_with(&python, "apollo.py", &[&maps.join("export/calibration_table.pb.txt")], &input)[0];
     assert!((read[0].as_f64().unwrap() - 100.0).abs() < 1e-9, "{read}");
@@ -260,7 +313,7 @@ fn a_damaged_or_mismatched_map_is_refused() {
     for (name, value, words) in damage {
         let (folder, maps) = copied();
         std::fs::write(maps.join(name), with_last_decimal_changed(&text(&maps, name), value)).unwrap();
-        for format in ["c", "rust", "autoware", "apollo", "dcm", "cdfx", "json"] {
+        for format in ["c", "rust", "autoware", "apollo", "dcm", "cdfx", "a2l", "json"] {
             let (status, _, errors) = run(folder.path(), &["export", "--format", format]);
             assert_eq!(status, 1, "{format} with another {name}");
             assert!(errors.contains(words) && errors.contains(name), "{errors}");
@@ -275,9 +328,57 @@ fn a_damaged_or_mismatched_map_is_refused() {
 }
 
 #[test]
+fn a_map_without_a_passed_verdict_is_exported_only_as_unverified_and_every_file_says_so() {
+    let formats = "c,rust,autoware,apollo,dcm,cdfx,a2l,json";
+    type Spoil = fn(&mut Value);
+    let spoils: [(&str, Spoil); 4] = [
+        ("FAIL: ", |v| v["scenarios"][0]["status"] = "fail".into()),
+        ("verdict on another map", |v| v["generation"] = "0123456789abcdef".into()),
+        ("verdict on another map", |v| v["table2_csv_sha256"][0] = "0".repeat(64).into()),
+        ("no verdict on every pivot", |v| v["scenarios"].as_array_mut().unwrap().truncate(3)),
+    ];
+    let refused = |folder: &Path, maps: &Path, why: &str| {
+        let (status, _, errors) = run(folder, &["export", "--format", formats, "-q"]);
+        assert_eq!(status, 3, "{why}: {errors}");
+        assert!(errors.contains(why) && errors.contains("pivot-cal verify"), "{why}: {errors}");
+        assert!(!maps.join("export").exists(), "{why}");
+    };
+    for (why, spoil) in spoils {
+        let (folder, maps) = copied();
+        let mut verdict: Value = serde_json::from_str(&text(&maps, "verify.json")).unwrap();
+        spoil(&mut verdict);
+        std::fs::write(maps.join("verify.json"), verdict.to_string()).unwrap();
+        refused(folder.path(), &maps, why);
+    }
+    let (folder, maps) = copied();
+    export(folder.path(), &["--format", formats, "-o", "proven"]);
+    std::fs::remove_file(maps.join("verify.json")).unwrap();
+    refused(folder.path(), &maps, "there is no verify.json");
+    export(folder.path(), &["--format", formats, "--unverified"]);
+    let mut files = 0;
+    for entry in std::fs::read_dir(maps.join("export")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let (unverified, proven) = (text(&maps.join("export"), &name), text(&folder.path().join("proven"), &name));
+        // the schema of the JSON is no map
+        if name != "pivot_map.schema.json" {
+            let head = |text: &str| text.chars().take(700).collect::<String>();
+            assert!(head(&unverified).contains("UNVERIFIED") && !proven.contains("UNVERIFIED"), "{name}: {}", head(&unverified));
+            files += 1;
+        }
+    }
+    assert_eq!(files, 16);
+    let c = |folder: &Path| text(folder, "pivot_map.h");
+    assert!(c(&folder.path().join("proven")).contains("Verdict: pass: 90 deg only; assumed: scale of the torque."));
+    assert!(c(&folder.path().join("proven")).contains("#define PIVOT_MAP_VERIFIED 1"));
+    assert!(c(&maps.join("export")).contains("#define PIVOT_MAP_VERIFIED 0"));
+    // what the JSON says, the reader of Table 2 reads
+    assert!(Table2File::from_json(&text(&maps, "export/pivot_map.json")).unwrap().unverified.is_some());
+}
+
+#[test]
 fn the_same_map_gives_the_same_bytes_wherever_it_is_written() {
     let (folder, maps) = copied();
-    let formats = "c,rust,autoware,apollo,dcm,cdfx,json";
+    let formats = "c,rust,autoware,apollo,dcm,cdfx,a2l,json";
     export(folder.path(), &["--format", formats]);
     export(folder.path(), &["--format", formats, "-o", "elsewhere/deep"]);
     let names = |path: &Path| {
@@ -299,6 +400,7 @@ fn the_same_map_gives_the_same_bytes_wherever_it_is_written() {
             "lateral_compensation.c",
             "lateral_compensation.h",
             "lateral_compensation.rs",
+            "pivot_map.a2l",
             "pivot_map.c",
             "pivot_map.cdfx",
             "pivot_map.dcm",

@@ -257,11 +257,53 @@ fn a_map_without_reverse_gear_says_so_and_compiles_without_warning() {
     let Some(compiler) = compiler() else { return };
     let (folder, maps) = copied();
     change_table2(&maps, |file| file.maps.truncate(1));
-    assert_eq!(run(folder.path(), &["export", "--format", "c,rust"]).0, 0);
+    assert_eq!(run(folder.path(), &["export", "--format", "c,rust", "--unverified"]).0, 0);
     let exported = maps.join("export");
     assert!(text(&exported, "pivot_map.h").contains("#define PIVOT_MAP_HAS_REVERSE 0"));
     let program = c_program(&compiler, &exported, 64, "-O2");
     let input = format!("1 {:x} {:x}\n", 0.1f64.to_bits(), 0.1f64.to_bits());
     assert_eq!(answers(&program, &input).1, [Answer(3, 0, 3, 0)]);
     assert_eq!(answers(&rust_program(&exported, 64), &input).1, [Answer(2, 0, 2, 0)]);
+}
+
+#[test]
+fn whole_counts_of_16_bits_are_the_map_that_was_inverted_with_them_bit_for_bit() {
+    let Some(compiler) = compiler() else { return };
+    let (folder, maps) = copied();
+    let (status, _, errors) = run(folder.path(), &["export", "--format", "c", "--int16"]);
+    assert!(status == 1 && errors.contains("invert --int16"), "the map of any numbers: {errors}");
+    let (status, said, errors) = run(folder.path(), &["invert", "--place", "6x10", "--int16", "--torque-raw", "0.01,-20"]);
+    assert_eq!(status, 0, "{errors}");
+    assert!(said.contains("6 speeds × 10 accelerations") && said.contains("raw torque: 0.01 N·m a count, -20 N·m at count 0"), "{said}");
+    assert_eq!(run(folder.path(), &["export", "--format", "c,rust", "--int16", "--unverified"]).0, 0);
+    let exported = maps.join("export");
+    // two gears of 6 + 10 + 60 numbers of two bytes
+    assert!(text(&exported, "pivot_map.h").contains("#define PIVOT_MAP_TABLE_BYTES 304\n"));
+    let (input, wanted) = dense(&tables(&maps));
+    for (self_test, found) in [answers(&c_program(&compiler, &exported, 64, "-O2"), &input), answers(&rust_program(&exported, 64), &input)]
+    {
+        assert_eq!(self_test, "1", "the tables are sound");
+        assert_eq!(found.len(), wanted.len());
+    }
+    let (_, found) = answers(&c_program(&compiler, &exported, 64, "-O2"), &input);
+    expect_same(&input, &found, &wanted);
+}
+
+#[test]
+fn in_the_users_units_the_torque_is_that_of_the_library() {
+    let Some(compiler) = compiler() else { return };
+    let (folder, maps) = copied();
+    let units = ["--speed-unit", "km/h", "--torque-unit", "%", "--torque-full-scale", "50"];
+    assert_eq!(run(folder.path(), &[&["export", "--format", "c"][..], &units].concat()).0, 0);
+    let exported = maps.join("export");
+    let header = text(&exported, "pivot_map.h");
+    assert!(header.contains("Torque [%] over front-wheel speed [km/h]") && header.contains("pivot_map_real speed_kmh"), "{header}");
+    let program = c_program(&compiler, &exported, 64, "-O2");
+    let table = &tables(&maps)[0].1;
+    for (speed_mps, accel) in [(0.0, 0.3), (0.33, 0.4), (0.71, -0.6)] {
+        let input = format!("0 {:x} {:x}\n", f64::to_bits(3.6 * speed_mps), f64::to_bits(accel));
+        let (_, found) = answers(&program, &input);
+        let torque_nm = 0.5 * f64::from_bits(found[0].1);
+        assert!((torque_nm - table.torque_from_accel(speed_mps, accel).unwrap()).abs() < 1e-9, "{speed_mps} {accel}: {torque_nm}");
+    }
 }

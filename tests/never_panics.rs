@@ -10,7 +10,7 @@ mod map_copy;
 use map_copy::copied;
 use pivot_cal::calibrate::{InvertStage, invert_folder, report_folder, survey};
 use pivot_cal::check::{CheckSettings, check};
-use pivot_cal::export::{Format, MapSource, Precision};
+use pivot_cal::export::{ExportSettings, Format, MapSource};
 use pivot_cal::fit::{FitSettings, fit};
 use pivot_cal::log::{Preset, Recording, Signal, Source, VehicleOverrides, read};
 use pivot_cal::verify::Maps;
@@ -101,7 +101,7 @@ fn read_all(maps: &Path, inverts: bool) {
     let _ = Maps::read(maps, true);
     if let Ok(source) = MapSource::read(maps) {
         for format in Format::ALL {
-            let _ = format.files(&source, Precision::Double);
+            let _ = format.files(&source, &ExportSettings::default());
         }
     }
     for file in ["table1.json", "table2.json"] {

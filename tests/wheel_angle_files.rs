@@ -59,7 +59,8 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
 
     let (status, said, errors) = run(folder, &["check", "maps/table1.json", "maps/table2.json", "maps/table2.angle30.csv"]);
     assert_eq!(status, 0, "{said}{errors}");
-    for args in [&["report"][..], &["diff", "maps", "maps"], &["plan", "--minutes", "1"], &["export", "--format", "c,json"]] {
+    for args in [&["report"][..], &["diff", "maps", "maps"], &["plan", "--minutes", "1"], &["export", "--format", "c,json", "--unverified"]]
+    {
         let (status, said, errors) = run(folder, args);
         assert_eq!(status, 0, "{args:?}: {said}{errors}");
     }
@@ -68,7 +69,7 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
     // each run shows its angle
     assert!(page.contains("<th scope=\"col\">angle °</th>") && page.contains("<td class=\"l\">forward</td><td>−40.0</td>"));
     assert!(text(&maps, "export/pivot_map.c").contains("wheel at 90 deg"));
-    let (status, said, errors) = run(folder, &["export", "--format", "c", "--angle", "30", "-o", "thirty"]);
+    let (status, said, errors) = run(folder, &["export", "--format", "c", "--angle", "30", "--unverified", "-o", "thirty"]);
     assert_eq!(status, 0, "{said}{errors}");
     assert!(text(folder, "thirty/pivot_map.c").contains("table2.angle30.csv"));
     let (_, said, _) = run(folder, &["plan", "--minutes", "1", "--angle", "30", "-o", "next.toml"]);

@@ -1,5 +1,6 @@
 //! Settings of making a map.
 
+use crate::controller::ControllerFile;
 use crate::fit::FitSettings;
 use crate::invert::InvertSettings;
 use crate::log::{Source, VehicleOverrides};
@@ -13,6 +14,8 @@ pub struct CalibrateSettings {
     pub invert: InvertStage,
     /// Names of checks whose objections a person overrules. Default none.
     pub accept: Vec<String>,
+    /// Settings of the controller that drives in the verdict. Default `data/controllers/default.toml`.
+    pub controller: Option<ControllerFile>,
 }
 
 /// Sources of the signals and of the vehicle's data.

@@ -1,6 +1,7 @@
 //! Table 2 → verdict.
 
 use crate::calibrate::{Listener, Result, StageEvent};
+use crate::controller::ControllerFile;
 use crate::map::FolderWriter;
 use crate::verify::{ClosedLoop, MapVerdict, Maps, Verified, VerifySettings, Wanted, verify_with};
 use std::path::Path;
@@ -14,18 +15,26 @@ pub fn verify_folder(folder: &Path, listen: &Listener) -> Result<MapVerdict> {
         Maps::read(folder, false)?; // the error
     }
     let mut folder = FolderWriter::open(folder)?;
-    let verdict = verify_into(&mut folder, &[], listen)?;
+    let verdict = verify_into(&mut folder, &[], None, listen)?;
     folder.commit()?;
     Ok(verdict)
 }
 
-/// The same, into a folder that is committed later; the objections of the checks named in `accept` are overruled.
+/// The same, into a folder that is committed later; the objections of the checks named in `accept` are overruled, and
+/// `controller` drives instead of the default.
 ///
 /// # Errors
 /// As [`verify_folder`], and a name that no check has.
-pub(crate) fn verify_into(folder: &mut FolderWriter, accept: &[String], listen: &Listener) -> Result<MapVerdict> {
+pub(crate) fn verify_into(
+    folder: &mut FolderWriter,
+    accept: &[String],
+    controller: Option<&ControllerFile>,
+    listen: &Listener,
+) -> Result<MapVerdict> {
     let maps = Maps::read_from(&folder.view(), false)?;
-    let settings = VerifySettings { accept: accept.to_vec(), ..VerifySettings::new()? };
+    let usual = VerifySettings::new()?;
+    let controller = controller.cloned().unwrap_or_else(|| usual.controller.clone());
+    let settings = VerifySettings { accept: accept.to_vec(), controller, ..usual };
     let progress = |total| listen(StageEvent::Simulated { total });
     let wanted = Wanted { traces: true, logs: false, worst_logs: false, progress: Some(&progress) };
     let Verified { verdict, traces, .. } = verify_with(&maps, &settings, wanted)?;

@@ -196,7 +196,13 @@ mod tests {
         let series = |value: Vec<f64>| Series { t_s: t_s.clone(), value };
         Track {
             source: LogRef { sha256: String::new(), file: "test".to_owned(), bytes: 0, loss: None },
-            vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            vehicle: Vehicle {
+                wheelbase_m: 0.9,
+                wheel_radius_m: 0.12,
+                test_angle_deg: 90.0,
+                torque_limit_nm: None,
+                torque_full_scale_nm: None,
+            },
             wheel_angle_deg: 90.0,
             start_ns: 0,
             encoder_mps: series(speed),

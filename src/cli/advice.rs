@@ -34,6 +34,8 @@ pub(crate) fn flag_for(error: &anyhow::Error) -> Option<String> {
 fn of_log(error: &log::Error) -> Option<String> {
     match error {
         log::Error::MissingSignal { .. } => Some("--signals names a signal map".to_owned()),
+        // the signal map says that the unit is %
+        log::Error::MissingVehicle { missing: "torque_full_scale_nm" } => None,
         log::Error::MissingVehicle { missing } => Some(gives(missing)),
         _ => None,
     }

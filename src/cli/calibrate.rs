@@ -4,10 +4,11 @@ use crate::calibrate::{CalibrateSettings, Calibrated, FittedLogs, InvertStage, c
 use crate::cli::advice::with_advice;
 use crate::cli::listener::UiListener;
 use crate::cli::outcome::Outcome;
-use crate::cli::{Ui, fit, invert, verify_text};
+use crate::cli::{Ui, controller_file, fit, invert, verify_text};
 use crate::invert::InvertSettings;
 use crate::text::shown;
 use serde_json::json;
+use std::path::PathBuf;
 
 /// Arguments of `calibrate`.
 #[derive(Debug, clap::Args)]
@@ -26,6 +27,9 @@ pub(crate) struct Arguments {
     /// Breaks of the desired acceleration [m/s²]: start:step:stop or a list
     #[arg(long, value_name = "BREAKS", allow_hyphen_values = true)]
     accel_breaks: Option<crate::cli::breaks::Breaks>,
+    /// Settings of the controller that drives in the verdict (TOML) instead of the built-in ones
+    #[arg(long, value_name = "FILE")]
+    controller_settings: Option<PathBuf>,
     /// Overrule the objection of this check; it is written into verify.json and onto the page (may be repeated)
     #[arg(long, value_name = "NAME")]
     accept: Vec<String>,
@@ -38,6 +42,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         fit: arguments.fit.stage()?,
         invert: InvertStage { settings: InvertSettings { accel_breaks_mps2, ..InvertSettings::default() }, ..InvertStage::default() },
         accept: arguments.accept.clone(),
+        controller: arguments.controller_settings.as_deref().map(|path| controller_file::read(Some(path))).transpose()?,
     };
     let listener = UiListener::new(ui, "calibrating");
     let made = calibrate_with(&arguments.fit.input.logs, maps, &settings, &|event| listener.hear(event)).map_err(with_advice)?;

@@ -2,7 +2,8 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::diff::{DiffSettings, DiffSide, DiffVerdict, MapComparison, MapDiff, compare, html};
+use crate::diff::{DiffSettings, DiffSide, DiffVerdict, MapComparison, MapDiff, compare, edited, html};
+use crate::import::{FullScale, read_map};
 use crate::map::write_whole;
 use crate::text::shown;
 use comfy_table::{CellAlignment, Table, presets};
@@ -17,6 +18,7 @@ const SHOWN: usize = 10;
 Examples:
   pivot-cal diff maps-march maps-june                 their table2.json
   pivot-cal diff maps-march/table1.json maps-june/table1.json --html change.html
+  pivot-cal diff --edited maps tuned.dcm              the cells that a person changed, by how many reported errors
 
 Changes are b - a at the breaks of a, each compared with the standard errors of both. Of many cells some are large by chance; the
 Benjamini-Hochberg procedure takes this into account. Extrapolated and unreachable cells are skipped.
@@ -24,8 +26,14 @@ Exit status: 0 the same, 3 changed or incompatible, 1 a file cannot be read.")]
 pub(crate) struct Arguments {
     /// The first map: table1.json, table2.json, or a folder
     a: PathBuf,
-    /// The second map
+    /// The second map; with --edited a file that came back: DCM, CDFX, C, Apollo, matrix or long CSV, JSON
     b: PathBuf,
+    /// List the cells of b that a person changed
+    #[arg(long, conflicts_with = "html")]
+    edited: bool,
+    /// Torque that is 100 % [N·m], for a file in % that does not say it
+    #[arg(long, value_name = "NM", requires = "edited")]
+    torque_full_scale: Option<f64>,
     /// Write a heat map of the changes; `-` is standard output
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
@@ -46,6 +54,9 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if !(settings.matters_mps2.is_finite() && settings.matters_mps2 >= 0.0) {
         anyhow::bail!("--matters-mps2 is {}; allowed: 0 or more", settings.matters_mps2);
     }
+    if arguments.edited {
+        return run_edited(arguments, ui);
+    }
     let comparison = compare(&DiffSide::read(&arguments.a)?, &DiffSide::read(&arguments.b)?, &settings);
     if let Some(path) = &arguments.html {
         write_whole(path, html(&comparison).as_bytes())?;
@@ -56,6 +67,46 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         ui.say(format!("written: {}", shown(path)));
     }
     Ok(if comparison.verdict == DiffVerdict::Same { Outcome::Done } else { Outcome::Rejected })
+}
+
+/// The cells that a person changed.
+fn run_edited(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
+    let map = DiffSide::read(&arguments.a)?;
+    if map.table != crate::diff::Table::Table2 {
+        anyhow::bail!("{}: --edited compares with a Table 2; give its folder or its table2.json", shown(&arguments.a));
+    }
+    let vehicle = &map.vehicle;
+    let full =
+        FullScale { torque_nm: arguments.torque_full_scale.or(vehicle.torque_full_scale_nm), wheel_radius_m: vehicle.wheel_radius_m };
+    let found = edited(&map, &shown(&arguments.b), &read_map(&arguments.b, full)?);
+    ui.document(&found)?;
+    let (count, compared) = (found.cells.len(), found.compared);
+    ui.say(format!("{} ({}): {count} of {compared} cells were changed{}", found.file, found.format, outside(found.outside)));
+    found.notes.iter().for_each(|note| ui.say(format!("  note: {note}")));
+    if count > 0 {
+        let mut table = comfy_table::Table::new();
+        let header = ["gear", "speed [m/s]", "acceleration [m/s²]", "map [N·m]", "file [N·m]", "change [N·m]", "reported errors"];
+        table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header.to_vec());
+        for cell in found.cells.iter().take(if ui.is_verbose() { usize::MAX } else { SHOWN }) {
+            let errors = cell.errors.map_or("not known here".to_owned(), |errors| format!("{errors:+.1}"));
+            table.add_row([
+                cell.gear.to_string(),
+                cell.speed_mps.to_string(),
+                cell.accel_mps2.to_string(),
+                format!("{:.4}", cell.measured_nm),
+                format!("{:.4}", cell.edited_nm),
+                format!("{:+.4}", cell.edited_nm - cell.measured_nm),
+                errors,
+            ]);
+        }
+        ui.say(table.to_string());
+        ui.say(format!("`pivot-cal verify --table {}` judges the file on the measured plant", found.file));
+    }
+    Ok(if count == 0 { Outcome::Done } else { Outcome::Rejected })
+}
+
+fn outside(count: usize) -> String {
+    if count > 0 { format!(", {count} lie outside the axes of the map") } else { String::new() }
 }
 
 fn show(comparison: &MapComparison, ui: Ui) {

@@ -70,6 +70,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         wheel_radius_m: arguments.wheel_radius_m,
         test_angle_deg: arguments.test_angle_deg,
         torque_limit_nm: None,
+        torque_full_scale_nm: None,
     };
     let mut recordings = Vec::new();
     for named in &arguments.logs {

@@ -63,6 +63,7 @@ impl LogArguments {
             wheel_radius_m: self.wheel_radius_m,
             test_angle_deg: self.test_angle_deg,
             torque_limit_nm: None,
+            torque_full_scale_nm: None,
         }
     }
 

@@ -94,6 +94,11 @@ impl Ui {
         }
     }
 
+    /// Why a command finished without writing what it was asked for; also with `--quiet`.
+    pub(crate) fn refuse(text: impl AsRef<str>) {
+        let _ = writeln!(anstream::stderr(), "refused: {}", for_terminal(text.as_ref()));
+    }
+
     /// The error and its causes on one line, with the flag that helps.
     pub(crate) fn error(error: &anyhow::Error) {
         let flag = flag_for(error).map_or_else(String::new, |flag| format!("; {flag}"));

@@ -5,7 +5,8 @@ use crate::cli::logs::LogArguments;
 use crate::cli::outcome::Outcome;
 use crate::cli::text_file::read_file;
 use crate::cli::verify_text::{new_table, show};
-use crate::cli::{Ui, points};
+use crate::cli::{Ui, controller_file, points};
+use crate::import::{FullScale, read_map};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::{FolderWriter, write_whole};
@@ -32,6 +33,8 @@ Examples:
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
+  pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
+  pivot-cal verify --table tuned.dcm          a map that came back from a tool, on the measured plant
   pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
 
   pivot-cal verify --accept coverage          the objection of a check overruled by hand
@@ -65,6 +68,16 @@ pub(crate) struct Arguments {
     /// Beside each manoeuvre's nominal run also log its worst perturbed one, as NAME.worst.mcap
     #[arg(long, requires = "log")]
     log_worst: bool,
+    /// Judge the Table 2 of this file instead of the folder's, on the same plant: DCM, CDFX, C, Apollo, matrix or long CSV, as a person changed
+    /// it; nothing is written
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
+    /// Torque that is 100 % [N·m], for a --table in % that does not say it
+    #[arg(long, value_name = "NM", requires = "table")]
+    torque_full_scale: Option<f64>,
+    /// Settings of the controller that drives (TOML) instead of the built-in ones; data/controllers has examples
+    #[arg(long, value_name = "FILE")]
+    controller_settings: Option<PathBuf>,
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
@@ -123,6 +136,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         Some(path) => Gate::with(gate.as_deref()).with_context(|| shown(path))?,
         None => Gate::with(None)?,
     };
+    let controller = controller_file::read(arguments.controller_settings.as_deref())?;
     let defaults = ManoeuvreSettings::new()?;
     let given = match &arguments.vehicle {
         Some(path) => Some(VehicleFile::from_toml(&read_file(path)?).with_context(|| shown(path))?.settings()),
@@ -134,12 +148,13 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         vehicle: given.clone().unwrap_or_else(|| defaults.vehicle.clone()),
         seed: arguments.seed,
         gate: gate.clone(),
+        controller: controller.settings().clone(),
         ..defaults
     };
     let accept = arguments.accept.clone();
     let usual = VerifySettings::new()?;
     let draws = arguments.draws.unwrap_or(usual.draws);
-    let mut settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, ..usual };
+    let mut settings = VerifySettings { scenarios, draws, seed: arguments.seed, gate, accept, controller, ..usual };
     if !arguments.maps.exists() {
         Maps::read(&arguments.maps, arguments.force)?; // the error
     }
@@ -149,6 +164,16 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     for forced in &maps.forced {
         ui.warn(format!("{forced}; continued, since --force was given"));
     }
+    let maps = match &arguments.table {
+        Some(path) => {
+            let vehicle = &maps.table2.vehicle;
+            let torque_nm = arguments.torque_full_scale.or(vehicle.torque_full_scale_nm);
+            let imported = read_map(path, FullScale { torque_nm, wheel_radius_m: vehicle.wheel_radius_m })?;
+            ui.say(format!("{}: {}, {} table(s)", shown(path), imported.format, imported.tables.len()));
+            maps.with_tables(&imported).with_context(|| shown(path))?
+        }
+        None => maps,
+    };
     let logs_wanted = arguments.log.is_some();
     let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
         Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress), ..Wanted::default() })?)
@@ -161,19 +186,23 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     logs.extend(judged.logs);
     let scenarios = at_other_angles.into_iter().chain(judged.verdicts).collect();
     let mut verdict = verdict.with_scenarios(scenarios, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
-    if let Some(earlier) = earlier(arguments, &folder) {
-        verdict = verdict.added_to(&earlier);
+    // the verdict on a file is none on the map of the folder
+    if arguments.table.is_none() {
+        if let Some(earlier) = earlier(arguments, &folder) {
+            verdict = verdict.added_to(&earlier);
+        }
+        put_verdict(&verdict, traces.as_ref(), &mut folder)?;
+        // those of an earlier verdict stay: they name their Table 2
+        if let Some(traces) = judged.traces {
+            folder.put("manoeuvre_traces.json", traces.to_json()?);
+        }
+        folder.commit()?;
     }
-    let path = arguments.maps.join("verify.json");
-    put_verdict(&verdict, traces.as_ref(), &mut folder)?;
-    // those of an earlier verdict stay: they name their Table 2
-    if let Some(traces) = judged.traces {
-        folder.put("manoeuvre_traces.json", traces.to_json()?);
-    }
-    folder.commit()?;
     ui.document(&verdict)?;
     show(&verdict, ui);
-    ui.say(format!("written: {}", shown(&path)));
+    if arguments.table.is_none() {
+        ui.say(format!("written: {}", shown(&arguments.maps.join("verify.json"))));
+    }
     if let Some(folder) = &arguments.log {
         for log in &logs {
             let path = folder.join(format!("{}.mcap", log.name));

@@ -15,6 +15,9 @@ pub(crate) fn new_table(header: &[&str]) -> Table {
 /// Prints a verdict as text.
 pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     ui.say(format!("verdict: {}", verdict.headline()));
+    if let Some(controller) = &verdict.controller_settings {
+        ui.say(format!("controller: {}", controller.label()));
+    }
     show_checks(&verdict.checks, ui);
     let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
     for trip in &verdict.round_trip {

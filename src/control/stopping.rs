@@ -5,6 +5,8 @@
 //! This is the classical stopping distance with a predictor of the dead time (Source: Smith 1959; Åström & Hägglund, *Advanced PID
 //! Control*, §8.2).
 
+use crate::{Error, Result};
+
 /// The wheel at the time when a command that is given now acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
@@ -44,6 +46,17 @@ pub struct UnderWay {
 }
 
 impl UnderWay {
+    /// Checks that the commands of a reaction time [s] can be kept.
+    ///
+    /// # Errors
+    /// More periods than are kept.
+    pub fn checked(reaction_s: f64, period_s: f64) -> Result<()> {
+        if reaction_s / period_s < MOST_PERIODS as f64 + 0.5 {
+            return Ok(());
+        }
+        Err(Error::Setting { field: "reaction_s", value: reaction_s, allowed: "0 to 64 control periods" })
+    }
+
     /// None pending; `reaction_s` is rounded to whole periods, and cut at `MOST_PERIODS`.
     pub fn new(reaction_s: f64, period_s: f64) -> Self {
         // a negative float or NaN becomes 0

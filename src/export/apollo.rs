@@ -12,14 +12,14 @@
 use crate::export::autoware::rounded;
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Error, MapSource, Result, provenance};
+use crate::export::{Error, ExportSettings, MapSource, Result, provenance};
 use crate::map::TorqueTable;
 use std::fmt::Write as _;
 
 const FORMAT: &str = "apollo";
 
-pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
-    let full_nm = source.full_torque_nm();
+pub(crate) fn files(source: &MapSource, settings: &ExportSettings) -> Result<Vec<File>> {
+    let full_nm = settings.full_scale_nm.unwrap_or_else(|| source.full_torque_nm());
     let mut files = Vec::new();
     for (gear, table) in &source.torque {
         let mut text = String::new();

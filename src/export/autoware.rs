@@ -9,17 +9,19 @@
 
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{Error, MapSource, Result};
+use crate::export::{Error, ExportSettings, MapSource, Result};
 use crate::map::{AccelTable, Gear};
 
 const FORMAT: &str = "autoware";
 
-pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
-    let full_nm = source.full_torque_nm();
+pub(crate) fn files(source: &MapSource, settings: &ExportSettings) -> Result<Vec<File>> {
+    let full_nm = settings.full_scale_nm.unwrap_or_else(|| source.full_torque_nm());
     let mut files = Vec::new();
     for (gear, table) in &source.accel {
+        // a corner cell has no line of its own for a verdict
+        let corner = format!("pivot-cal torque_nm/{full_nm}{}", if source.proof.is_verified { "" } else { " UNVERIFIED" });
         for (name, sign, what) in [("accel_map", 1.0, "torques above 0"), ("brake_map", -1.0, "braking torques, below 0")] {
-            let text = map(table, *gear, sign, what, full_nm)?;
+            let text = corner.clone() + &map(table, *gear, sign, what, full_nm)?;
             let name = format!("{name}{}.csv", gear.file_infix());
             let note = Some(format!("pedal = torque / {full_nm} N·m"));
             files.push(File { note, ..File::new(name, text) });
@@ -28,7 +30,7 @@ pub(crate) fn files(source: &MapSource) -> Result<Vec<File>> {
     Ok(files)
 }
 
-/// One map; `sign` is +1 for the accel pedal and −1 for the brake pedal.
+/// One map behind its corner cell; `sign` is +1 for the accel pedal and −1 for the brake pedal.
 fn map(table: &AccelTable, gear: Gear, sign: f64, what: &'static str, full_nm: f64) -> Result<String> {
     let (low, high) = (table.torque_nm().first(), table.torque_nm().last());
     let mut torques: Vec<f64> = table.torque_nm().breaks().iter().map(|t| sign * t).filter(|t| *t > 0.0).collect();
@@ -38,7 +40,7 @@ fn map(table: &AccelTable, gear: Gear, sign: f64, what: &'static str, full_nm: f
     torques.push(0.0);
     torques.sort_by(f64::total_cmp);
     let speeds = table.speed_mps().breaks();
-    let mut text = format!("pivot-cal torque_nm/{full_nm}");
+    let mut text = String::new();
     push_row(&mut text, speeds);
     let mut before: Option<Vec<f64>> = None;
     for torque in torques {

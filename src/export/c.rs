@@ -1,21 +1,31 @@
 //! One header and one source in C99: const tables, look-up with the library's policy, checksum, provenance.
 
-use crate::export::crc::crc32;
 use crate::export::dcm::constants;
 use crate::export::file::File;
 use crate::export::number::plain;
-use crate::export::{MapSource, Precision, provenance};
-use crate::map::{Gear, TorqueTable, sha256_hex};
+use crate::export::stored::{StoredNumbers, StoredTable};
+use crate::export::{ExportSettings, MapSource, Precision, Result, provenance};
+use crate::map::{Gear, sha256_hex};
 use std::fmt::Write as _;
 
 const HEADER: &str = include_str!("template/pivot_map.h.in");
 const SOURCE: &str = include_str!("template/pivot_map.c.in");
 
+/// Fields of an axis that is stored in counts, and the value of a count.
+const SCALE_FIELDS: &str = "    pivot_map_real scale;\n    pivot_map_real offset;\n";
+const SCALED: &str = "axis->scale * (pivot_map_real)axis->numbers[k] + axis->offset";
+
 /// Numbers on a line.
 const PER_LINE: usize = 8;
 
-pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
-    let provenance: Vec<_> = provenance::lines(source).iter().map(|line| format!(" * {line}")).collect();
+pub(crate) fn files(source: &MapSource, settings: &ExportSettings) -> Result<Vec<File>> {
+    let precision = settings.precision;
+    let stored: Result<Vec<_>> =
+        source.torque.iter().map(|(gear, table)| Ok((*gear, StoredTable::new(source, table, settings)?))).collect();
+    let stored = stored?;
+    let bytes: usize = stored.iter().map(|(_, table)| table.bytes()).sum();
+    let bits = if precision == Precision::Double { "64" } else { "32" };
+    let provenance: Vec<_> = provenance::lines(source).into_iter().chain(settings.units.line()).map(|line| format!(" * {line}")).collect();
     let has = |gear| if source.torque.iter().any(|(g, _)| *g == gear) { "1" } else { "0" };
     let real = if precision == Precision::Double { "double" } else { "float" };
     let constants: Vec<_> = constants(source)
@@ -26,18 +36,26 @@ pub(crate) fn files(source: &MapSource, precision: Precision) -> Vec<File> {
         template
             .replace("@PROVENANCE@", &provenance.join("\n"))
             .replace("@REAL@", real)
-            .replace("@BITS@", if precision == Precision::Double { "64" } else { "32" })
+            .replace("@BITS@", bits)
+            .replace("@STORED@", if settings.int16 { "int16_t" } else { "pivot_map_real" })
+            .replace("@STORED_BITS@", if settings.int16 { "16" } else { bits })
+            .replace("@SCALE_FIELDS@", if settings.int16 { SCALE_FIELDS } else { "" })
+            .replace("@VALUE@", if settings.int16 { SCALED } else { "axis->numbers[k]" })
+            .replace("@TABLE_BYTES@", &bytes.to_string())
             .replace("@SHA256@", &sha256(source))
             .replace("@GENERATION@", &source.table2.generation)
-            .replace("@EXPORT_ID@", &export_id(source, precision))
+            .replace("@EXPORT_ID@", &export_id(source, settings))
+            .replace("@VERIFIED@", if source.proof.is_verified { "1" } else { "0" })
             .replace("@HAS_FORWARD@", has(Gear::Forward))
             .replace("@HAS_REVERSE@", has(Gear::Reverse))
             .replace("@CONSTANTS@", &constants.join("\n"))
     };
-    let tables: String = source.torque.iter().map(|(gear, table)| crate::export::c::table(*gear, table, precision)).collect();
+    let tables: String = stored.iter().map(|(gear, table)| crate::export::c::table(*gear, table, precision)).collect();
     let choice: String = source.torque.iter().map(|(gear, _)| choice(*gear)).collect();
     let body = fill(SOURCE).replace("@TABLES@", &tables).replace("@CHOICE@", &choice);
-    vec![File::new("pivot_map.h", fill(HEADER)), File::new("pivot_map.c", body)]
+    let note = Some(format!("{bytes} bytes of tables"));
+    let of = |name: &str, text: &str| File::new(name, settings.units.in_code(text));
+    Ok(vec![of("pivot_map.h", &fill(HEADER)), File { note, ..of("pivot_map.c", &body) }])
 }
 
 /// SHA-256 in hexadecimal of the forward gear's CSV, or of the only gear's; [`MapSource::read`] has compared it.
@@ -46,9 +64,9 @@ pub(crate) fn sha256(source: &MapSource) -> String {
 }
 
 /// Identifier of the export: header and source of one export have the same. The first 8 hexadecimal digits of the SHA-256 of `table2.json`, the
-/// wheel angle and the precision.
-fn export_id(source: &MapSource, precision: Precision) -> String {
-    let what = format!("{}{}{precision:?}", source.table2_json, source.table2.vehicle.test_angle_deg);
+/// wheel angle and the settings.
+fn export_id(source: &MapSource, settings: &ExportSettings) -> String {
+    let what = format!("{}{}{settings:?}", source.table2_json, source.table2.vehicle.test_angle_deg);
     sha256_hex(what.as_bytes())[..8].to_uppercase()
 }
 
@@ -56,22 +74,27 @@ fn choice(gear: Gear) -> String {
     format!("    if (gear == PIVOT_MAP_{}) {{\n        return &{gear};\n    }}\n", gear.to_string().to_ascii_uppercase())
 }
 
-fn table(gear: Gear, table: &TorqueTable, precision: Precision) -> String {
+fn table(gear: Gear, table: &StoredTable, precision: Precision) -> String {
     let suffix = if precision == Precision::Double { "" } else { "f" };
-    let literal = |v: &f64| format!("{}{suffix}", precision.literal(*v));
-    let array = |name: &str, values: &[f64], per_line: usize| {
-        let lines = values.chunks(per_line).map(|line| format!("    {}", line.iter().map(literal).collect::<Vec<_>>().join(", ")));
-        format!("static const pivot_map_real {gear}_{name}[{}] = {{\n{}\n}};\n\n", values.len(), lines.collect::<Vec<_>>().join(",\n"))
+    let of_type = |numbers: &StoredNumbers| if numbers.unit.is_some() { "" } else { suffix };
+    let array = |name: &str, numbers: &StoredNumbers, per_line: usize| {
+        let literal = |text: &String| format!("{text}{}", of_type(numbers));
+        let lines =
+            numbers.literals.chunks(per_line).map(|line| format!("    {}", line.iter().map(literal).collect::<Vec<_>>().join(", ")));
+        let count = numbers.literals.len();
+        format!("static const pivot_map_stored {gear}_{name}[{count}] = {{\n{}\n}};\n\n", lines.collect::<Vec<_>>().join(",\n"))
     };
-    let (speeds, accels) = (table.speed_mps().breaks(), table.accel_mps2().breaks());
-    let mut text = array("speed_mps", speeds, PER_LINE) + &array("accel_mps2", accels, PER_LINE);
-    text.push_str(&array("torque_nm", table.values(), PER_LINE.min(accels.len())));
-    let _ = write!(
-        text,
-        "static const pivot_map_table {gear} = {{\n    {}u, {}u, {gear}_speed_mps, {gear}_accel_mps2, {gear}_torque_nm, (uint32_t)0x{:08X}u\n}};\n\n",
-        speeds.len(),
-        accels.len(),
-        crc32(table, precision)
-    );
+    let axis = |name: &str, numbers: &StoredNumbers| {
+        let unit = numbers.unit.map_or(String::new(), |(scale, offset)| {
+            format!(", {}{suffix}, {}{suffix}", precision.literal(scale), precision.literal(offset))
+        });
+        format!("    {{{gear}_{name}, {}u{unit}}},\n", numbers.literals.len())
+    };
+    let parts = [("speed_mps", &table.speed), ("accel_mps2", &table.accel), ("torque_nm", &table.torque)];
+    let per_row = PER_LINE.min(table.accel.literals.len());
+    let mut text: String =
+        parts.iter().zip([PER_LINE, PER_LINE, per_row]).map(|((name, numbers), per_line)| array(name, numbers, per_line)).collect();
+    let axes: String = parts.iter().map(|(name, numbers)| axis(name, numbers)).collect();
+    let _ = write!(text, "static const pivot_map_table {gear} = {{\n{axes}    (uint32_t)0x{:08X}u\n}};\n\n", table.crc32);
     text
 }

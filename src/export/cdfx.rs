@@ -7,17 +7,21 @@ use crate::export::dcm::{LATERAL, LATERAL_WHAT, constants, name, what};
 use crate::export::file::File;
 use crate::export::lateral_source::LateralSource;
 use crate::export::number::plain;
-use crate::export::{MapSource, provenance};
+use crate::export::{MapSource, UserUnits, provenance};
 use std::fmt::Write as _;
 
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE MSRSW PUBLIC "-//ASAM//DTD CALIBRATION DATA FORMAT:V2.0.0:LAI:IAI:XML:CDF200.XSD//EN" "cdf_v2.0.0.sl.dtd">
 "#;
 
-pub(crate) fn file(source: &MapSource) -> File {
+pub(crate) fn file(source: &MapSource, units: &UserUnits) -> File {
     let mut xml = Xml { text: HEAD.to_owned(), depth: 0 };
     // a comment may not hold two hyphens in a row
-    let _ = writeln!(xml.text, "<!--\n{}\n-->", provenance::lines(source).join("\n").replace("--", "- -"));
+    let _ = writeln!(
+        xml.text,
+        "<!--\n{}\n-->",
+        provenance::lines(source).into_iter().chain(units.line()).collect::<Vec<_>>().join("\n").replace("--", "- -")
+    );
     xml.element("MSRSW", |xml| {
         xml.leaf("SHORT-NAME", "pivot_map");
         xml.leaf("CATEGORY", "CDF20");
@@ -26,14 +30,14 @@ pub(crate) fn file(source: &MapSource) -> File {
             xml.nested(&["SW-INSTANCE-SPEC", "SW-INSTANCE-TREE"], |xml| {
                 xml.leaf("SHORT-NAME", "pivot_map");
                 xml.leaf("CATEGORY", "NO_VCD");
-                instances(xml, source);
+                instances(xml, source, units);
             });
         });
     });
     File::new("pivot_map.cdfx", xml.text)
 }
 
-fn instances(xml: &mut Xml, source: &MapSource) {
+fn instances(xml: &mut Xml, source: &MapSource, units: &UserUnits) {
     for constant in constants(source).into_iter().chain(source.lateral.iter().flat_map(LateralSource::constants)) {
         xml.element("SW-INSTANCE", |xml| {
             xml.leaf("SHORT-NAME", &constant.name);
@@ -46,20 +50,21 @@ fn instances(xml: &mut Xml, source: &MapSource) {
         });
     }
     for (gear, table) in &source.torque {
-        let (x, y) = (table.accel_mps2().breaks(), table.speed_mps().breaks());
+        let (x, y) = (table.accel_mps2().breaks(), table.speed_mps().breaks().iter().map(|v| units.speed(*v)).collect::<Vec<_>>());
+        let torques: Vec<f64> = table.values().iter().map(|t| units.torque(*t)).collect();
         xml.element("SW-INSTANCE", |xml| {
             xml.leaf("SHORT-NAME", name(*gear));
             xml.leaf("LONG-NAME", &what(*gear));
             xml.leaf("CATEGORY", "MAP");
             xml.element("SW-VALUE-CONT", |xml| {
-                xml.leaf("UNIT-DISPLAY-NAME", "Nm");
+                xml.leaf("UNIT-DISPLAY-NAME", units.torque_name());
                 xml.element("SW-ARRAYSIZE", |xml| {
-                    for axis in [x, y] {
+                    for axis in [x, &y] {
                         xml.leaf("V", &axis.len().to_string());
                     }
                 });
                 xml.element("SW-VALUES-PHYS", |xml| {
-                    for (speed, row) in y.iter().zip(table.values().chunks(x.len())) {
+                    for (speed, row) in y.iter().zip(torques.chunks(x.len())) {
                         xml.element("VG", |xml| {
                             xml.leaf("LABEL", &plain(*speed));
                             xml.values(row);
@@ -68,7 +73,7 @@ fn instances(xml: &mut Xml, source: &MapSource) {
                 });
             });
             xml.element("SW-AXIS-CONTS", |xml| {
-                for (unit, axis) in [("m/s^2", x), ("m/s", y)] {
+                for (unit, axis) in [("m/s^2", x), (units.speed_name(), &y)] {
                     xml.element("SW-AXIS-CONT", |xml| {
                         xml.leaf("CATEGORY", "STD_AXIS");
                         xml.leaf("UNIT-DISPLAY-NAME", unit);

@@ -5,16 +5,16 @@ use crate::export::constant::Constant;
 use crate::export::file::File;
 use crate::export::lateral_source::LateralSource;
 use crate::export::number::plain;
-use crate::export::{MapSource, provenance};
+use crate::export::{MapSource, UserUnits, provenance};
 use crate::map::Gear;
 use std::fmt::Write as _;
 
 /// Numbers on a line, as calibration tools write them.
 const PER_LINE: usize = 6;
 
-pub(crate) fn file(source: &MapSource) -> File {
+pub(crate) fn file(source: &MapSource, units: &UserUnits) -> File {
     let mut text = String::from("* encoding=\"UTF-8\"\n");
-    for line in provenance::lines(source) {
+    for line in provenance::lines(source).into_iter().chain(units.line()) {
         let _ = writeln!(text, "* {line}");
     }
     text.push_str("\nKONSERVIERUNG_FORMAT 2.0\n\nFUNKTIONEN\n");
@@ -33,11 +33,12 @@ pub(crate) fn file(source: &MapSource) -> File {
         let (x, y) = (table.accel_mps2().breaks(), table.speed_mps().breaks());
         let _ = write!(text, "\nKENNFELD {} {} {}\n", name(*gear), x.len(), y.len());
         let _ = write!(text, "   LANGNAME \"{}\"\n   FUNKTION PIVOT_MAP\n", what(*gear));
-        text.push_str("   EINHEIT_X \"m/s^2\"\n   EINHEIT_Y \"m/s\"\n   EINHEIT_W \"Nm\"\n");
+        let (speed, torque) = (units.speed_name(), units.torque_name());
+        let _ = write!(text, "   EINHEIT_X \"m/s^2\"\n   EINHEIT_Y \"{speed}\"\n   EINHEIT_W \"{torque}\"\n");
         numbers(&mut text, "ST/X", x);
         for (speed, row) in y.iter().zip(table.values().chunks(x.len())) {
-            numbers(&mut text, "ST/Y", &[*speed]);
-            numbers(&mut text, "WERT", row);
+            numbers(&mut text, "ST/Y", &[units.speed(*speed)]);
+            numbers(&mut text, "WERT", &row.iter().map(|t| units.torque(*t)).collect::<Vec<_>>());
         }
         text.push_str("END\n");
     }

@@ -37,6 +37,18 @@ pub enum Error {
     Differs { path: PathBuf, csv: PathBuf },
     #[error("{} holds no map at the wheel angle of {angle_deg}°; its wheel angles are {found}", shown(path))]
     NoMap { path: PathBuf, angle_deg: f64, found: String },
+    #[error("{found:?} is no unit of {what}; allowed: {allowed}")]
+    Unit { what: &'static str, found: String, allowed: &'static str },
+    #[error("this unit of {what} needs a {needs}: --{what}-{}", needs.replace(' ', "-"))]
+    UnitNumber { what: &'static str, needs: &'static str },
+    #[error("the unit of {what} has the scale {scale} and the offset {offset}; allowed: a scale above 0, and numbers")]
+    UnitScale { what: &'static str, scale: f64, offset: f64 },
+    #[error("{format} has units of its own; leave out --speed-unit and --torque-unit, or choose c, rust, dcm, cdfx or a2l")]
+    OwnUnits { format: &'static str },
+    #[error(
+        "the {what} numbers of the map are not whole counts of 16 bits; make them so with `pivot-cal invert --int16` and verify the map again"
+    )]
+    NotRaw { what: &'static str },
     #[error("lateral_table.json cannot be used by the run-time law: {0}; make it again with `pivot-cal lateral fit`")]
     Lateral(#[from] crate::control::Error),
     #[error(

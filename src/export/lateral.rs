@@ -71,7 +71,7 @@ fn suffix_of(unit: &str) -> String {
 /// The law as C; none without a lateral table.
 pub(crate) fn c_files(source: &MapSource, precision: Precision) -> Vec<File> {
     let Some(law) = &source.lateral else { return Vec::new() };
-    let lines: Vec<String> = provenance::lateral_lines(&law.file).iter().map(|line| format!(" * {line}")).collect();
+    let lines: Vec<String> = provenance::lateral_lines(&law.file, &source.proof).iter().map(|line| format!(" * {line}")).collect();
     let of = |template| filled(law, template, &lines.join("\n"), precision, false);
     vec![File::new("lateral_compensation.h", of(HEADER)), File::new("lateral_compensation.c", of(SOURCE))]
 }
@@ -79,7 +79,7 @@ pub(crate) fn c_files(source: &MapSource, precision: Precision) -> Vec<File> {
 /// The law as a Rust module; none without a lateral table.
 pub(crate) fn rust_files(source: &MapSource, precision: Precision) -> Vec<File> {
     let Some(law) = &source.lateral else { return Vec::new() };
-    let lines: Vec<String> = provenance::lateral_lines(&law.file).iter().map(|line| format!("//! {line}\n//!")).collect();
+    let lines: Vec<String> = provenance::lateral_lines(&law.file, &source.proof).iter().map(|line| format!("//! {line}\n//!")).collect();
     let text = filled(law, MODULE, &lines.join("\n"), precision, true);
     vec![File::new("lateral_compensation.rs", text.replace("//!\n//!\n", "//!\n"))]
 }

@@ -1,7 +1,7 @@
 //! The map to export, from files that belong together.
 
 use crate::export::lateral_source::LateralSource;
-use crate::export::{Error, Result};
+use crate::export::{Error, Proof, Result};
 use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table2File, TorqueMap, TorqueTable, WheelAngle};
 use std::path::Path;
 
@@ -18,12 +18,16 @@ pub struct MapSource {
     pub torque: Vec<(Gear, TorqueTable)>,
     /// Table 1 per gear at the test angle, forward first.
     pub accel: Vec<(Gear, AccelTable)>,
+    /// Whether the map may be deployed.
+    pub proof: Proof,
     /// The lateral compensation, if the folder has its table.
     pub(crate) lateral: Option<LateralSource>,
 }
 
 impl MapSource {
     /// Reads `table1.json`, `table2.json` and the CSV files that they describe from `folder`.
+    ///
+    /// A map without a verdict is not an error: see [`MapSource::proof`].
     ///
     /// # Errors
     /// A file that is missing or cannot be read; a CSV or a `table1.json` whose hash differs; a JSON whose numbers are not
@@ -70,6 +74,8 @@ impl MapSource {
                 accel.push((gear, table));
             }
         }
+        let csvs: Vec<CsvRef> = table2.maps.iter().map(|m| m.csv.clone()).collect();
+        let proof = Proof::of(&files, &csvs)?;
         let mut other_angles_deg: Vec<f64> = table2.maps.iter().map(|m| m.wheel_angle_deg).collect();
         other_angles_deg.sort_unstable_by(f64::total_cmp);
         other_angles_deg.dedup();
@@ -86,7 +92,7 @@ impl MapSource {
             None => None,
         };
         let table2_json = json2.text().map_err(|e| unread(folder, "table2.json", e))?.to_owned();
-        Ok(Self { table2, table2_json, other_angles_deg, torque, accel, lateral })
+        Ok(Self { table2, table2_json, other_angles_deg, torque, accel, proof, lateral })
     }
 
     /// The torque that is 100 % of a pedal [N·m]: the vehicle's limit, or without one the largest torque in Table 2.

@@ -3,10 +3,10 @@
 use crate::invert::delivered_torque::DeliveredTorque;
 use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
-use crate::invert::{Error, InvertSettings, Result, breaks, optimal};
+use crate::invert::{Error, InvertSettings, Result, breaks, optimal, raw};
 use crate::map::{
-    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, IdentifiedDrive, TABLE2_FORMAT, Table1File, Table2File, TorqueMap,
-    TorqueTable, Units, ZeroRow, csv_name, sha256_hex,
+    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, IdentifiedDrive, RawUnits, TABLE2_FORMAT, Table1File, Table2File,
+    TorqueMap, TorqueTable, Units, ZeroRow, csv_name, sha256_hex,
 };
 
 /// Share of the largest torque driven by which a node may lie beyond it.
@@ -29,10 +29,11 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
     if file.maps.is_empty() {
         return Err(Error::NoTables);
     }
-    if let Some(found) = settings.place.filter(|n| !(3..=200).contains(n)) {
+    if let Some(found) = settings.place.into_iter().flatten().find(|n| !(3..=200).contains(n)) {
         return Err(Error::BadPlace { found });
     }
     let limit_nm = file.torque_limit_nm();
+    let raw = settings.raw.units(largest(file, settings, limit_nm)?)?;
     let mut maps = Vec::new();
     let mut csvs = Vec::new();
     for map in &file.maps {
@@ -41,7 +42,7 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         // up to it; a drive with a limit of its own delivers no more there
         let node_limit_nm = if file.torque_limit_driven { limit_nm * (1.0 + BEYOND_LARGEST) } else { limit_nm };
         let limit = DeliveredTorque { least_nm: -limit_nm, most_nm: &|v| file.most_torque_nm(v), node_limit_nm };
-        let (inverted, csv) = invert_map(map, other, &limit, file.vehicle.test_angle_deg, settings)?;
+        let (inverted, csv) = invert_map(map, other, &limit, &raw, file.vehicle.test_angle_deg, settings)?;
         csvs.push((inverted.csv.file.clone(), csv));
         maps.push(inverted);
     }
@@ -50,6 +51,7 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         format_version: FORMAT_VERSION,
         tool_version: env!("CARGO_PKG_VERSION").to_owned(),
         generation: file.generation.clone(),
+        unverified: None,
         units: Units::default(),
         vehicle: file.vehicle,
         logs: file.logs.clone(),
@@ -58,16 +60,31 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         dead_time_s: file.actuator.dead_time.value_s,
         lag_s: file.actuator.lag.value_s,
         drive: file.actuator.drive.clone().map(|drive| IdentifiedDrive { compared: Vec::new(), ..drive }),
+        raw: Some(raw).filter(|raw| !raw.is_none()),
         maps,
         families: file.families.clone(),
     };
     Ok(Inversion { file, csvs })
 }
 
+/// Largest speed [m/s], acceleration [m/s²] and torque [N·m] of the tables, for the raw units.
+fn largest(file: &Table1File, settings: &InvertSettings, limit_nm: f64) -> Result<[f64; 3]> {
+    let (mut speed, mut accel) = (0.0f64, 0.0f64);
+    for map in &file.maps {
+        let inverse = Inverse::new(map.surface.table()?, map.gear)?;
+        let speeds = settings.speed_breaks_mps.as_ref().unwrap_or(&map.speed_mps);
+        speed = speeds.last().copied().unwrap_or(0.0).max(speed);
+        accel = raw::largest_accel_mps2(&inverse, &map.speed_mps, [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]]).max(accel);
+    }
+    let given = settings.accel_breaks_mps2.iter().flatten().map(|a| a.abs());
+    Ok([speed, given.fold(accel, f64::max), limit_nm * (1.0 + BEYOND_LARGEST)])
+}
+
 fn invert_map(
     map: &AccelMap,
     other: Option<&AccelMap>,
     limit: &DeliveredTorque,
+    raw: &RawUnits,
     test_angle_deg: f64,
     settings: &InvertSettings,
 ) -> Result<(TorqueMap, String)> {
@@ -78,6 +95,8 @@ fn invert_map(
         return Err(Error::NotPhysical { gear: map.gear, low_mps2, high_mps2, most_mps2: breaks::MOST_ACCEL_MPS2 });
     }
     let (speeds, accels) = axes(&inverse, map, tested, settings);
+    let speeds = raw::snapped("speed", map.gear, &speeds, raw.speed_mps)?;
+    let accels = raw::snapped("acceleration", map.gear, &accels, raw.accel_mps2)?;
     let speed_axis = Axis::new("speed_mps", speeds.clone())?;
     let accel_axis = Axis::new("accel_mps2", accels.clone())?;
 
@@ -94,7 +113,10 @@ fn invert_map(
         }
     }
     for torque in &mut nodes {
-        *torque = round6(*torque);
+        *torque = match raw.torque_nm {
+            Some(unit) => raw::snapped_torque(map.gear, *torque, limit.node_limit_nm, unit)?,
+            None => round6(*torque),
+        };
     }
     let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
     let csv = table.to_matrix().to_csv();
@@ -165,15 +187,15 @@ fn invert_map(
 fn axes(inverse: &Inverse, map: &AccelMap, tested: [f64; 2], settings: &InvertSettings) -> (Vec<f64>, Vec<f64>) {
     let even_speeds = settings.speed_breaks_mps.clone().unwrap_or_else(|| map.speed_mps.clone());
     let even_accels = settings.accel_breaks_mps2.clone().unwrap_or_else(|| breaks::accel_breaks(inverse, &even_speeds, tested));
-    let Some(count) = settings.place else { return (even_speeds, even_accels) };
+    let Some([rows, columns]) = settings.place else { return (even_speeds, even_accels) };
     let fastest = even_speeds[even_speeds.len() - 1].min(inverse.fastest_mps());
     let (low, high) = (even_accels[0], even_accels[even_accels.len() - 1]);
     let at_accel = |share: f64| move |v: f64| inverse.torque_nm(v, low + share * (high - low)).clamp(tested[0], tested[1]);
     let at_speed = |share: f64| move |a: f64| inverse.torque_nm(share * fastest, a).clamp(tested[0], tested[1]);
     let (a1, a2, a3) = (at_accel(0.3), at_accel(0.5), at_accel(0.7));
     let (s1, s2, s3) = (at_speed(0.1), at_speed(0.4), at_speed(0.8));
-    let speeds = if settings.speed_breaks_mps.is_some() { even_speeds } else { breaks::placed(0.0, fastest, count, &[&a1, &a2, &a3]) };
-    let accels = if settings.accel_breaks_mps2.is_some() { even_accels } else { breaks::placed(low, high, count, &[&s1, &s2, &s3]) };
+    let speeds = if settings.speed_breaks_mps.is_some() { even_speeds } else { breaks::placed(0.0, fastest, rows, &[&a1, &a2, &a3]) };
+    let accels = if settings.accel_breaks_mps2.is_some() { even_accels } else { breaks::placed(low, high, columns, &[&s1, &s2, &s3]) };
     (speeds, accels)
 }
 

@@ -245,7 +245,13 @@ mod tests {
         Recording {
             source: LogRef { sha256: file.to_owned(), file: file.to_owned(), bytes: 0, loss: None },
             path: file.into(),
-            vehicle: Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None },
+            vehicle: Vehicle {
+                wheelbase_m: 0.9,
+                wheel_radius_m: 0.12,
+                test_angle_deg: 90.0,
+                torque_limit_nm: None,
+                torque_full_scale_nm: None,
+            },
             signals: Signals { lateral, ..Signals::default() },
             origins: Vec::new(),
             loss: Loss::default(),

@@ -48,7 +48,7 @@ pub enum Error {
     #[error(transparent)]
     Unit(#[from] UnknownUnit),
     #[error(
-        "{signal} cannot be in {unit}, which is a unit of {dimension}. Give a unit of {signal}, and `scale`, which multiplies each value before: a torque in % of 40 N.m has unit = \"N.m\" and scale = 0.4"
+        "{signal} cannot be in {unit}, which is a unit of {dimension}. Give a unit of {signal}, and `scale`, which multiplies each value before: a torque in ampere of 2.2 N.m has unit = \"N.m\" and scale = 2.2"
     )]
     WrongDimension { signal: &'static str, unit: &'static str, dimension: Dimension },
     #[error("{signal}: {field} is {value}; it must be a finite number")]

@@ -221,7 +221,9 @@ fn pass(
         let candidates = Candidates::new(container, &samples);
         let chosen = resolve::choose(source, wanted, container, &candidates).and_then(|mut choices| {
             required(&choices, container, &candidates)?;
-            let plans = resolve::plans(&mut choices, container, &samples, vehicle.vehicle()?.wheel_radius_m)?;
+            let vehicle = vehicle.vehicle()?;
+            resolve::expect_full_scale(&choices, &vehicle)?;
+            let plans = resolve::plans(&mut choices, container, &samples, &vehicle)?;
             Ok((choices, plans))
         });
         // unlisted chunks may hold more channels: a missing channel is an error only when all chunks have been read

@@ -94,7 +94,7 @@ impl SignalName {
     fn accepts(self, dimension: Dimension) -> bool {
         match self {
             Self::Speed => matches!(dimension, Dimension::Speed | Dimension::AngularSpeed),
-            Self::Torque | Self::TorqueFeedback => dimension == Dimension::Torque,
+            Self::Torque | Self::TorqueFeedback => matches!(dimension, Dimension::Torque | Dimension::Share),
             Self::Angle | Self::Yaw | Self::Compensation => dimension == Dimension::Angle,
             Self::YawRate => dimension == Dimension::AngularSpeed,
             Self::Gear | Self::Estop | Self::YawZ | Self::YawW => dimension == Dimension::Number,
@@ -130,6 +130,8 @@ pub struct VehicleOverrides {
     pub test_angle_deg: Option<f64>,
     /// Largest torque that may be commanded [N·m].
     pub torque_limit_nm: Option<f64>,
+    /// Torque that is 100 % of a torque signal [N·m].
+    pub torque_full_scale_nm: Option<f64>,
 }
 
 /// Path of a signal and conversion of its values: SI = unit(scale · raw + offset).
@@ -205,7 +207,7 @@ enum OneOrMany {
     Many(Vec<Code>),
 }
 
-const VEHICLE_KEYS: [&str; 4] = ["wheelbase_m", "wheel_radius_m", "test_angle_deg", "torque_limit_nm"];
+const VEHICLE_KEYS: [&str; 5] = ["wheelbase_m", "wheel_radius_m", "test_angle_deg", "torque_limit_nm", "torque_full_scale_nm"];
 const ENTRY_KEYS: [&str; 10] = ["path", "unit", "scale", "offset", "stamp", "relative_to", "unsigned", "neutral", "forward", "reverse"];
 
 impl SignalMap {

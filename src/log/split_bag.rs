@@ -51,6 +51,7 @@ pub(crate) fn read_split(
             wheel_radius_m: Some(vehicle.wheel_radius_m),
             test_angle_deg: Some(vehicle.test_angle_deg),
             torque_limit_nm: vehicle.torque_limit_nm,
+            torque_full_scale_nm: vehicle.torque_full_scale_nm,
         };
         match &mut whole {
             None => whole = Some(next),

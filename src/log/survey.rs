@@ -14,6 +14,7 @@ use crate::log::signal_map::SignalName;
 use crate::log::timing::message_times::SignalTimes;
 use crate::log::timing::true_times;
 use crate::log::{Error, MessageKind, Result, Signal, Source};
+use crate::map::Vehicle;
 use crate::text::shown;
 use crate::units::NS_PER_S;
 use serde::Serialize;
@@ -156,8 +157,10 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
         }
     };
     if depth == Depth::Everything {
-        // the rates do not depend on the wheel radius
-        let plans = resolve::plans(&mut choices, &container, &samples, 1.0).unwrap_or_else(|error| {
+        // the rates do not depend on the vehicle
+        let any =
+            Vehicle { wheelbase_m: 1.0, wheel_radius_m: 1.0, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: Some(1.0) };
+        let plans = resolve::plans(&mut choices, &container, &samples, &any).unwrap_or_else(|error| {
             notes.push(error.to_string());
             BTreeMap::new()
         });

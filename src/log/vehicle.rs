@@ -17,6 +17,7 @@ impl VehicleOverrides {
             wheel_radius_m: self.wheel_radius_m.or(other.wheel_radius_m),
             test_angle_deg: self.test_angle_deg.or(other.test_angle_deg),
             torque_limit_nm: self.torque_limit_nm.or(other.torque_limit_nm),
+            torque_full_scale_nm: self.torque_full_scale_nm.or(other.torque_full_scale_nm),
         }
     }
 
@@ -36,6 +37,7 @@ impl VehicleOverrides {
             wheel_radius_m: given(self.wheel_radius_m, "wheel_radius_m")?,
             test_angle_deg: self.test_angle_deg.unwrap_or(90.0),
             torque_limit_nm: self.torque_limit_nm,
+            torque_full_scale_nm: self.torque_full_scale_nm,
         };
         Ok(vehicle.checked()?)
     }
@@ -54,6 +56,7 @@ impl VehicleOverrides {
             wheel_radius_m: number("wheel_radius_m")?,
             test_angle_deg: number("test_angle_deg")?,
             torque_limit_nm: number("torque_limit_nm")?,
+            torque_full_scale_nm: number("torque_full_scale_nm")?,
         })
     }
 }

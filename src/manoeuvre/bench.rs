@@ -1,5 +1,6 @@
 //! The inputs of a manoeuvre's run.
 
+use crate::controller::ControllerSettings;
 use crate::guidance::route::response::VehicleResponse;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::planned_task::Planned;
@@ -17,6 +18,8 @@ pub(crate) struct ManoeuvreBench<'a> {
     pub(crate) torque: ManoeuvreTorque<'a>,
     /// How fast the vehicle answers: the drive by the map, the steering by the vehicle's file.
     pub(crate) vehicle: VehicleResponse,
+    /// Settings of the controller.
+    pub(crate) controller: &'a ControllerSettings,
     /// The plan of a planned task, made once for all of its runs.
     pub(crate) planned: Option<&'a Planned>,
 }
@@ -26,10 +29,10 @@ impl<'a> ManoeuvreBench<'a> {
     ///
     /// # Errors
     /// A vehicle that cannot be simulated.
-    pub(crate) fn new(maps: &'a Maps, vehicle: &sim::WorldSettings) -> Result<Self> {
+    pub(crate) fn new(maps: &'a Maps, vehicle: &sim::WorldSettings, controller: &'a ControllerSettings) -> Result<Self> {
         let torque = ManoeuvreTorque::new(Some(maps), vehicle)?;
         let response = VehicleResponse { dead_time_s: maps.table2.dead_time_s, lag_s: maps.table2.lag_s, ..response_of(vehicle) };
-        Ok(Self { maps, torque, vehicle: response, planned: None })
+        Ok(Self { maps, torque, vehicle: response, controller, planned: None })
     }
 }
 

@@ -103,7 +103,7 @@ impl CompensationScenario {
         observer: impl ManoeuvreObserver,
     ) -> Result<(LateralFigures, DriveEnd)> {
         let path = self.path(bench.vehicle.wheelbase_m);
-        let settings = FollowerSettings::new(&bench.vehicle, TrackingSettings::new(self.law));
+        let settings = FollowerSettings::new(&bench.vehicle, TrackingSettings::new(self.law)).with_loop(&bench.controller.path_tracking);
         let mut driver = LegsDriver::new(&path, settings);
         let mounting = Mounting { yaw_rad: self.yaw_deg * RAD_PER_DEG, steering_zero_rad: self.steering_zero_deg * RAD_PER_DEG };
         let (mut compensation_rad, mut last_s_m) = (0.0, 0.0);

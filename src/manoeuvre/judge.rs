@@ -41,7 +41,14 @@ pub(crate) fn judge_manoeuvres(maps: &Maps, settings: &ManoeuvreSettings, wanted
             progress(total);
         }
     };
-    let stage = ManoeuvreStage { maps, settings, bench: ManoeuvreBench::new(maps, vehicle)?, varied: &varied, wanted, done: &done };
+    let stage = ManoeuvreStage {
+        maps,
+        settings,
+        bench: ManoeuvreBench::new(maps, vehicle, &settings.controller)?,
+        varied: &varied,
+        wanted,
+        done: &done,
+    };
     let judged: Result<Vec<JudgedManoeuvre>> = settings.manoeuvres.par_iter().map(|manoeuvre| stage.judge(manoeuvre)).collect();
     let mut all = JudgedManoeuvres { verdicts: Vec::new(), note: None, traces: None, logs: Vec::new() };
     if !settings.manoeuvres.is_empty() {

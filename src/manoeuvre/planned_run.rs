@@ -110,7 +110,7 @@ pub(crate) fn run(
     seed: u64,
     observer: impl ManoeuvreObserver,
 ) -> Result<(Values, DriveEnd)> {
-    let settings = follower_settings(planned, &bench.vehicle);
+    let settings = follower_settings(planned, &bench.vehicle).with_loop(&bench.controller.path_tracking);
     let first = planned.path.poses[0];
     let pose = Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad };
     let start = ManoeuvreStart { pose, wheel_angle_rad: first.wheel_angle_rad };

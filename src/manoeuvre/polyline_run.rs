@@ -5,7 +5,7 @@ use crate::guidance::route::follower::{DriveStage, FollowerSettings};
 use crate::guidance::route::path_position::{Leg, Offset};
 use crate::guidance::route::polyline::{PolylinePlan, PolylinePoint, PolylineSettings};
 use crate::guidance::route::polyline_driver::PolylineDriver;
-use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
+use crate::guidance::route::response::PERIOD_S;
 use crate::guidance::route::tracking::{LawName, TrackingSettings};
 use crate::guidance::route::turn_law::TurnSettings;
 use crate::manoeuvre::Result;
@@ -33,13 +33,17 @@ pub(crate) const DEMO_SPEEDS_MPS: [Option<f64>; 9] =
     [Some(1.0), Some(0.5), Some(0.4), Some(0.9), None, Some(0.6), Some(0.3), Some(0.7), None];
 
 /// Settings of follower and turn for a vehicle and a law.
-fn polyline_settings(vehicle: &VehicleResponse, law: LawName) -> (FollowerSettings, TurnSettings) {
+fn polyline_settings(bench: &ManoeuvreBench<'_>, law: LawName) -> (FollowerSettings, TurnSettings) {
+    let vehicle = &bench.vehicle;
     let mut tracking = TrackingSettings::new(law);
     if let TrackingSettings::Mpc(mpc) = &mut tracking {
         // what a first-order lag covers of its way in a step; two periods pass from a reading to the wheel
         mpc.steering_share = 1.0 - (-mpc.step_s / (vehicle.steering_lag_s + 2.0 * PERIOD_S)).exp();
     }
-    (FollowerSettings::new(vehicle, tracking), TurnSettings::new(vehicle))
+    (
+        FollowerSettings::new(vehicle, tracking).with_loop(&bench.controller.path_tracking),
+        TurnSettings::new(vehicle).with_loop(&bench.controller.spot_turn),
+    )
 }
 
 /// Measurements on one leg.
@@ -160,7 +164,7 @@ pub(crate) fn run(
     observer: impl ManoeuvreObserver,
 ) -> Result<(Values, DriveEnd)> {
     let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
-    let (settings, turn) = polyline_settings(&bench.vehicle, law);
+    let (settings, turn) = polyline_settings(bench, law);
     let mut driver = PolylineDriver::new(&plan, settings, turn);
     let controller = |inputs: &Inputs| {
         let command = driver.step(inputs, &bench.torque, 0.0);

@@ -43,6 +43,6 @@ pub fn replay_manoeuvre(
     manoeuvre: &Manoeuvre,
     record: impl FnMut(&ManoeuvreMoment),
 ) -> Result<Values> {
-    let bench = ManoeuvreBench::new(maps, &settings.vehicle)?;
+    let bench = ManoeuvreBench::new(maps, &settings.vehicle, &settings.controller)?;
     Ok(manoeuvre.run(&bench, &settings.vehicle, settings.seed, (), EachMoment(record))?.0)
 }

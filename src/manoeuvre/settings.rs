@@ -1,5 +1,6 @@
 //! Settings of the manoeuvres.
 
+use crate::controller::ControllerSettings;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::scenario::Manoeuvre;
 use crate::sim;
@@ -21,6 +22,8 @@ pub struct ManoeuvreSettings {
     pub seed: u64,
     /// The limits.
     pub gate: Gate,
+    /// Settings of the controller; those of path tracking and of the turns on the spot are used. Default that of the program.
+    pub controller: ControllerSettings,
 }
 
 impl ManoeuvreSettings {
@@ -36,6 +39,7 @@ impl ManoeuvreSettings {
             spread: Spread::default(),
             seed: 1,
             gate: Gate::with(None)?,
+            controller: ControllerSettings::default(),
         })
     }
 }

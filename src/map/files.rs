@@ -26,6 +26,7 @@ mod shape;
 mod status;
 mod table1_file;
 mod table2_file;
+mod toml_text;
 
 pub use actuator::{Actuator, DelayEstimate, LogActuator};
 pub use check::{Check, CheckOutcome};
@@ -54,3 +55,4 @@ pub use table1_file::{
     Units,
 };
 pub use table2_file::{DeadBand, GridPoint, RoundTripErrors, Table2File, TorqueMap};
+pub(crate) use toml_text::toml_text;

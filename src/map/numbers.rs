@@ -10,6 +10,7 @@ mod axis;
 mod cell;
 mod csv_matrix;
 mod per_gear;
+mod raw_unit;
 mod torque_table;
 mod wheel_angle;
 
@@ -25,6 +26,7 @@ pub use cell::CellStatus;
 pub use csv_matrix::Matrix;
 pub(crate) use csv_matrix::decimal;
 pub(crate) use per_gear::PerGear;
+pub use raw_unit::{RawUnit, RawUnits};
 pub(crate) use torque_table::ACCEL_AXIS;
 pub use torque_table::TorqueTable;
 pub(crate) use wheel_angle::SAME_ANGLE_DEG;

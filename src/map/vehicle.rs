@@ -17,6 +17,9 @@ pub struct Vehicle {
     /// Largest torque that may be commanded [N·m]; without it the largest commanded in the logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_limit_nm: Option<f64>,
+    /// Torque that is 100 % of a torque signal [N·m], for signals in % and permille.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_full_scale_nm: Option<f64>,
 }
 
 fn default_test_angle_deg() -> f64 {
@@ -48,6 +51,9 @@ impl Vehicle {
         if let Some(limit) = self.torque_limit_nm {
             check("torque_limit_nm", limit, "above 0 to 1e5", limit > 0.0 && limit <= 1e5)?;
         }
+        if let Some(full) = self.torque_full_scale_nm {
+            check("torque_full_scale_nm", full, "above 0 to 1e5", full > 0.0 && full <= 1e5)?;
+        }
         Ok(self)
     }
 }
@@ -57,7 +63,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    const VEHICLE: Vehicle = Vehicle { wheelbase_m: 1.2, wheel_radius_m: 0.1, test_angle_deg: 90.0, torque_limit_nm: None };
+    const VEHICLE: Vehicle =
+        Vehicle { wheelbase_m: 1.2, wheel_radius_m: 0.1, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
 
     #[test]
     fn without_a_limit_the_largest_torque_of_the_table_is_the_limit() {

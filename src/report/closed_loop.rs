@@ -1,5 +1,6 @@
 //! Closed loop: the pivot over time by the map and by the conventional law, the laws compared, and every scenario.
 
+use crate::controller::{ControllerFile, ControllerSettings};
 use crate::report::ReportFiles;
 use crate::report::chart::{Area, Chart, Line, Panel, Points};
 use crate::report::html::TableColumn::{Number, Text};
@@ -29,11 +30,33 @@ pub(crate) fn closed_loop(inputs: &ReportFiles) -> Section {
             @if let Some(comparison) = &verdict.comparison { (laws(comparison, verdict.comparison_draws)) }
             h3 { "Scenarios" }
             (scenarios(verdict))
+            @if let Some(file) = &verdict.controller_settings { (controller(file)) }
         } @else {
             p.absent { "There is no verdict on these tables: run pivot-cal verify." }
         }
     };
     Section { id: "closed-loop", title: "Closed loop", body, figures }
+}
+
+/// The settings of the controller that was judged; those that are not the default's are marked.
+fn controller(file: &ControllerFile) -> Markup {
+    let defaults = ControllerSettings::default().sections();
+    let settings = file.settings();
+    let mut rows = Vec::new();
+    for ((section, _, own), (_, _, usual)) in settings.sections().into_iter().zip(defaults) {
+        for (own, usual) in own.into_iter().zip(usual) {
+            let mark = if own.value == usual.value { String::new() } else { format!("default {}", usual.value) };
+            rows.push(vec![format!("{section}.{}", own.key), own.value.to_string(), mark, own.about.to_owned()]);
+        }
+    }
+    html! {
+        h3 { "Controller" }
+        p { "The verdict is about the controller " (settings.name()) ", SHA-256 " code { (file.sha256()) } "." }
+        details {
+            summary { "Its " (rows.len()) " settings" }
+            (table("", &[Text("setting"), Number("value"), Text("if not the default"), Text("meaning")], &rows))
+        }
+    }
 }
 
 fn pivot(traces: &ClosedLoop) -> Chart {

@@ -6,7 +6,8 @@ use crate::map::{
     Check, FitTraces, FolderError, FolderView, MapFolder, Mismatch, PlanFile, StoredFile, Table1File, Table2File, read_settled,
 };
 use crate::report::{Error, Result};
-use crate::verify::{ClosedLoop, MapVerdict, Scenario, Status};
+use crate::verify::deployment::deployment;
+use crate::verify::{ClosedLoop, MapVerdict, Status};
 use std::path::{Path, PathBuf};
 
 /// The input files of a report. Only `table1.json` is needed.
@@ -88,7 +89,7 @@ impl ReportFiles {
         let of_table2 = |of: &str, judged: &[String]| {
             of == generation && csvs.as_ref().is_some_and(|csvs| judged.iter().all(|sha256| csvs.contains(sha256)))
         };
-        let is_judged = verdict.as_ref().is_some_and(|v| of_table2(&v.generation, &v.table2_csv_sha256));
+        let is_judged = verdict.as_ref().zip(csvs.as_ref()).is_some_and(|(v, csvs)| v.is_about(&generation, csvs));
         let verdict_is_current = fits_together && is_judged;
         notes.extend(verdict_note(table2.is_some(), verdict.as_ref(), is_judged));
 
@@ -136,16 +137,7 @@ impl ReportFiles {
 
     /// Whether the map may be deployed, and the reason as one line. An objection of Table 1 counts without a verdict too.
     pub(crate) fn judgement(&self) -> (Status, String) {
-        let current = self.verdict.as_ref().filter(|_| self.verdict_is_current);
-        let accepted = current.map_or(&[][..], |verdict| &verdict.accepted);
-        match current {
-            Some(verdict) if !verdict.passes() => (verdict.status, verdict.headline()),
-            Some(verdict) if pivots_left_out(verdict) == 0 => (Status::Pass, verdict.headline()),
-            _ => match self.checks.iter().find(|c| c.objects() && !accepted.contains(&c.name)) {
-                Some(check) => (Status::Rejected, format!("rejected by {}: {}", check.name, check.text())),
-                None => (Status::NotJudged, "not judged: no verdict on every pivot covers these tables".to_owned()),
-            },
-        }
+        deployment(&self.table1, self.verdict.as_ref().filter(|_| self.verdict_is_current))
     }
 }
 
@@ -214,7 +206,7 @@ fn verdict_note(has_table2: bool, verdict: Option<&MapVerdict>, is_judged: bool)
     if !is_judged {
         return Some("verify.json judged another Table 2: run `pivot-cal verify` again".to_owned());
     }
-    let missing = pivots_left_out(verdict);
+    let missing = verdict.pivots_left_out();
     (missing > 0).then(|| format!("verify.json leaves out {missing} of the pivots: run `pivot-cal verify` without --scenario"))
 }
 
@@ -232,9 +224,4 @@ fn keep_test_angle(table1: &mut Table1File, table2: Option<&mut Table2File>) -> 
         table2.maps.retain(|m| m.angle().is_same(test_angle));
     }
     others
-}
-
-/// Number of pivots that a verdict lacks: a verdict on chosen scenarios alone does not judge a map.
-fn pivots_left_out(verdict: &MapVerdict) -> usize {
-    Scenario::all().iter().filter(|pivot| verdict.scenarios.iter().all(|judged| judged.name != pivot.name)).count()
 }

@@ -308,7 +308,8 @@ mod tests {
     }
 
     fn motion() -> IdentifiedMotion {
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        let vehicle =
+            Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
         IdentifiedMotion::new(&settings(), &vehicle, 1e-3, 1).unwrap()
     }
 

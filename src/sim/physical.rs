@@ -191,7 +191,7 @@ mod tests {
     const STEP_S: f64 = 1e-3;
 
     fn vehicle() -> Vehicle {
-        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }
+        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None }
     }
 
     fn motion(settings: &PhysicalSettings, step_s: f64) -> PhysicalMotion {

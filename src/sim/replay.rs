@@ -114,7 +114,7 @@ mod tests {
     use crate::sim::{GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, World, WorldCommand};
 
     fn vehicle() -> Vehicle {
-        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None }
+        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None }
     }
 
     /// The physical plant's true map in the form of a fit, with torques multiplied by `scale`.

@@ -187,7 +187,8 @@ mod tests {
     use crate::sim::sensor_settings::EncoderSettings;
 
     fn readings(settings: &SensorSettings, speed_mps: f64) -> Vec<f64> {
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        let vehicle =
+            Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
         let mut sensors = Sensors::new(settings, &vehicle, 5).unwrap();
         let mut speeds = Vec::new();
         for k in 0..20_000 {

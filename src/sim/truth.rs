@@ -50,7 +50,8 @@ mod tests {
 
     fn truth() -> (Truth, PhysicalSettings) {
         let settings = PhysicalSettings::default();
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        let vehicle =
+            Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
         (Truth::new(&settings, &vehicle).unwrap(), settings)
     }
 

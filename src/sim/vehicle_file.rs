@@ -1,6 +1,6 @@
 //! A vehicle's TOML file: geometry, drive, plant, steering, sensors.
 
-use crate::map::Vehicle;
+use crate::map::{Vehicle, toml_text};
 use crate::sim::drive::DriveSettings;
 use crate::sim::error::{Error, Result};
 use crate::sim::motion::MotionSettings;
@@ -10,7 +10,6 @@ use crate::sim::settings::{DEFAULT_STEP_S, WorldSettings};
 use crate::sim::steering::SteeringSettings;
 use crate::sim::truth::Truth;
 use crate::sim::world::World;
-use crate::spelling::nearest;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// A physical vehicle from its file. Missing sections have their defaults, except `[vehicle]`.
@@ -85,15 +84,7 @@ impl VehicleFile {
 /// # Errors
 /// The text is not valid TOML of this form.
 pub(crate) fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T> {
-    toml::from_str(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
-        let message = error.message().to_owned();
-        // serde's wording: unknown field `x`, expected one of `a`, `b`
-        let mut names = message.split('`').skip(1).step_by(2);
-        let nearest =
-            if message.starts_with("unknown ") { names.next().and_then(|found| nearest(found, names)).map(str::to_owned) } else { None };
-        Error::Toml { line, message, nearest }
-    })
+    toml_text(text).map_err(|fault| Error::Toml { line: fault.line, message: fault.message, nearest: fault.nearest })
 }
 
 #[cfg(test)]

@@ -352,7 +352,8 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     fn settings() -> WorldSettings {
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        let vehicle =
+            Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
         WorldSettings::physical(vehicle, PhysicalSettings { friction_spread: 0.02, disturbance_nm: 0.2, ..PhysicalSettings::default() })
     }
 

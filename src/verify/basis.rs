@@ -1,6 +1,7 @@
 //! What a verdict is based on beside its runs: the wheel angle, what no data can show, and gears with too little data.
 
 use crate::check::campaign_checks::too_little;
+use crate::controller::words::Policy;
 use crate::map::{Gear, SpeedSource, Table1File};
 use crate::verify::scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -44,7 +45,10 @@ impl Basis {
     }
 
     /// Why a pivot cannot be tested; `None` if it can.
-    pub(crate) fn untestable(&self, scenario: &Scenario, has_reverse: bool) -> Option<String> {
+    pub(crate) fn untestable(&self, scenario: &Scenario, has_reverse: bool, policy: Policy) -> Option<String> {
+        if !policy.has(scenario.policy) && scenario.turns_right() {
+            return Some(format!("not tested: the controller's wheel policy is {}", policy.word()));
+        }
         if !scenario.needs_reverse() {
             return None;
         }

@@ -3,7 +3,7 @@
 use crate::control::{HeadingLaw, WaypointLaw};
 use crate::sim;
 use crate::verify::Result;
-use crate::verify::laws::{constant_gain, map_law, tuned_heading_law, tuning_runs};
+use crate::verify::laws::{constant_gain, tuned_heading_law, tuning_runs};
 use crate::verify::metric::{Metric, MetricSummary, Statistic};
 use crate::verify::pivot_traces::{ClosedLoop, PivotTrace};
 use crate::verify::scenario::Scenario;
@@ -41,7 +41,7 @@ pub(crate) fn compare(
     let gain = constant_gain(stage.maps, stage.maps.torque_limit_nm());
     let tuned = tuned_heading_law(&stage.bench(), scenario, &stage.plant, &stage.law, gain, stage.done)?;
     let trace = || traces.then(PivotTrace::default);
-    let map = stage.run_all(scenario, varied, || map_law(stage.maps, &stage.law), trace(), trace)?;
+    let map = stage.run_all(scenario, varied, || stage.map_law(), trace(), trace)?;
     let perfect = stage.run_all(scenario, varied, || WaypointLaw::new(stage.law, &stage.exact), (), || ())?.summaries();
     let constant = stage.run_all(scenario, varied, || WaypointLaw::new(stage.law, gain), (), || ())?.summaries();
     let conventional = stage.run_all(scenario, varied, || HeadingLaw::new(tuned), trace(), trace)?;

@@ -89,8 +89,10 @@ impl MapVerdict {
         let mut others: Vec<f64> = tested(&self.scenarios).filter_map(|s| s.wheel_angle_deg).collect();
         others.sort_unstable_by(f64::total_cmp);
         others.dedup();
-        let beside: String = others.iter().map(|angle| format!(" and {angle}°")).collect();
-        let angle = self.basis.as_ref().map(|b| format!("{}°{beside} only", b.test_angle_deg));
+        let angle = self.basis.as_ref().map(|b| {
+            let all: Vec<String> = std::iter::once(b.test_angle_deg).chain(others).map(|angle| format!("{angle}°")).collect();
+            format!("{} only", all.join(" and "))
+        });
         let about: Option<String> = tested(&self.scenarios).find_map(|s| s.about.as_ref()).map(|about| format!("manoeuvres prove {about}"));
         if pivots.is_empty() {
             let names: Vec<&str> = tested(&self.scenarios).map(|s| s.name.as_str()).collect();
@@ -98,7 +100,7 @@ impl MapVerdict {
             return only.into_iter().chain(about).collect();
         }
         let mut scope: Vec<String> = angle.into_iter().collect();
-        if !pivots.iter().any(|s| s.needs_reverse()) {
+        if !pivots.iter().any(Scenario::needs_reverse) {
             scope.push("forward gear only".to_owned());
         }
         for (side, sign) in [("left", -1.0), ("right", 1.0)] {

@@ -164,7 +164,8 @@ mod tests {
     }
 
     fn world() -> World {
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        let vehicle =
+            Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
         World::new(&WorldSettings::physical(vehicle, PhysicalSettings::default()), 1).unwrap()
     }
 

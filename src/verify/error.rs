@@ -39,6 +39,8 @@ pub enum Error {
     Gate(#[from] toml::de::Error),
     #[error("the gate's limit on {metric:?} has to have one of at_most and at_least, and a number there")]
     GateLimit { metric: String },
+    #[error("the controller file: {0}")]
+    Controller(#[from] crate::controller::Error),
     #[error(transparent)]
     Map(#[from] crate::map::Error),
     #[error("the plant cannot be simulated: {0}")]

@@ -112,7 +112,13 @@ mod tests {
 
     #[test]
     fn the_inverse_of_the_exact_map_gives_the_acceleration_back() {
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 0.9,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         let plant = ExactMap::new(&WorldSettings::physical(vehicle, PhysicalSettings::default())).unwrap();
         for gear in Gear::ALL {
             for (v, a) in [(0.0, 0.0), (0.013, 0.4), (0.3, -1.0), (0.6, 1.2)] {

@@ -1,13 +1,13 @@
 //! Runs the scenarios and the comparison, applies the gate, and forms the verdict.
 
 use crate::check::campaign_checks::all_checks;
+use crate::control::WaypointLaw;
 use crate::map::{Check, FORMAT_VERSION};
 use crate::sim;
 use crate::verify::basis::Basis;
 use crate::verify::bench::PivotMoment;
 use crate::verify::comparison::{compare, comparison_runs};
 use crate::verify::drive::EachMoment;
-use crate::verify::laws::map_law;
 use crate::verify::metric::Values;
 use crate::verify::notes::notes;
 use crate::verify::perturbations::draws;
@@ -49,7 +49,8 @@ pub fn verify(maps: &Maps, settings: &VerifySettings) -> Result<MapVerdict> {
 pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted<'_>) -> Result<Verified> {
     let (checks, basis) = (all_checks(&maps.table1), Basis::new(&maps.table1));
     let accepted = accepted(&checks, &settings.accept)?;
-    let tested = settings.scenarios.iter().filter(|s| basis.untestable(s, maps.reverse.is_some()).is_none()).count();
+    let policy = settings.controller.settings.planning.wheel_policy;
+    let tested = settings.scenarios.iter().filter(|s| basis.untestable(s, maps.reverse.is_some(), policy).is_none()).count();
     let total = tested * (settings.draws + 1) + comparison_runs(settings);
     let done = || {
         if let Some(progress) = wanted.progress {
@@ -99,6 +100,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         comparison_draws: settings.comparison_draws,
         seed: settings.seed,
         spread: settings.spread,
+        controller_settings: Some(settings.controller.clone()),
         controller: serde_json::json!({ "modules": stage.control, "drive_law": stage.law }),
         round_trip_limit: settings.gate.round_trip.clone(),
         limits: settings.gate.limits.clone(),
@@ -130,8 +132,31 @@ fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
 /// As [`verify`].
 pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, record: impl FnMut(&PivotMoment)) -> Result<Values> {
     let stage = PivotStage::new(maps, settings, &|| ())?;
-    let law = map_law(maps, &stage.law);
-    run(&stage.bench(), scenario, &stage.plant, law, settings.seed, EachMoment(record))
+    run(&stage.bench(), scenario, &stage.plant, stage.map_law(), settings.seed, EachMoment(record))
+}
+
+/// The verdict on each scenario of `settings`, driven with the map, or with the perfect inverse of the plant; without round trip and comparison.
+///
+/// # Errors
+/// As [`verify`].
+pub(crate) fn judge_pivots(maps: &Maps, settings: &VerifySettings, perfect: bool) -> Result<Vec<ScenarioVerdict>> {
+    let basis = Basis::new(&maps.table1);
+    let stage = PivotStage::new(maps, settings, &|| ())?;
+    let varied = draws(&stage.plant, &settings.spread, settings.draws, settings.seed)?;
+    let policy = settings.controller.settings.planning.wheel_policy;
+    let judge = |scenario: &Scenario| {
+        let (name, what, class) = (&scenario.name, &scenario.what, scenario.class);
+        if let Some(why) = basis.untestable(scenario, maps.reverse.is_some(), policy) {
+            return Ok(ScenarioVerdict::not_tested(name, what, class, why));
+        }
+        let summaries = if perfect {
+            stage.run_all(scenario, &varied, || WaypointLaw::new(stage.law, &stage.exact), (), || ())?.summaries()
+        } else {
+            stage.run_all(scenario, &varied, || stage.map_law(), (), || ())?.summaries()
+        };
+        Ok(ScenarioVerdict::new(name, what, class, (summaries, varied.len()), &settings.gate))
+    };
+    settings.scenarios.par_iter().map(judge).collect()
 }
 
 /// The verdict on each scenario, and the log of its nominal run if requested.
@@ -142,13 +167,14 @@ fn judge_scenarios(
     varied: &[(sim::WorldSettings, u64)],
     logs: bool,
 ) -> Result<Vec<(ScenarioVerdict, Option<RunLog>)>> {
+    let policy = settings.controller.settings.planning.wheel_policy;
     let judge = |scenario: &Scenario| {
         let (name, what) = (&scenario.name, &scenario.what);
-        if let Some(why) = basis.untestable(scenario, stage.maps.reverse.is_some()) {
+        if let Some(why) = basis.untestable(scenario, stage.maps.reverse.is_some(), policy) {
             return Ok((ScenarioVerdict::not_tested(name, what, scenario.class, why), None));
         }
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));
-        let runs = stage.run_all(scenario, varied, || map_law(stage.maps, &stage.law), log, || ())?;
+        let runs = stage.run_all(scenario, varied, || stage.map_law(), log, || ())?;
         let mut verdict = ScenarioVerdict::new(name, what, scenario.class, (runs.summaries(), varied.len()), &settings.gate);
         if scenario.assumes_symmetry() {
             verdict.notes.push("symmetry assumed: the table was measured with the wheel to the left".to_owned());
@@ -169,7 +195,13 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn maps() -> Maps {
-        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 0.92,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         let (table1, table2) = known_maps(&World::physical(vehicle, PhysicalSettings::default())).unwrap();
         Maps::new(table1, table2).unwrap()
     }

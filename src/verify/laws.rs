@@ -1,25 +1,14 @@
 //! The laws that are run: the map under test, and the laws that it is compared with.
 
-use crate::control::{
-    ConstantGain, HeadingLaw, HeadingLawSettings, OutsidePolicy, SpeedLoopSettings, Tables, WaypointLaw, WaypointLawSettings,
-};
-use crate::map::{CellStatus, TorqueTable};
+use crate::control::{ConstantGain, HeadingLaw, HeadingLawSettings, SpeedLoopSettings, WaypointLawSettings};
+use crate::map::CellStatus;
 use crate::sim;
-use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotBench;
 use crate::verify::metric::{Metric, Values};
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
 use crate::verify::{Maps, Result};
 use rayon::prelude::*;
-
-/// The law of the map under test.
-pub(crate) fn map_law<'a>(maps: &'a Maps, settings: &WaypointLawSettings) -> WaypointLaw<Tables<'a>> {
-    WaypointLaw::new(
-        *settings,
-        Tables { forward: maps.forward.view(), reverse: maps.reverse.as_ref().map(TorqueTable::view), policy: OutsidePolicy::Clamp },
-    )
-}
 
 /// The gain that a user without a map would choose: the least-squares τ = k·a through the origin over the measured cells of Table 1 that
 /// accelerate.
@@ -119,17 +108,6 @@ pub(crate) fn tuned_heading_law(
     Ok(candidate(best))
 }
 
-/// The settings of the map's law for a vehicle: the reaction time is the dead time and lag that `table2.json` carries.
-pub(crate) fn law_settings(maps: &Maps) -> WaypointLawSettings {
-    let table2 = &maps.table2;
-    WaypointLawSettings { reaction_s: table2.dead_time_s + table2.lag_s, ..WaypointLawSettings::new(table2.vehicle.wheelbase_m) }
-}
-
-/// Wheel angle of the map [rad].
-pub(crate) fn test_angle_rad(maps: &Maps) -> f64 {
-    maps.table2.vehicle.test_angle_deg * RAD_PER_DEG
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -138,7 +116,13 @@ mod tests {
     use crate::verify::reference_maps::known_maps;
 
     fn maps() -> Maps {
-        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 0.92,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         let (table1, table2) = known_maps(&sim::WorldSettings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
         Maps::new(table1, table2).unwrap()
     }

@@ -1,5 +1,6 @@
 //! The maps under test: `table2.csv`, the file that is deployed, with the JSON files that belong to it.
 
+use crate::import::ImportedMap;
 use crate::map::{
     FolderView, Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable,
 };
@@ -128,6 +129,18 @@ impl Maps {
         maps.forward = forward.ok_or_else(|| Self::no_forward(&maps.table2))?;
         maps.reverse = reverse;
         Ok(maps)
+    }
+
+    /// The same with the tables of a file that came back from a controller or a tool; they are judged on the measured plant.
+    ///
+    /// # Errors
+    /// A file without a forward map, or whose points form no table.
+    pub(crate) fn with_tables(mut self, imported: &ImportedMap) -> Result<Self> {
+        let table = |gear| imported.tables.iter().find(|t| t.gear == gear).map(|t| t.table().map_err(Error::Map)).transpose();
+        self.forward = table(Gear::Forward)?.ok_or_else(|| Self::no_forward(&self.table2))?;
+        self.reverse = table(Gear::Reverse)?;
+        (self.csv_sha256, self.angles) = (vec![imported.sha256.clone()], Vec::new());
+        Ok(self)
     }
 
     fn no_forward(table2: &Table2File) -> Error {

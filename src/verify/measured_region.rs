@@ -55,7 +55,13 @@ mod tests {
     use crate::{map::Vehicle, sim};
 
     fn region(change: impl Fn(&mut TorqueMap)) -> Region {
-        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 0.92,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         let (_, mut table2) = known_maps(&sim::WorldSettings::physical(vehicle, sim::PhysicalSettings::default())).unwrap();
         change(&mut table2.maps[0]);
         Region::new(&table2)

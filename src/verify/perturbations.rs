@@ -63,7 +63,8 @@ mod tests {
     use crate::sim::{MotionSettings, PhysicalSettings};
 
     fn plant() -> WorldSettings {
-        let vehicle = Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None };
+        let vehicle =
+            Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None };
         WorldSettings::physical(vehicle, PhysicalSettings::default())
     }
 

@@ -213,7 +213,13 @@ mod tests {
     use crate::verify::{Maps, Metric, Values, VerifySettings};
 
     fn maps() -> Maps {
-        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 0.92,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         let (table1, table2) = known_maps(&WorldSettings::physical(vehicle, PhysicalSettings::default())).unwrap();
         Maps::new(table1, table2).unwrap()
     }

@@ -161,7 +161,13 @@ mod tests {
 
     #[test]
     fn a_phase_is_written_when_it_changes_and_the_motion_in_every_period() {
-        let vehicle = crate::map::Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = crate::map::Vehicle {
+            wheelbase_m: 0.92,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         let (table1, table2) = known_maps(&WorldSettings::physical(vehicle, PhysicalSettings::default())).unwrap();
         let maps = Maps::new(table1, table2).unwrap();
         let scenarios = Scenario::all().into_iter().filter(|s| s.name == "left-90").collect();

@@ -65,6 +65,8 @@ pub fn known_maps(world: &WorldSettings) -> Result<(Table1File, Table2File)> {
         format_version: FORMAT_VERSION,
         tool_version: table1.tool_version.clone(),
         generation: table1.generation.clone(),
+        unverified: None,
+        raw: None,
         units: Units::default(),
         vehicle: world.vehicle,
         logs: Vec::new(),

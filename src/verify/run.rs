@@ -26,7 +26,9 @@ pub(crate) fn run<'a, L: DriveLaw>(
     if let Some(right_deg) = scenario.right_wheel_deg {
         settings.planning.right_angle_rad = right_deg * RAD_PER_DEG;
     }
-    settings.planning.return_angle_rad = scenario.return_wheel_deg * RAD_PER_DEG;
+    if let Some(return_deg) = scenario.return_wheel_deg {
+        settings.planning.return_angle_rad = return_deg * RAD_PER_DEG;
+    }
     let mut world = World::new(plant, seed)?;
     let mut driver = PivotDriver::new(bench, scenario, &settings, law, &mut world)?;
     let mut observers = (PivotMetrics::new(bench, &settings, plant), observer);

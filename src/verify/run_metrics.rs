@@ -225,7 +225,13 @@ mod tests {
     const PERIOD_S: f64 = 0.02;
 
     fn world() -> WorldSettings {
-        let vehicle = Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 0.92,
+            wheel_radius_m: 0.12,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(44.0),
+            torque_full_scale_nm: None,
+        };
         WorldSettings::physical(vehicle, PhysicalSettings::default())
     }
 

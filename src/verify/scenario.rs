@@ -98,10 +98,10 @@ pub struct Scenario {
     pub policy: WheelPolicy,
     /// Wheel angle at the start [°].
     pub start_wheel_deg: f64,
-    /// Second preset of the wheel, for turns to the right with mirrored wheel [°], negative; `None` is the mirror of the test angle.
+    /// Second preset of the wheel, for turns to the right with mirrored wheel [°], negative; `None` is the controller's.
     pub right_wheel_deg: Option<f64>,
-    /// Third preset: wheel angle after a turn [°].
-    pub return_wheel_deg: f64,
+    /// Third preset: wheel angle after a turn [°]; `None` is the controller's.
+    pub return_wheel_deg: Option<f64>,
     /// Its disturbance and the onset; without an onset from the start.
     pub(crate) disturbance: Option<(Disturbance, Option<Onset>)>,
     /// Its expected end.
@@ -118,20 +118,25 @@ impl Scenario {
             policy,
             start_wheel_deg: 0.0,
             right_wheel_deg: None,
-            return_wheel_deg: 0.0,
+            return_wheel_deg: None,
             disturbance: None,
             expected: Expected::Success,
         }
     }
 
+    /// Whether one of its turns is to the right; only those depend on the wheel policy.
+    pub(crate) fn turns_right(&self) -> bool {
+        self.turns_deg.iter().any(|&t| t < 0.0)
+    }
+
     /// Whether one of its turns needs reverse gear.
     pub fn needs_reverse(&self) -> bool {
-        self.policy == WheelPolicy::HoldLeft && self.turns_deg.iter().any(|&t| t < 0.0)
+        self.policy == WheelPolicy::HoldLeft && self.turns_right()
     }
 
     /// Whether one of its turns drives forward with the wheel on the side opposite to the test's.
     pub fn assumes_symmetry(&self) -> bool {
-        self.policy == WheelPolicy::Mirror && self.turns_deg.iter().any(|&t| t < 0.0)
+        self.policy == WheelPolicy::Mirror && self.turns_right()
     }
 
     /// A turn of a size [°] in each direction: to the left, to the right in reverse gear, and to the right with the wheel to the right.
@@ -167,7 +172,7 @@ impl Scenario {
         all.push(Self::turn("chained-mirror", "left 90°, right 90°, left 180° in a row, mirrored", &[90.0, -90.0, 180.0], mirror));
         all.push(Self {
             right_wheel_deg: Some(-80.0),
-            return_wheel_deg: 25.0,
+            return_wheel_deg: Some(25.0),
             ..Self::turn(
                 "chained-presets",
                 "left 90°, right 90°, left 180°, mirrored, with presets of the wheel of −80° for the right and 25° after each turn",

@@ -1,6 +1,6 @@
 //! Settings of the verification.
 
-use crate::control::WaypointLawSettings;
+use crate::controller::ControllerFile;
 use crate::sim;
 use crate::verify::Result;
 use crate::verify::gate::Gate;
@@ -24,8 +24,8 @@ pub struct VerifySettings {
     pub gate: Gate,
     /// Names of checks whose objections a person overrules. Default none.
     pub accept: Vec<String>,
-    /// The drive law; `None`, the default, is the usual one for the map's vehicle.
-    pub law: Option<WaypointLawSettings>,
+    /// Settings of the controller that drives. Default `data/controllers/default.toml`.
+    pub controller: ControllerFile,
     /// A vehicle whose sensors, steering, and step, dead band and rate limits of the torque act beside the identified motion. Default none.
     #[doc(hidden)]
     pub given_vehicle: Option<sim::WorldSettings>,
@@ -38,7 +38,7 @@ impl VerifySettings {
     /// The defaults.
     ///
     /// # Errors
-    /// None in practice: the built-in gate is parsed.
+    /// None in practice: the built-in gate and controller are parsed.
     pub fn new() -> Result<Self> {
         Ok(Self {
             scenarios: Scenario::all(),
@@ -48,7 +48,7 @@ impl VerifySettings {
             seed: 1,
             gate: Gate::with(None)?,
             accept: Vec::new(),
-            law: None,
+            controller: ControllerFile::bundled()?,
             given_vehicle: None,
             plant: None,
         })

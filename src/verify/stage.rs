@@ -1,12 +1,12 @@
 //! The plant, the law and the controller of a verdict, and runs of one law over a scenario: nominal and on every draw.
 
-use crate::control::{DriveLaw, PivotSettings, TorqueFromAccel as _, WaypointLawSettings};
-use crate::map::Gear;
+use crate::control::{DriveLaw, OutsidePolicy, PivotSettings, Tables, TorqueFromAccel as _, UnderWay, WaypointLaw, WaypointLawSettings};
+use crate::map::{Gear, TorqueTable};
 use crate::sim;
+use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotBench;
 use crate::verify::drive::Observer;
 use crate::verify::exact_map::ExactMap;
-use crate::verify::laws::{law_settings, test_angle_rad};
 use crate::verify::measured_region::Region;
 use crate::verify::metric::{MetricSummary, Values};
 use crate::verify::pivot_driver::PivotDriver;
@@ -21,6 +21,7 @@ pub(crate) struct PivotStage<'a> {
     pub(crate) maps: &'a Maps,
     pub(crate) control: PivotSettings,
     pub(crate) law: WaypointLawSettings,
+    outside: OutsidePolicy,
     region: Region,
     pub(crate) plant: sim::WorldSettings,
     pub(crate) exact: ExactMap,
@@ -53,16 +54,26 @@ impl<'a> PivotStage<'a> {
             (None, None) => sim::WorldSettings::identified(&maps.table1)?,
         };
         let exact = ExactMap::new(&plant)?;
+        let (controller, vehicle) = (&settings.controller.settings, &maps.table2.vehicle);
+        let law = controller.law(vehicle.wheelbase_m, maps.table2.dead_time_s + maps.table2.lag_s);
+        UnderWay::checked(law.reaction_s, law.period_s)?;
         Ok(Self {
             maps,
-            control: PivotSettings::new(maps.table2.vehicle.wheelbase_m, test_angle_rad(maps)),
-            law: settings.law.unwrap_or_else(|| law_settings(maps)),
+            control: controller.pivot(vehicle.wheelbase_m, vehicle.test_angle_deg * RAD_PER_DEG),
+            law,
+            outside: controller.outside(),
             region: Region::new(&maps.table2),
             plant,
             exact,
             seed: settings.seed,
             done,
         })
+    }
+
+    /// The law of the map under test.
+    pub(crate) fn map_law(&self) -> WaypointLaw<Tables<'a>> {
+        let (forward, reverse) = (self.maps.forward.view(), self.maps.reverse.as_ref().map(TorqueTable::view));
+        WaypointLaw::new(self.law, Tables { forward, reverse, policy: self.outside })
     }
 
     /// Data of the vehicle that a run needs.

@@ -1,6 +1,7 @@
 //! The verdict: the content of `verify.json`.
 
 use crate::control::HeadingLawSettings;
+use crate::controller::ControllerFile;
 use crate::map::{Check, parse_file};
 use crate::verify::basis::Basis;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
@@ -75,6 +76,9 @@ pub struct MapVerdict {
     pub seed: u64,
     /// How far the draws vary the plant.
     pub spread: Spread,
+    /// Settings of the controller as a file, with its hash; absent in files of versions before them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller_settings: Option<ControllerFile>,
     /// Settings of the controller, as used.
     pub controller: serde_json::Value,
     /// The limit of the round trip.

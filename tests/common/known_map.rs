@@ -7,7 +7,7 @@ use pivot_cal::map::{Table1File, Table2File, Vehicle};
 use std::path::Path;
 
 pub(crate) fn vehicle() -> Vehicle {
-    Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0) }
+    Vehicle { wheelbase_m: 0.92, wheel_radius_m: 0.12, test_angle_deg: 90.0, torque_limit_nm: Some(44.0), torque_full_scale_nm: None }
 }
 
 pub(crate) fn world() -> World {

@@ -5,6 +5,7 @@
 
 use crate::control::numeric::sin_cos;
 use crate::control::{Arrival, Inputs, Preview, SpeedLoop, SpeedLoopSettings, UnderWay};
+use crate::controller::module_sections::TrackingKeys;
 use crate::guidance::route::leg_speed::LegSpeed;
 use crate::guidance::route::path_position::{Leg, Matched, lateral_error_m};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
@@ -55,6 +56,17 @@ impl FollowerSettings {
             stop_decel_mps2: 0.3,
             reaction_s: vehicle.reaction_s(),
             stall_s: 4.0,
+        }
+    }
+
+    /// The same with the speed loop, preview and stop of a controller file.
+    pub(crate) fn with_loop(self, tracking: &TrackingKeys) -> Self {
+        Self {
+            preview: Preview { lag_s: tracking.lag_s, min_m: tracking.least_distance_m },
+            speed_loop: tracking.gains(),
+            standstill_mps: tracking.standstill_speed_mps,
+            stop_decel_mps2: tracking.stop_decel_mps2,
+            ..self
         }
     }
 

@@ -5,6 +5,7 @@
 
 use crate::control::numeric::{sqrt, wrapped};
 use crate::control::{Arrival, Inputs, SpeedLoop, SpeedLoopSettings, UnderWay};
+use crate::controller::module_sections::SpotTurnKeys;
 use crate::guidance::route::follower::{DriveCommand, DriveStage, Trouble, stop_accel};
 use crate::guidance::route::response::{PERIOD_S, VehicleResponse};
 use crate::guidance::torque_source::TorqueSource;
@@ -100,6 +101,18 @@ impl TurnSettings {
             preview_s: 0.3 + (vehicle.reaction_s() - 0.12).max(0.0),
             stall_s: 4.0,
             corrections: 6,
+        }
+    }
+
+    /// The same with the speed loop, preview and stop of a controller file.
+    pub(crate) fn with_loop(self, turn: &SpotTurnKeys) -> Self {
+        Self {
+            accel_mps2: turn.accel_mps2,
+            speed_loop: turn.gains(),
+            standstill_mps: turn.standstill_speed_mps,
+            stop_decel_mps2: turn.stop_decel_mps2,
+            preview_s: turn.preview_s.value().unwrap_or(self.preview_s),
+            ..self
         }
     }
 }
@@ -290,6 +303,17 @@ mod tests {
                 assert!(stage == DriveStage::Arrived && off_deg.abs() <= 0.5 && stops <= 1, "{stage:?} {case}");
             }
         }
+    }
+
+    #[test]
+    fn the_default_controller_file_has_the_defaults_of_path_tracking_and_turns() {
+        use crate::guidance::route::follower::FollowerSettings;
+        use crate::guidance::route::tracking::{LawName, TrackingSettings};
+        let controller = crate::controller::ControllerSettings::default();
+        let (vehicle, law) = (VehicleResponse::quick(0.9), TrackingSettings::new(LawName::Lqr));
+        let (follower, turn) = (FollowerSettings::new(&vehicle, law), TurnSettings::new(&vehicle));
+        assert_eq!(follower.with_loop(&controller.path_tracking), follower);
+        assert_eq!(turn.with_loop(&controller.spot_turn), turn);
     }
 
     #[test]

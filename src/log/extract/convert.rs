@@ -2,6 +2,8 @@
 
 use crate::log::signal_map::{Code, SignalName, SignalSpec};
 use crate::log::value::Raw;
+use crate::map::Vehicle;
+use crate::units::Dimension;
 
 /// Conversion of the values of one signal, for one channel.
 #[derive(Debug, Clone)]
@@ -15,14 +17,19 @@ pub(crate) enum Convert {
 }
 
 impl Convert {
-    /// `names`: numbers that the schema names at this place. `wheel_radius_m` converts wheel rotation to speed.
-    pub(crate) fn new(name: SignalName, spec: &SignalSpec, names: &[(String, i64)], wheel_radius_m: f64) -> Self {
+    /// `names`: numbers that the schema names at this place. The vehicle's wheel radius converts wheel rotation to speed, its full scale a share to torque.
+    pub(crate) fn new(name: SignalName, spec: &SignalSpec, names: &[(String, i64)], vehicle: &Vehicle) -> Self {
         match name {
             SignalName::Estop => Self::Flag,
             SignalName::Gear => Self::gear(spec, names),
             _ => {
-                let rotation = name == SignalName::Speed && spec.unit.dimension() == crate::units::Dimension::AngularSpeed;
-                let factor = spec.unit.factor() * if rotation { wheel_radius_m } else { 1.0 };
+                let per_unit = match (name, spec.unit.dimension()) {
+                    (SignalName::Speed, Dimension::AngularSpeed) => vehicle.wheel_radius_m,
+                    // a share without a full scale was refused before
+                    (SignalName::Torque | SignalName::TorqueFeedback, Dimension::Share) => vehicle.torque_full_scale_nm.unwrap_or(f64::NAN),
+                    _ => 1.0,
+                };
+                let factor = spec.unit.factor() * per_unit;
                 Self::Linear { factor, scale: spec.scale, offset: spec.offset }
             }
         }
@@ -105,9 +112,21 @@ mod tests {
         SignalSpec::new("/a.b".parse().unwrap(), unit.parse().unwrap())
     }
 
+    fn vehicle(wheel_radius_m: f64) -> Vehicle {
+        Vehicle { wheelbase_m: 0.9, wheel_radius_m, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: Some(44.0) }
+    }
+
+    #[test]
+    fn a_share_becomes_torque_through_the_full_scale() {
+        for (unit, number) in [("%", 25.0), ("permille", 250.0)] {
+            let convert = Convert::new(SignalName::Torque, &spec(unit), &[], &vehicle(0.12));
+            assert!((convert.apply(&Raw::Number(number)).unwrap() - 11.0).abs() < 1e-12, "{unit}");
+        }
+    }
+
     #[test]
     fn rotation_becomes_speed_through_the_wheel_radius() {
-        let convert = Convert::new(SignalName::Speed, &spec("rpm"), &[], 0.12);
+        let convert = Convert::new(SignalName::Speed, &spec("rpm"), &[], &vehicle(0.12));
         let value = convert.apply(&Raw::Integer(60)).unwrap();
         assert!((value - 2.0 * std::f64::consts::PI * 0.12).abs() < 1e-12);
     }
@@ -115,7 +134,7 @@ mod tests {
     #[test]
     fn scale_and_offset_come_before_the_unit() {
         let spec = SignalSpec { scale: 0.1, offset: -5.0, ..spec("km/h") };
-        let value = Convert::new(SignalName::Speed, &spec, &[], 0.12).apply(&Raw::Text(Cow::Borrowed(" 86 "))).unwrap();
+        let value = Convert::new(SignalName::Speed, &spec, &[], &vehicle(0.12)).apply(&Raw::Text(Cow::Borrowed(" 86 "))).unwrap();
         assert!((value - 1.0).abs() < 1e-12);
     }
 
@@ -123,11 +142,11 @@ mod tests {
     fn gears_are_known_by_number_by_text_and_by_the_schemas_names() {
         let names =
             [("GEAR_NEUTRAL".to_owned(), 1), ("GEAR_DRIVE".to_owned(), 2), ("GEAR_REVERSE".to_owned(), 20), ("PARK".to_owned(), 22)];
-        let by_schema = Convert::new(SignalName::Gear, &spec("1"), &names, 0.1);
+        let by_schema = Convert::new(SignalName::Gear, &spec("1"), &names, &vehicle(0.1));
         assert_eq!([1, 2, 20, 22, 7].map(|n| by_schema.apply(&Raw::Integer(n)).unwrap()), [0.0, 1.0, -1.0, 0.0, 0.0]);
         assert_eq!(by_schema.apply(&Raw::Text(Cow::Borrowed("R"))), Some(-1.0));
         let codes = vec![(Code::Text("gear_drive".into()), -1.0), (Code::Number(1.0), 1.0)];
-        let convert = Convert::new(SignalName::Gear, &SignalSpec { codes, ..spec("1") }, &names, 0.1);
+        let convert = Convert::new(SignalName::Gear, &SignalSpec { codes, ..spec("1") }, &names, &vehicle(0.1));
         assert_eq!([1, 2, 20].map(|n| convert.apply(&Raw::Integer(n)).unwrap()), [1.0, -1.0, 0.0]);
     }
 }

@@ -90,7 +90,7 @@ mod tests {
     }
 
     fn vehicle() -> Vehicle {
-        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.1, test_angle_deg: 90.0, torque_limit_nm: None }
+        Vehicle { wheelbase_m: 0.9, wheel_radius_m: 0.1, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: None }
     }
 
     #[test]

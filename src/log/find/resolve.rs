@@ -15,7 +15,9 @@ use crate::log::schema::Layout;
 use crate::log::signal_map::{SignalMap, SignalName, SignalSpec};
 use crate::log::vehicle::VEHICLE_METADATA;
 use crate::log::{Error, Result, Source, reference_path};
+use crate::map::Vehicle;
 use crate::spelling::edits;
+use crate::units::Dimension;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A signal and the path that it is read from.
@@ -136,6 +138,18 @@ fn no_topic(signal: SignalName, topic: &str, topics: &BTreeSet<&str>) -> Error {
     }
 }
 
+/// Checks that a torque in % has a torque that is 100 %.
+///
+/// # Errors
+/// It has none.
+pub(crate) fn expect_full_scale(choices: &Choices, vehicle: &Vehicle) -> Result<()> {
+    let is_share = |choice: &PathChoice| choice.spec.unit.dimension() == Dimension::Share;
+    if vehicle.torque_full_scale_nm.is_none() && choices.found.iter().any(is_share) {
+        return Err(Error::MissingVehicle { missing: "torque_full_scale_nm" });
+    }
+    Ok(())
+}
+
 /// The plans to read `choices`, one per channel; choice `i` fills column `i`.
 ///
 /// # Errors
@@ -144,7 +158,7 @@ pub(crate) fn plans(
     choices: &mut Choices,
     container: &Container,
     samples: &BTreeMap<u16, Vec<u8>>,
-    wheel_radius_m: f64,
+    vehicle: &Vehicle,
 ) -> Result<BTreeMap<u16, ChannelPlan>> {
     let mut plans = BTreeMap::new();
     let mut problems: BTreeMap<usize, Error> = BTreeMap::new();
@@ -177,7 +191,7 @@ pub(crate) fn plans(
             })
             .collect();
         served.extend(good.iter().map(|(column, _)| *column));
-        if let Some(plan) = channel_plan(&layout, &good, samples.get(id).map(Vec::as_slice), wheel_radius_m) {
+        if let Some(plan) = channel_plan(&layout, &good, samples.get(id).map(Vec::as_slice), vehicle) {
             plans.insert(*id, plan);
         }
     }
@@ -203,7 +217,7 @@ fn one(layout: &Layout, choice: &PathChoice) -> std::result::Result<(), PlanErro
     Extractor::compile(layout, &[path]).map(|_| ()).map_err(|(_, source)| source)
 }
 
-fn channel_plan(layout: &Layout, wanted: &[(usize, &PathChoice)], sample: Option<&[u8]>, wheel_radius_m: f64) -> Option<ChannelPlan> {
+fn channel_plan(layout: &Layout, wanted: &[(usize, &PathChoice)], sample: Option<&[u8]>, vehicle: &Vehicle) -> Option<ChannelPlan> {
     let mut paths: Vec<MessagePath> = Vec::new();
     let slot = |steps: &[PathStep], paths: &mut Vec<MessagePath>| {
         paths.iter().position(|path| path.steps == steps).unwrap_or_else(|| {
@@ -227,7 +241,7 @@ fn channel_plan(layout: &Layout, wanted: &[(usize, &PathChoice)], sample: Option
             column: *column,
             slot: slot(&spec.path.steps, &mut paths),
             stamp,
-            convert: Convert::new(choice.signal, spec, &names, wheel_radius_m),
+            convert: Convert::new(choice.signal, spec, &names, vehicle),
             list: spec.path.is_list(),
         });
     }

@@ -7,7 +7,7 @@ use crate::map::files::named;
 use crate::map::files::shape::ArrayField;
 use crate::map::files::status::ZeroRow;
 use crate::map::files::table1_file::{CsvRef, Units};
-use crate::map::{ACCEL_AXIS, AngleFamily, Axis, CellStatus, Gear, Result, SPEED_AXIS, TorqueTable, Vehicle, WheelAngle};
+use crate::map::{ACCEL_AXIS, AngleFamily, Axis, CellStatus, Gear, RawUnits, Result, SPEED_AXIS, TorqueTable, Vehicle, WheelAngle};
 use serde::{Deserialize, Serialize};
 
 /// `table2.json`: one [`TorqueMap`] per gear and wheel angle, and where they come from.
@@ -22,6 +22,9 @@ pub struct Table2File {
     /// Identifier of the generation, that of the Table 1 behind the file; empty in files of versions before it.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub generation: String,
+    /// Why the map must not be deployed; only in a file of `export --unverified`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unverified: Option<String>,
     /// Units of every number whose name does not give them.
     pub units: Units,
     /// The vehicle.
@@ -39,6 +42,9 @@ pub struct Table2File {
     /// The drive, where it is more than a first-order lag; the lag is then that of the nearest one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<IdentifiedDrive>,
+    /// Raw units in which breaks and torques are whole counts of 16 bits; absent if they are any numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub raw: Option<RawUnits>,
     /// The tables.
     pub maps: Vec<TorqueMap>,
     /// The common part of a gear's maps at several wheel angles; none with one angle.

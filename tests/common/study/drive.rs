@@ -136,7 +136,13 @@ impl Drive {
         }
         let angle_rad = Series { t_s: encoder.t_s.clone(), value: vec![std::f64::consts::FRAC_PI_2; encoder.len()] };
         let gear = Series { t_s: encoder.t_s.clone(), value: vec![1.0; encoder.len()] };
-        let vehicle = Vehicle { wheelbase_m: 1.2, wheel_radius_m: 0.1, test_angle_deg: 90.0, torque_limit_nm: Some(40.0) };
+        let vehicle = Vehicle {
+            wheelbase_m: 1.2,
+            wheel_radius_m: 0.1,
+            test_angle_deg: 90.0,
+            torque_limit_nm: Some(40.0),
+            torque_full_scale_nm: None,
+        };
         let track = Track {
             source: LogRef { sha256: format!("{seed:064x}"), file: format!("seed_{seed}"), bytes: 0, loss: None },
             vehicle,
