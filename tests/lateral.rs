@@ -109,7 +109,8 @@ fn the_compensation_passes_with_its_table_and_fails_with_one_of_the_wrong_sign()
     let folder = folder.path();
     let to = maps(folder);
     let names = ["lateral-forward", "lateral-reverse", "lateral-forward-periods", "lateral-reverse-periods"];
-    let args: Vec<&str> = ["verify", "--draws", "1"].into_iter().chain(names.into_iter().flat_map(|name| ["--scenario", name])).collect();
+    let args: Vec<&str> =
+        ["verify", "--fresh", "--draws", "1"].into_iter().chain(names.into_iter().flat_map(|name| ["--scenario", name])).collect();
     let (status, said, errors) = run(folder, &args);
     assert_eq!(status, 0, "{said}{errors}");
     // the same entries, angles negated: the compensation drives the vehicle away
@@ -139,7 +140,7 @@ fn every_tracking_law_drives_the_polyline_within_the_gate_and_its_run_is_logged(
     let folder = folder.path();
     maps(folder);
     let laws = ["pure-pursuit", "front-axle", "rear-axle", "lqr", "mpc"].map(|law| format!("polyline-{law}"));
-    let mut args = vec!["verify", "--draws", "1", "--log", "logs", "--json"];
+    let mut args = vec!["verify", "--fresh", "--draws", "1", "--log", "logs", "--json"];
     for name in &laws {
         args.extend(["--scenario", name]);
     }
@@ -263,7 +264,7 @@ fn a_polyline_of_ones_own_is_driven_and_what_is_none_is_refused_with_what_would_
     maps(folder);
     let verify = |points: &str, more: &[&str]| {
         std::fs::write(folder.join("points.csv"), points).unwrap();
-        run(folder, &[&["verify", "--scenario", "polyline-lqr", "--draws", "1", "--points", "points.csv"], more].concat())
+        run(folder, &[&["verify", "--fresh", "--scenario", "polyline-lqr", "--draws", "1", "--points", "points.csv"], more].concat())
     };
     // off the origin, first to the north, a corner to the left, one back by more than 90° (in reverse)
     let (status, said, errors) = verify("x_m,y_m\n20,10\n20,14\n16,14\n18,12.5\n", &["--json"]);

@@ -152,7 +152,7 @@ fn a_verdict_on_chosen_scenarios_alone_judges_no_map_unless_it_fails() {
 /// Some of each kind of manoeuvre driven with the maps, and a plan beside them; the verdict stays the one on the pivots.
 fn drive_manoeuvres(maps: &Path) {
     let kept = ["verify.json", "verify_traces.json"].map(|name| (maps.join(name), std::fs::read(maps.join(name)).unwrap()));
-    let mut args = vec!["verify", "--maps", maps.to_str().unwrap(), "--draws", "1", "-q"];
+    let mut args = vec!["verify", "--fresh", "--maps", maps.to_str().unwrap(), "--draws", "1", "-q"];
     for name in ["polyline-pure-pursuit", "polyline-lqr", "lateral-forward", "parking", "parking-nose-in", "u-turn"] {
         args.extend(["--scenario", name]);
     }

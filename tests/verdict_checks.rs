@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Verifies the maps; exit status, first line, everything that was printed.
 fn verify(maps: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let start = ["verify", "--maps", maps.to_str().unwrap()];
+    let start = ["verify", "--fresh", "--maps", maps.to_str().unwrap()];
     let (status, out, errors) = run(Path::new("."), &[&start[..], arguments].concat());
     (status, out.lines().next().unwrap_or_default().to_owned(), out + &errors)
 }

@@ -9,7 +9,7 @@ use crate::cli::{Ui, controller_file, points};
 use crate::import::{FullScale, read_map};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
-use crate::map::{FolderWriter, write_whole};
+use crate::map::{FolderWriter, sha256_hex, write_whole};
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::text::shown;
@@ -175,7 +175,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         None => maps,
     };
     let logs_wanted = arguments.log.is_some();
-    let Verified { verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
+    let Verified { mut verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
         Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress), ..Wanted::default() })?)
     })?;
     let at_other_angles = at_angles(&maps, &settings, &arguments.angle)?;
@@ -185,7 +185,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     })?;
     logs.extend(judged.logs);
     let scenarios = at_other_angles.into_iter().chain(judged.verdicts).collect();
-    let mut verdict = verdict.with_scenarios(scenarios, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
+    if !driven.manoeuvres.is_empty() {
+        verdict.manoeuvre_vehicle_sha256 = Some(sha256_hex(format!("{:?}", driven.vehicle).as_bytes()));
+    }
+    verdict = verdict.with_scenarios(scenarios, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
     // the verdict on a file is none on the map of the folder
     if arguments.table.is_none() {
         if let Some(earlier) = earlier(arguments, &folder) {

@@ -49,6 +49,8 @@ pub(crate) struct EditedCell {
 /// Share of the last digit that rounding to it costs, and of a look-up's rounding [N·m].
 const ROUNDED: f64 = 0.5 + 1e-6;
 const LOOK_UP_NM: f64 = 1e-9;
+/// Last digit of a break in the formats that are written.
+const BREAK_DIGIT: f64 = 1e-6;
 
 /// Compares the file that came back with the map.
 pub(crate) fn edited(map: &DiffSide, file: &str, imported: &ImportedMap) -> EditedMap {
@@ -90,7 +92,10 @@ fn add(found: &mut EditedMap, sheet: &Sheet, table: &ImportedTable) {
         };
         found.compared += 1;
         let change = torque_nm.value - measured_nm;
-        if change.abs() <= ROUNDED * torque_nm.last_digit + LOOK_UP_NM {
+        // what rounding of the point's own place changes: where a file has points between the breaks, as at zero torque
+        let beside = |by: f64| lookup::bilinear(&sheet.rows, &sheet.columns, &sheet.values, speed, accel + by).unwrap_or(measured_nm);
+        let of_place_nm = [-BREAK_DIGIT, BREAK_DIGIT].map(|by| (beside(by) - measured_nm).abs()).into_iter().fold(0.0, f64::max);
+        if change.abs() <= ROUNDED * torque_nm.last_digit + of_place_nm + LOOK_UP_NM {
             continue;
         }
         let std_err_nm = sheet.at(speed, accel).map(|(_, error)| error).filter(|error| *error > 0.0);
@@ -108,5 +113,5 @@ fn add(found: &mut EditedMap, sheet: &Sheet, table: &ImportedTable) {
 
 /// The break that `value` is, within the rounding of its digits; otherwise the value itself.
 fn nearest(breaks: &[f64], value: f64) -> f64 {
-    breaks.iter().copied().find(|b| (b - value).abs() < 1e-6).unwrap_or(value)
+    breaks.iter().copied().find(|b| (b - value).abs() < BREAK_DIGIT).unwrap_or(value)
 }

@@ -16,7 +16,8 @@ impl MapVerdict {
         }
         let mut driven = std::mem::take(&mut self.scenarios);
         let mut scenarios = Vec::new();
-        for before in &earlier.scenarios {
+        let same_manoeuvres = self.drives_manoeuvres_as(earlier);
+        for before in earlier.scenarios.iter().filter(|s| s.class.is_pivot() || same_manoeuvres) {
             let now = driven.iter().position(|s| s.name == before.name).map(|k| driven.remove(k));
             scenarios.push(match now {
                 Some(now) if !outlasts(before, &now) => now,
@@ -28,6 +29,9 @@ impl MapVerdict {
         scenarios.sort_by_key(order);
         if !self.drives_pivots() && earlier.scenarios.iter().any(|s| s.class.is_pivot()) {
             self.draws = earlier.draws;
+        }
+        if same_manoeuvres {
+            self.manoeuvre_vehicle_sha256 = self.manoeuvre_vehicle_sha256.or_else(|| earlier.manoeuvre_vehicle_sha256.clone());
         }
         self.accepted.extend(earlier.accepted.iter().filter(|name| !self.accepted.contains(name)).cloned().collect::<Vec<_>>());
         let replayed_now: Vec<&str> = self.replayed.iter().map(|r| r.file.as_str()).collect();
@@ -52,9 +56,16 @@ impl MapVerdict {
             && self.forced == other.forced
             && self.plant == other.plant
             && self.spread == other.spread
+            && self.controller_settings == other.controller_settings
             && self.controller == other.controller
             && self.limits == other.limits
             && self.round_trip_limit == other.round_trip_limit
+    }
+
+    /// Whether the manoeuvres that an earlier verdict judged still hold: with this lateral table, and by the vehicle that drives now, if one does.
+    fn drives_manoeuvres_as(&self, earlier: &Self) -> bool {
+        let same_vehicle = self.manoeuvre_vehicle_sha256.is_none() || self.manoeuvre_vehicle_sha256 == earlier.manoeuvre_vehicle_sha256;
+        same_vehicle && self.lateral_sha256 == earlier.lateral_sha256
     }
 
     fn drives_pivots(&self) -> bool {
@@ -124,5 +135,12 @@ mod tests {
         assert_eq!(kept(MapVerdict { generation: "another".to_owned(), ..all.clone() }), 1);
         assert_eq!(kept(MapVerdict { limits: Vec::new(), ..all.clone() }), 1);
         assert_eq!(kept(all.clone()), all.scenarios.len());
+        let parked = MapVerdict { scenarios: vec![scenario("parking", Class::Parking, Status::Pass, 20)], ..all.clone() };
+        let of = |vehicle: &str| MapVerdict { manoeuvre_vehicle_sha256: Some(vehicle.to_owned()), ..parked.clone() };
+        let turned = MapVerdict { scenarios: vec![scenario("u-turn", Class::UTurn, Status::Pass, 20)], ..of("sweeper") };
+        assert_eq!(turned.clone().added_to(&of("sweeper")).scenarios.len(), 2);
+        assert_eq!(turned.added_to(&of("scrubber")).scenarios.len(), 1);
+        assert_eq!(now().added_to(&of("scrubber")).scenarios.len(), 2);
+        assert_eq!(MapVerdict { lateral_sha256: Some("another".to_owned()), ..now() }.added_to(&of("scrubber")).scenarios.len(), 1);
     }
 }

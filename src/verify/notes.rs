@@ -99,6 +99,8 @@ mod tests {
             round_trip: Vec::new(),
             scenarios,
             comparison: None,
+            lateral_sha256: None,
+            manoeuvre_vehicle_sha256: None,
             replayed: Vec::new(),
         }
     }

@@ -91,6 +91,12 @@ pub struct MapVerdict {
     pub scenarios: Vec<ScenarioVerdict>,
     /// The map compared with other laws.
     pub comparison: Option<LawComparison>,
+    /// SHA-256 of the lateral table in the folder, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_sha256: Option<String>,
+    /// SHA-256 of the settings of the vehicle that drove the manoeuvres, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub manoeuvre_vehicle_sha256: Option<String>,
     /// Recorded runs replayed by the plant, if logs were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub replayed: Vec<ReplayedRun>,

@@ -19,7 +19,9 @@ os.dup2(2, 1)
 from pya2l import DB, model
 
 with contextlib.redirect_stdout(io.StringIO()):
-    session = DB().import_a2l(sys.argv[1], in_memory=True, progress_bar=False)
+    # it leaves temporary files and a database where it works
+    os.chdir(os.path.dirname(sys.argv[1]))
+    session = DB().import_a2l(os.path.basename(sys.argv[1]), in_memory=False)
 
 methods = {m.name: m for m in session.query(model.CompuMethod)}
 layouts = {r.name: r for r in session.query(model.RecordLayout)}
