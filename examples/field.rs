@@ -15,7 +15,7 @@ use pivot_cal::fit::{FitSettings, fit};
 use pivot_cal::internals::{Campaign, VehicleFile, record};
 use pivot_cal::invert::{InvertSettings, invert};
 use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{CellStatus, CsvRef, Table1File};
+use pivot_cal::map::{CellStatus, Check, CsvRef, Table1File};
 use pivot_cal::signal::Track;
 use std::collections::BTreeMap;
 
@@ -33,16 +33,23 @@ hold_s = 3.0
 repeats = 2
 [[runs]]
 torque_nm = [-20, -12, -6, 0, 6]
-start_speed_mps = 0.8
+start_speed_mps = 0.55
 spin_up_nm = 36
 end_speed_mps = 0.05
 hold_s = 3.0
 repeats = 2
 [[runs]]
 gear = \"reverse\"
-torque_nm = [-14, -22, -32, -40]
+torque_nm = [14, 22, 32, 40]
 hold_s = 3.0
 repeats = 2
+[[runs]]
+gear = \"reverse\"
+torque_nm = [-12, 0]
+start_speed_mps = 0.55
+spin_up_nm = 36
+end_speed_mps = 0.05
+hold_s = 3.0
 ";
 
 /// Kinds: a name, what is put into the vehicle file below a heading, and what is put before the campaign.
@@ -169,6 +176,10 @@ fn main() -> Fallible<()> {
                 let driven = record(&vehicle, &campaign, Some(seed))?;
                 let overrides = VehicleOverrides { wheelbase_m: Some(0.9), wheel_radius_m: Some(0.12), ..VehicleOverrides::default() };
                 match fitted(driven.bytes, &overrides) {
+                    Ok(file) if file.checks.iter().any(Check::objects) => {
+                        let first = file.checks.iter().find(|c| c.objects()).map_or("", |c| c.name.as_str());
+                        *refused.entry(format!("by {first}")).or_insert(0) += 1;
+                    }
                     Ok(file) => outcome.add(&vehicle, &file, driven.report.duration_s)?,
                     Err(error) => *refused.entry(error.to_string()).or_insert(0) += 1,
                 }
@@ -183,7 +194,7 @@ fn main() -> Fallible<()> {
             share(outcome.within),
             share(outcome.wrong),
             drives.join(", "),
-            refused.iter().map(|(why, count)| format!(", refused ({count}): {why}")).collect::<String>()
+            refused.iter().map(|(why, count)| format!(", rejected ({count}): {why}")).collect::<String>()
         );
     }
     Ok(())
