@@ -77,6 +77,7 @@ pub(crate) fn content_checks(file: &Table1File) -> Vec<Check> {
     all.extend(condemned(file));
     all.extend(file.maps.iter().filter(|m| m.angle().is_same(file.vehicle.test_angle())).map(|map| friction(file, map)));
     all.push(undelivered(file));
+    all.extend(given_drive(file));
     all.extend(change_checks(file));
     all
 }
@@ -192,11 +193,25 @@ fn friction(file: &Table1File, map: &AccelMap) -> Check {
     }
 }
 
+/// Whether the data contradict a drive that was given. `None` unless they do.
+fn given_drive(file: &Table1File) -> Option<Check> {
+    let better = file.actuator.drive.as_ref()?.better_than_given.as_ref()?;
+    let meaning =
+        format!("the data contradict the given drive: a {} predicts the readings better by {:.0} (−2·ln L)", better.drive, -better.worse);
+    let check = Check::passed("given-drive", (-better.worse, 30.0, "−2·ln L"), meaning);
+    Some(check.broken(CheckOutcome::Objection, "leave out --lag-ms, or give the value that the data show"))
+}
+
 /// Torque that the drive did not deliver.
 fn undelivered(file: &Table1File) -> Check {
     let drive = file.actuator.drive.as_ref();
     let seconds = drive.and_then(|d| d.undelivered_s).unwrap_or(0.0);
     let figure = (seconds, 0.0, "s");
+    if let Some(exceeded_s) = drive.and_then(|d| d.exceeded_s) {
+        let meaning = format!("for {exceeded_s:.1} s, the torque feedback shows more than the torque in the log's command, 0 s is allowed");
+        let advice = "the log does not hold the command that the drive had: look for a saturated or limited message, and for a second source of the command";
+        return Check::passed("torque-delivered", (exceeded_s, 0.0, "s"), meaning).broken(CheckOutcome::Objection, advice);
+    }
     if let Some(share) = drive.and_then(|d| d.undelivered_share) {
         let meaning = format!(
             "for {seconds:.1} s, the torque feedback is {share:.2} times the commanded torque, at small and large torques alike: another scale, and not a limit"

@@ -39,7 +39,7 @@ use crate::fit::{FitSettings, KnownCalibration, Result};
 pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, settings: &FitSettings) -> Result<Estimate<'a>> {
     let examined = Examined::new(surveys, choice, settings)?;
     let mut chosen = match &settings.known {
-        Some(KnownCalibration { drive: Some(drive), .. }) => DriveChoice { drive: *drive, others: Vec::new() },
+        Some(KnownCalibration { drive: Some(drive), .. }) => DriveChoice { drive: *drive, others: Vec::new(), better_than_given: None },
         _ => drive_choice::choose(&examined, surveys, choice, settings),
     };
     let mut state = State::from_guess(examined.guess(choice, settings, &[chosen.drive], None), settings);
@@ -56,5 +56,5 @@ pub(crate) fn estimate<'a>(surveys: &'a [Survey], choice: &TorqueChoice, setting
         }
     }
     let estimate = surface_rounds::run(state, sampled)?;
-    Ok(Estimate { other_drives: chosen.others, ..estimate })
+    Ok(Estimate { other_drives: chosen.others, better_than_given: chosen.better_than_given, ..estimate })
 }

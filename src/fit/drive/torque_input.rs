@@ -11,7 +11,7 @@ use crate::fit::drive::effective_torque::{EffectiveTorque, Instead};
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, dead_time_through, delays, lag_explains};
 use crate::fit::drive::feedback_scale::FeedbackScale;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
-use crate::fit::drive::undelivered::{Undelivered, undelivered};
+use crate::fit::drive::undelivered::{Undelivered, exceeded_s, undelivered};
 use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
 use crate::map::{ActuatorInput, DriveFamily, InputSource, LogRef};
 use crate::signal::{Series, Track, saturation};
@@ -28,6 +28,9 @@ const MOST_MISSING: f64 = 0.05;
 
 /// Least standard error of a lag by a feedback [s]: stamps are not better.
 const LEAST_LAG_STD_ERR_S: f64 = 2e-4;
+/// More torque than was asked for counts from this time on [s], and where it takes so many times the time of less: a drive that rings shows both.
+const LEAST_EXCEEDED_S: f64 = 1.0;
+const RINGING: f64 = 2.0;
 /// Share of the usable time without the commanded torque from which on the feedback replaces the command.
 const MOST_UNDELIVERED: f64 = 0.03;
 
@@ -81,6 +84,8 @@ pub(crate) struct TorqueChoice {
     scales: BTreeMap<LogRef, FeedbackScale>,
     /// Where each log's feedback lacks commanded torque.
     undelivered: BTreeMap<LogRef, Vec<Undelivered>>,
+    /// Time for which the feedbacks show more torque than was asked for [s].
+    exceeded_s: f64,
 }
 
 impl TorqueChoice {
@@ -103,6 +108,7 @@ impl TorqueChoice {
             .iter()
             .map(|(log, d)| (log.clone(), undelivered(&tracks[log].command_nm, &corrected[log], (d.dead_time_s, d.lag_s))))
             .collect();
+        let exceeded_s = delays.iter().map(|(log, d)| exceeded_s(&tracks[log].command_nm, &corrected[log], (d.dead_time_s, d.lag_s))).sum();
         let ratio = after_step_ratio(delays.values());
         let explained = lag_explains(delays.values());
         let objection = || objection(&surveys, &delays);
@@ -127,7 +133,13 @@ impl TorqueChoice {
                 None => (true, Some("it does not follow the command through a first-order lag".to_owned())),
             },
         };
-        Self { feedback, reason, for_undelivered: feedback && for_undelivered, ratio, delays, scales, undelivered }
+        Self { feedback, reason, for_undelivered: feedback && for_undelivered, ratio, delays, scales, undelivered, exceeded_s }
+    }
+
+    /// Time for which the feedbacks show more torque than was asked for [s], where that is no ringing around it.
+    pub(crate) fn exceeded_s(&self) -> Option<f64> {
+        let lacking_s: f64 = self.undelivered.values().flatten().map(|u| u.to_s - u.from_s).sum();
+        Some(self.exceeded_s).filter(|s| *s > LEAST_EXCEEDED_S && *s > RINGING * lacking_s)
     }
 
     /// Source of a log's effective torque.

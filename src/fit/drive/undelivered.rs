@@ -36,14 +36,24 @@ pub(crate) struct Undelivered {
 }
 
 /// The intervals of one log in order. `feedback` is corrected by its scale and offset; it shows the command `dead_time_s` late and lagged.
-pub(crate) fn undelivered(command: &Series, feedback: &Series, (dead_time_s, lag_s): (f64, f64)) -> Vec<Undelivered> {
+pub(crate) fn undelivered(command: &Series, feedback: &Series, delays_s: (f64, f64)) -> Vec<Undelivered> {
+    departures(command, feedback, delays_s, 1.0)
+}
+
+/// Time for which the feedback shows more torque than was asked for [s].
+pub(crate) fn exceeded_s(command: &Series, feedback: &Series, delays_s: (f64, f64)) -> f64 {
+    departures(command, feedback, delays_s, -1.0).iter().map(|d| d.to_s - d.from_s).sum()
+}
+
+/// The intervals in which the feedback is on one side of the command: 1 below its magnitude, −1 above.
+fn departures(command: &Series, feedback: &Series, (dead_time_s, lag_s): (f64, f64), side: f64) -> Vec<Undelivered> {
     let largest = command.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let asked = LaggedCommand::new(command, lag_s);
     let settled_s = (SETTLED.0 * lag_s).max(SETTLED.1);
     let least_nm = (LEAST_STD * noise_std(&feedback.value) / (WINDOW as f64).sqrt()).max(LEAST_SHARE * largest);
     let short_nm = |i: usize| {
         let asked_nm = asked.at(feedback.t_s[i] - dead_time_s).torque_nm;
-        (asked_nm - feedback.value[i]) * asked_nm.signum()
+        (asked_nm - feedback.value[i]) * asked_nm.signum() * side
     };
     let count = feedback.len();
     let short: Vec<f64> = (0..count).map(short_nm).collect();
@@ -110,5 +120,8 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!((found[0].from_s - 11.9).abs() < 0.08 && (found[0].to_s - 14.1).abs() < 0.15 && (found[0].torque_nm - 20.0).abs() < 0.2);
         assert!((found[0].share - 20.0 / 30.0).abs() < 0.01, "{found:?}");
+        assert_eq!(exceeded_s(&command, &feedback, (0.04, 0.05)), 0.0);
+        let clipped = Series { t_s: command.t_s.clone(), value: command.value.iter().map(|u| u.min(24.0)).collect() };
+        assert!((exceeded_s(&clipped, &feedback, (0.04, 0.05)) - 5.5).abs() < 1.5, "{}", exceeded_s(&clipped, &feedback, (0.04, 0.05)));
     }
 }

@@ -207,6 +207,8 @@ impl DriveModel {
             },
             undelivered_s: None,
             undelivered_share: None,
+            exceeded_s: None,
+            better_than_given: None,
             compared: Vec::new(),
         }
     }

@@ -71,6 +71,8 @@ pub(crate) struct DriveChoice {
     pub(crate) drive: DriveModel,
     /// The other drives that were fitted: by how much each is worse, with its standard error over the runs (−2·ln L).
     pub(crate) others: Vec<(DriveModel, f64, f64)>,
+    /// A drive that the data prefer by far to the one that was given, and by how much (−2·ln L).
+    pub(crate) better_than_given: Option<(DriveModel, f64)>,
 }
 
 /// Chooses the drive: its kind, and whether it has a limit.
@@ -78,10 +80,12 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
     let of_kind = |kind| delay_grid::drives(kind, largest_nm(surveys));
     let kinds = settings.drive.map_or_else(|| DriveKind::ALL.to_vec(), DriveKind::of);
     let first = examined.guess(choice, settings, &of_kind(kinds[0]), None);
-    let only = |drive| DriveChoice { drive, others: Vec::new() };
-    if choice.is_feedback() || settings.lag_s.is_some() {
+    let better_than_given = better_than_given(&first, examined, choice, settings, &of_kind(DriveKind::FirstOrder));
+    let only = |drive| DriveChoice { drive, others: Vec::new(), better_than_given };
+    if choice.is_feedback() {
         return only(first.calibration.drive);
     }
+    let kinds = if settings.lag_s.is_some() { kinds[..1].to_vec() } else { kinds };
     let better_than = |deviance: f64| (deviance - WORTH_A_FIT.0).min(deviance * (1.0 - WORTH_A_FIT.1));
     let (known_drive, known_s) = (first.calibration.drive, first.calibration.dead_time_s.clone());
     let beside = KnownDrive { drive: &known_drive, dead_time_s: &known_s };
@@ -116,7 +120,23 @@ pub(crate) fn choose(examined: &Examined, surveys: &[Survey], choice: &TorqueCho
         let (worse, std_err) = difference(s, best);
         (s.drive, worse, std_err)
     });
-    DriveChoice { drive: best.drive, others: rest.collect() }
+    DriveChoice { drive: best.drive, others: rest.collect(), better_than_given }
+}
+
+/// The first-order lag that the data prefer by far to the given one.
+fn better_than_given(
+    given: &InitialGuess,
+    examined: &Examined,
+    choice: &TorqueChoice,
+    settings: &FitSettings,
+    lags: &[DriveModel],
+) -> Option<(DriveModel, f64)> {
+    if settings.lag_s.is_none() || choice.is_feedback() {
+        return None;
+    }
+    let free = examined.guess(choice, &FitSettings { lag_s: None, ..settings.clone() }, lags, None);
+    let gain = given.deviance - free.deviance;
+    (gain > WORTH_A_FIT.0 && gain > WORTH_A_FIT.1 * given.deviance).then_some((free.calibration.drive, gain))
 }
 
 /// The choice with a torque limit that the surface of the drive chosen shows, unless the runs left out contradict it.
@@ -135,7 +155,7 @@ pub(crate) fn with_torque_limit(
         return chosen;
     }
     let others = std::iter::once((unlimited.drive, worse, std_err)).chain(chosen.others).collect();
-    DriveChoice { drive: limited.drive, others }
+    DriveChoice { drive: limited.drive, others, ..chosen }
 }
 
 /// The input of a fit: the torque feedback stays where the choice made it the input, unless a drive behind the command predicts runs left out

@@ -111,6 +111,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) calibration: Calibration,
     /// Other drives that were fitted: by how much each is worse, with its standard error (−2·ln L).
     pub(crate) other_drives: Vec<(DriveModel, f64, f64)>,
+    /// A drive that the data prefer by far to the one that was given, and by how much (−2·ln L).
+    pub(crate) better_than_given: Option<(DriveModel, f64)>,
     /// What was estimated with the surface.
     pub(crate) free: Free,
     pub(crate) calibration_errors: CalibrationErrors,

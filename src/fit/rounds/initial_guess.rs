@@ -189,7 +189,11 @@ fn spread_out(all: &[usize]) -> Vec<usize> {
 fn drives_to_try(choice: &TorqueChoice, settings: &FitSettings, drives: &[DriveModel]) -> Vec<DriveModel> {
     match settings.lag_s {
         _ if choice.is_feedback() => vec![DriveModel::first_order(0.0)],
-        Some(lag_s) => vec![DriveModel::first_order(lag_s)],
+        Some(lag_s) => {
+            let mut all: Vec<DriveModel> = drives.iter().map(|d| DriveModel { limit: d.limit, ..DriveModel::first_order(lag_s) }).collect();
+            all.dedup();
+            all
+        }
         None => drives.to_vec(),
     }
 }

@@ -123,6 +123,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converg
         calibration: state.calibration,
         free,
         other_drives: Vec::new(),
+        better_than_given: None,
         calibration_errors: state.calibration_errors,
         noise: state.noise,
         noise_bounds: state.noise_bounds,

@@ -145,13 +145,20 @@ fn identified_drive(found: &Delays, estimate: &Estimate, surveys: &[&Survey], ch
         .iter()
         .map(|(drive, worse, std_err)| ComparedDrive { drive: drive.to_string(), worse: round(*worse, 1e1), std_err: round(*std_err, 1e1) })
         .collect();
+    drive.better_than_given = estimate.better_than_given.map(|(drive, worse)| ComparedDrive {
+        drive: drive.to_string(),
+        worse: round(-worse, 1e1),
+        std_err: 0.0,
+    });
+    drive.exceeded_s = choice.exceeded_s().map(|seconds| round(seconds, 1e2));
     let undelivered = undelivered_samples(surveys, choice);
     if !undelivered.is_empty() {
         drive.undelivered_s = Some(round(undelivered.iter().map(|u| u.seconds).sum(), 1e2));
         drive.undelivered_share = common_share(&undelivered).map(|share| round(share, 1e3));
         drive.limit = drive.limit.or_else(|| limit_of(&undelivered)).filter(|_| drive.undelivered_share.is_none());
     }
-    let plain = drive.family == DriveFamily::FirstOrder && drive.limit.is_none() && drive.compared.is_empty() && undelivered.is_empty();
+    let departs = drive.better_than_given.is_some() || drive.exceeded_s.is_some() || !undelivered.is_empty();
+    let plain = drive.family == DriveFamily::FirstOrder && drive.limit.is_none() && drive.compared.is_empty() && !departs;
     (!plain).then_some(drive)
 }
 

@@ -106,6 +106,12 @@ pub struct IdentifiedDrive {
     /// Share of the commanded torque that was delivered then, where it is the same at different torques: another scale, and not a limit.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub undelivered_share: Option<f64>,
+    /// Time for which the feedback shows more torque than was asked for [s]: the log does not hold the command that the drive had.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub exceeded_s: Option<f64>,
+    /// A drive that the data prefer by far to the one that was given.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub better_than_given: Option<ComparedDrive>,
     /// Other drives that were fitted, each worse.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub compared: Vec<ComparedDrive>,
@@ -181,6 +187,8 @@ mod tests {
             limit: Some(limit),
             undelivered_s: None,
             undelivered_share: None,
+            exceeded_s: None,
+            better_than_given: None,
             compared: Vec::new(),
         };
         let text = |drive: &IdentifiedDrive| drive.lines().into_iter().map(|l| l.1).collect::<Vec<_>>().join("; ");
