@@ -100,6 +100,7 @@ mod tests {
             scenarios,
             comparison: None,
             replayed: Vec::new(),
+            pivots: Vec::new(),
         }
     }
 
