@@ -9,48 +9,22 @@
 
 #![allow(clippy::print_stdout)] // a study prints
 
-use pivot_cal::campaign::{Survey, SurveySettings};
-use pivot_cal::control::RAD_PER_DEG;
-use pivot_cal::fit::{FitSettings, fit};
 use pivot_cal::internals::{Campaign, VehicleFile, record};
-use pivot_cal::invert::{InvertSettings, invert};
-use pivot_cal::log::{Source, VehicleOverrides, read_bytes};
-use pivot_cal::map::{CellStatus, Check, CsvRef, Table1File};
-use pivot_cal::signal::Track;
+use pivot_cal::map::{Check, Table1File};
 use std::collections::BTreeMap;
 
+#[path = "../tests/common/field_campaign.rs"]
+mod field_campaign;
+#[path = "../tests/common/measured_cells.rs"]
+mod measured_cells;
 #[path = "../tests/common/vehicle_text.rs"]
 mod vehicle_text;
 
+use field_campaign::{CAMPAIGN, SCRUBBER, fitted};
+use measured_cells::measured_cells;
 use vehicle_text::changed;
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
-
-const CAMPAIGN: &str = "
-[[runs]]
-torque_nm = [12, 18, 24, 32, 40]
-hold_s = 3.0
-repeats = 2
-[[runs]]
-torque_nm = [-20, -12, -6, 0, 6]
-start_speed_mps = 0.55
-spin_up_nm = 36
-end_speed_mps = 0.05
-hold_s = 3.0
-repeats = 2
-[[runs]]
-gear = \"reverse\"
-torque_nm = [14, 22, 32, 40]
-hold_s = 3.0
-repeats = 2
-[[runs]]
-gear = \"reverse\"
-torque_nm = [-12, 0]
-start_speed_mps = 0.55
-spin_up_nm = 36
-end_speed_mps = 0.05
-hold_s = 3.0
-";
 
 /// Kinds: a name, what is put into the vehicle file below a heading, and what is put before the campaign.
 type Kind = (&'static str, &'static [(&'static str, &'static str)], &'static str);
@@ -81,9 +55,6 @@ const BURSTS: &[(&str, &str)] = &[
     ("[sensors.gyro]", "timing = { rate_hz = 100.0, burst_s = 0.1, jitter_s = 0.01 }"),
 ];
 
-/// The bundled vehicle.
-const SCRUBBER: &str = include_str!("../data/vehicles/scrubber.toml");
-
 /// Vehicles: the bundled scrubber, a heavier one, one with more friction.
 const VEHICLES: [&[(&str, &str)]; 3] = [
     &[],
@@ -104,29 +75,11 @@ struct Outcome {
 impl Outcome {
     /// `duration_s` is that of the campaign: a warming vehicle is judged by its mean.
     fn add(&mut self, vehicle: &VehicleFile, file: &Table1File, duration_s: f64) -> Fallible<()> {
-        let truth = mean_vehicle(vehicle, duration_s).truth()?;
-        let angle_rad = vehicle.settings().vehicle.test_angle_deg * RAD_PER_DEG;
-        let inverted = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &InvertSettings::default())?.file;
-        for map in &file.maps {
-            let table2 = inverted.maps.iter().find(|m| m.gear == map.gear).ok_or("no Table 2")?;
-            let table = table2.table()?;
-            for (i, torque_nm) in map.torque_nm.iter().enumerate() {
-                for (j, speed_mps) in map.speed_mps.iter().enumerate() {
-                    let accel = |u: f64| truth.gear_accel_mps2(map.gear, *speed_mps, u, angle_rad);
-                    // where a limit makes more torque no acceleration, every torque is right
-                    let slope = (accel(*torque_nm + 0.05) - accel(*torque_nm - 0.05)) / 0.1;
-                    if map.status[i][j] != CellStatus::Measured || *speed_mps < 0.04 || slope < 1e-3 {
-                        continue;
-                    }
-                    let Some(answer_nm) = table.torque_from_accel(*speed_mps, accel(*torque_nm)) else { continue };
-                    let error_nm = (answer_nm - torque_nm).abs();
-                    let std_err_nm = map.std_err_mps2[i][j] / slope;
-                    self.squares += error_nm * error_nm;
-                    self.within += f64::from(error_nm < 1.96 * std_err_nm);
-                    self.wrong += f64::from(error_nm > 3.0 * std_err_nm && error_nm > 1.0);
-                    self.cells += 1.0;
-                }
-            }
+        for cell in measured_cells(vehicle, file, duration_s)? {
+            self.squares += cell.error_nm * cell.error_nm;
+            self.within += f64::from(cell.error_nm < 1.96 * cell.std_err_nm);
+            self.wrong += f64::from(cell.is_off_by(1.0, 3.0));
+            self.cells += 1.0;
         }
         let drive = file.actuator.drive.as_ref().map_or("first order".to_owned(), |d| {
             let limit = d.limit.map_or(String::new(), |l| format!(", {:?} limit", l.kind).to_lowercase());
@@ -137,30 +90,9 @@ impl Outcome {
     }
 }
 
-/// The vehicle with its mean friction over a campaign.
-fn mean_vehicle(vehicle: &VehicleFile, duration_s: f64) -> VehicleFile {
-    let mut mean = vehicle.clone();
-    let motion = &mut mean.motion;
-    let warmed = duration_s / motion.warming_time_s;
-    let factor = 1.0 - motion.friction_fall * (1.0 - (1.0 - (-warmed).exp()) / warmed);
-    for friction in
-        [&mut motion.coulomb_nm, &mut motion.static_nm, &mut motion.scrub_nm, &mut motion.viscous_nm_s_m, &mut motion.quadratic_nm_s2_m2]
-    {
-        *friction *= factor;
-    }
-    mean
-}
-
 fn after(flag: &str, otherwise: &str) -> String {
     let arguments: Vec<String> = std::env::args().collect();
     arguments.iter().position(|a| a == flag).and_then(|k| arguments.get(k + 1)).cloned().unwrap_or_else(|| otherwise.to_owned())
-}
-
-/// Table 1 of a log, without any option but the vehicle's dimensions.
-fn fitted(log: Vec<u8>, overrides: &VehicleOverrides) -> Fallible<Table1File> {
-    let recording = read_bytes(log, "field.mcap", &Source::Detect, overrides)?;
-    let survey = Survey::new(Track::new(&recording)?, &SurveySettings::default())?;
-    Ok(fit(vec![survey], &FitSettings::default())?.file)
 }
 
 fn main() -> Fallible<()> {
@@ -174,8 +106,7 @@ fn main() -> Fallible<()> {
             let vehicle = VehicleFile::from_toml(&changed(SCRUBBER, &[vehicle, changes].concat()))?;
             for seed in 1..=seeds {
                 let driven = record(&vehicle, &campaign, Some(seed))?;
-                let overrides = VehicleOverrides { wheelbase_m: Some(0.9), wheel_radius_m: Some(0.12), ..VehicleOverrides::default() };
-                match fitted(driven.bytes, &overrides) {
+                match fitted(driven.bytes) {
                     Ok(file) if file.checks.iter().any(Check::objects) => {
                         let first = file.checks.iter().find(|c| c.objects()).map_or("", |c| c.name.as_str());
                         *refused.entry(format!("by {first}")).or_insert(0) += 1;

@@ -21,6 +21,7 @@ pub use event::StageEvent;
 pub use fit_stage::{FittedLogs, fit_logs};
 pub(crate) use folder::read_table1;
 pub use invert_stage::invert_folder;
+pub(crate) use logs::read_operation_logs;
 pub use logs::{read_logs, survey};
 pub use report_stage::{WrittenReport, report_folder};
 pub use settings::{CalibrateSettings, FitStage, InvertStage, LogSource};

@@ -50,6 +50,7 @@ pub(crate) use reference_path::ReferencePath;
 pub use signal_map::{SignalMap, SignalName, VehicleOverrides};
 pub(crate) use split_bag::read_split;
 pub use survey::{Depth, FoundSignal, LogSurvey, Missing, Topic, survey};
+pub(crate) use vehicle::SCENARIO_METADATA;
 
 /// Where the signals of a log are.
 #[derive(Debug, Clone, PartialEq)]

@@ -18,6 +18,7 @@ mod series;
 mod signs;
 mod slope;
 mod standstill;
+mod stuck;
 mod taken;
 mod track;
 

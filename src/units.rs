@@ -18,6 +18,8 @@ pub(crate) const NS_PER_S: f64 = 1e9;
 pub enum Dimension {
     /// Metres per second.
     Speed,
+    /// Metres per second squared.
+    Acceleration,
     /// Radians per second of a wheel or of the vehicle's heading.
     AngularSpeed,
     /// Radians.
@@ -38,6 +40,7 @@ impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Speed => "speed",
+            Self::Acceleration => "acceleration",
             Self::AngularSpeed => "angular speed",
             Self::Angle => "angle",
             Self::Torque => "torque",
@@ -63,6 +66,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["km/h", "kmh", "kph"], Dimension::Speed, 1.0 / 3.6),
     (&["mm/s", "mmps"], Dimension::Speed, 1e-3),
     (&["cm/s"], Dimension::Speed, 1e-2),
+    (&["m/s²", "m/s^2", "m/s2", "mps2"], Dimension::Acceleration, 1.0),
     (&["rad/s", "radps"], Dimension::AngularSpeed, 1.0),
     (&["deg/s", "dps", "°/s"], Dimension::AngularSpeed, RAD_PER_DEG),
     (&["mrad/s"], Dimension::AngularSpeed, 1e-3),

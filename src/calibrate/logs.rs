@@ -3,7 +3,7 @@
 use crate::calibrate::error::About as _;
 use crate::calibrate::{Error, Listener, LogSource, Result, StageEvent};
 use crate::campaign::{Survey, SurveySettings};
-use crate::log::{MOST_VALUES, Recording, Source, find_logs, read_split};
+use crate::log::{MOST_VALUES, Recording, SignalName, Source, find_logs, read_split};
 use crate::signal::Track;
 use crate::text::shown;
 use rayon::prelude::*;
@@ -14,13 +14,26 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// A log that is missing or cannot be read.
 pub fn read_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Result<Vec<Recording>> {
+    read_signals_of(logs, &SignalName::ALL, source, listen)
+}
+
+/// Like [`read_logs`], with the desired acceleration of pivots in operation.
+///
+/// # Errors
+/// As [`read_logs`].
+pub(crate) fn read_operation_logs(logs: &[PathBuf], source: &LogSource, listen: &Listener) -> Result<Vec<Recording>> {
+    read_signals_of(logs, &SignalName::OPERATION, source, listen)
+}
+
+fn read_signals_of(logs: &[PathBuf], wanted: &[SignalName], source: &LogSource, listen: &Listener) -> Result<Vec<Recording>> {
     let mut found = Vec::new();
     for named in logs {
         found.extend(find_logs(named).in_file(named)?);
     }
     let total = found.iter().flatten().filter_map(|p| std::fs::metadata(p).ok()).map(|m| m.len()).sum();
-    let read_one =
-        |files: &Vec<PathBuf>| read_split(files, &source.signals, &source.vehicle, &|bytes| listen(StageEvent::Read { bytes, total }));
+    let read_one = |files: &Vec<PathBuf>| {
+        read_split(files, wanted, &source.signals, &source.vehicle, &|bytes| listen(StageEvent::Read { bytes, total }))
+    };
     // in parallel: the hash of a log takes longer than its messages, and uses only one thread
     let read: Vec<_> = found.par_iter().map(read_one).collect();
     listen(StageEvent::Complete);

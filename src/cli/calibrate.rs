@@ -19,7 +19,8 @@ Examples:
 
 Runs fit, invert, verify and report with their defaults; the folder of --maps gets all files at the end, or after an error none.
 Memory: logs of any size are read by the chunk (256 MB at most, two per thread) with 32 bytes for each value of a signal, at most
-128 million values in all logs (4 GB). What needs more is refused.
+128 million values in all logs (4 GB). What needs more is refused. The fit itself needs about 1.9 kB for each speed reading used: 200
+logs of 14 runs take 605 MB at their peak.
 Exit status: 0 the map passes, 3 it fails or a check rejects it, 1 error or too little was driven to judge.")]
 pub(crate) struct Arguments {
     #[command(flatten)]

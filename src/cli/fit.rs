@@ -26,7 +26,8 @@ Examples:
 Writes table1.csv and table1.json (and table1.reverse.csv if reverse gear was tested) into the folder of --maps, and fit_traces.json for
 the report. A log with runs at several wheel angles gives a map of each angle: table1.csv for the test angle, table1.angle30.csv for 30°.
 Memory: logs of any size are read by the chunk (256 MB at most, two per thread) with 32 bytes for each value of a signal, at most
-128 million values in all logs (4 GB). What needs more is refused.
+128 million values in all logs (4 GB). What needs more is refused. The fit itself needs about 1.9 kB for each speed reading used: 200
+logs of 14 runs take 605 MB at their peak.
 Exit status: 0 done, 3 written but a check is an objection (or, with --strict, a log is damaged), 1 error.")]
 pub(crate) struct Arguments {
     #[command(flatten)]

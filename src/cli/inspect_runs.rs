@@ -4,7 +4,7 @@ use crate::campaign;
 use crate::campaign::{Census, HeldAngle, Survey, ledger, runs as run_rows, with_missing};
 use crate::cli::Ui;
 use crate::cli::verify_text::show_checks;
-use crate::log::{Source, VehicleOverrides, read_split};
+use crate::log::{SignalName, Source, VehicleOverrides, read_split};
 use crate::map::{Check, LedgerRow, RunRow};
 use crate::signal::Track;
 use crate::text::shown;
@@ -29,7 +29,7 @@ pub(crate) fn runs(files: &[PathBuf], source: &Source, overrides: &VehicleOverri
     let mut survey = || -> anyhow::Result<Survey> {
         let bytes = files.iter().map(|path| Ok(std::fs::metadata(path)?.len())).sum::<std::io::Result<u64>>()?;
         let bar = ui.progress(bytes, "reading runs");
-        let recording = read_split(files, source, overrides, &|read| bar.inc(read));
+        let recording = read_split(files, &SignalName::ALL, source, overrides, &|read| bar.inc(read));
         bar.finish_and_clear();
         let track = Track::new(&recording?)?;
         census = Census::new([&track], &campaign::SurveySettings::default());

@@ -1,11 +1,11 @@
 //! Logs on the command line: their paths, their signals, and the vehicle's data.
 
-use crate::calibrate::{LogSource, read_logs, survey};
+use crate::calibrate::{LogSource, read_logs, read_operation_logs, survey};
 use crate::campaign::Survey;
 use crate::cli::Ui;
 use crate::cli::listener::UiListener;
 use crate::cli::text_file::read_file;
-use crate::log::{Preset, SignalMap, Source, VehicleOverrides};
+use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides};
 use crate::map::Vehicle;
 use crate::text::shown;
 use anyhow::Context;
@@ -20,7 +20,7 @@ pub(crate) struct LogArguments {
     /// Signal map: which message path is which signal, and where its time is (docs/signals.md)
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) signals: Option<PathBuf>,
-    /// Signal map that comes with the program: pivot-cal, autoware, joint-state
+    /// Signal map that comes with the program: pivot-cal, verify-log, autoware, joint-state
     #[arg(long, value_name = "NAME")]
     pub(crate) preset: Option<Preset>,
     /// Wheelbase [m], over any signal map
@@ -77,6 +77,18 @@ impl LogArguments {
         let listener = UiListener::new(ui, "reading");
         let recordings = read_logs(&self.logs, &self.log_source()?, &|event| listener.hear(event))?;
         Ok(survey(&recordings, &|event| listener.hear(event))?)
+    }
+
+    /// Reads and surveys every log of pivots in operation. A log without usable data is an error.
+    pub(crate) fn operation(&self, ui: Ui) -> anyhow::Result<Vec<(Recording, Survey)>> {
+        let listener = UiListener::new(ui, "reading");
+        let recordings = read_operation_logs(&self.logs, &self.log_source()?, &|event| listener.hear(event))?;
+        let mut found = Vec::new();
+        for recording in recordings {
+            let surveys = survey(std::slice::from_ref(&recording), &|event| listener.hear(event))?;
+            found.extend(surveys.into_iter().map(|survey| (recording.clone(), survey)));
+        }
+        Ok(found)
     }
 }
 

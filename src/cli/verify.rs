@@ -14,7 +14,8 @@ use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::text::shown;
 use crate::verify::{
-    Class, Error, Gate, MapVerdict, Maps, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, at_angles, replayed, verify_with,
+    Class, Error, Gate, MapVerdict, Maps, RecordedPivots, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, at_angles,
+    recorded_pivots, replayed, verify_with,
 };
 use anyhow::{Context, bail};
 use std::path::PathBuf;
@@ -24,6 +25,7 @@ const SMALLEST_TURN_DEG: f64 = 2.0;
 
 /// Arguments of `verify`.
 #[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("recorded").multiple(true))]
 #[command(after_help = "\
 Examples:
   pivot-cal verify                            all pivots on the map in ./maps
@@ -36,6 +38,7 @@ Examples:
   pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
   pivot-cal verify --table tuned.dcm          a map that came back from a tool, on the measured plant
   pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
+  pivot-cal verify --pivots shift.mcap --signals deployed.toml   also pivots in operation, desired against actual acceleration
 
   pivot-cal verify --accept coverage          the objection of a check overruled by hand
 
@@ -83,13 +86,17 @@ pub(crate) struct Arguments {
     gate: Option<PathBuf>,
     /// Also replay the runs of this log with the plant, recorded against simulated speed; best a log that the fit has not used (may be
     /// repeated)
-    #[arg(long, value_name = "LOG")]
+    #[arg(long, value_name = "LOG", group = "recorded")]
     replay: Vec<PathBuf>,
-    /// Signal map of the replayed logs
-    #[arg(long, value_name = "FILE", requires = "replay", conflicts_with = "preset")]
+    /// Also compare the pivots of this log of a controller that drives with the map: desired acceleration (`desired_accel` in the signal map)
+    /// against the one that the vehicle had (may be repeated)
+    #[arg(long, value_name = "LOG", group = "recorded")]
+    pivots: Vec<PathBuf>,
+    /// Signal map of the logs of --replay and --pivots
+    #[arg(long, value_name = "FILE", requires = "recorded", conflicts_with = "preset")]
     signals: Option<PathBuf>,
-    /// Signal map of the replayed logs that comes with the program: pivot-cal, autoware, joint-state
-    #[arg(long, value_name = "NAME", requires = "replay")]
+    /// Signal map of these logs that comes with the program: pivot-cal, verify-log, autoware, joint-state
+    #[arg(long, value_name = "NAME", requires = "recorded")]
     preset: Option<Preset>,
     /// Points of the polyline manoeuvres instead of the built-in ones (CSV: x and y in metres, one point per line, optionally the set speed in m/s of
     /// the segment that begins there)
@@ -174,6 +181,8 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         }
         None => maps,
     };
+    // a log that cannot be read is an error before the driving
+    let (replayed_runs, pivots) = (replay_logs(arguments, &maps, ui)?, pivot_logs(arguments, &maps, ui)?);
     let logs_wanted = arguments.log.is_some();
     let Verified { mut verdict, traces, mut logs } = with_progress("verifying", ui, |progress| {
         Ok(verify_with(&maps, &settings, Wanted { traces: true, logs: logs_wanted, progress: Some(progress), ..Wanted::default() })?)
@@ -188,7 +197,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     if !driven.manoeuvres.is_empty() {
         verdict.manoeuvre_vehicle_sha256 = Some(sha256_hex(format!("{:?}", driven.vehicle).as_bytes()));
     }
-    verdict = verdict.with_scenarios(scenarios, judged.note).with_replayed(replay_logs(arguments, &maps, ui)?, &arguments.accept);
+    verdict = verdict
+        .with_scenarios(scenarios, judged.note)
+        .with_replayed(replayed_runs, &arguments.accept)
+        .with_pivots(pivots, &arguments.accept);
     // the verdict on a file is none on the map of the folder
     if arguments.table.is_none() {
         if let Some(earlier) = earlier(arguments, &folder) {
@@ -255,6 +267,19 @@ fn replay_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec
         runs.extend(replayed(&maps.table1, &survey)?);
     }
     Ok(runs)
+}
+
+/// The pivots in the logs of `--pivots`, desired against actual acceleration.
+fn pivot_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec<RecordedPivots>> {
+    if arguments.pivots.is_empty() {
+        return Ok(Vec::new());
+    }
+    let logs = LogArguments::of_vehicle(&arguments.pivots, arguments.signals.clone(), arguments.preset, &maps.table1.vehicle);
+    let mut pivots = Vec::new();
+    for (recording, survey) in logs.operation(ui)? {
+        pivots.extend(recorded_pivots(&maps.table1, &recording, &survey)?);
+    }
+    Ok(pivots)
 }
 
 /// The named scenarios and manoeuvres, in the order of the command line; without a name all pivots. Groups: `pivots`, `manoeuvres`, `all`.

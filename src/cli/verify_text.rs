@@ -1,8 +1,10 @@
-//! A verdict as text: the table of the scenarios, replayed runs, manoeuvres, and the comparison with other laws.
+//! A verdict as text: the table of the scenarios, replayed runs, pivots in operation, manoeuvres, and the comparison with other laws.
 
 use crate::cli::Ui;
 use crate::map::{Check, CheckOutcome};
-use crate::verify::{Class, LawComparison, LimitCheck, MapVerdict, Metric, ReplayedRun, ScenarioVerdict, Statistic, Status};
+use crate::verify::{
+    Class, LawComparison, LimitCheck, MapVerdict, Metric, RecordedPivots, ReplayedRun, ScenarioVerdict, Statistic, Status,
+};
 use comfy_table::{ContentArrangement, Table, presets};
 
 /// An empty table under a header.
@@ -46,6 +48,7 @@ pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
         compare(comparison, ui);
     }
     show_replayed(&verdict.replayed, ui);
+    show_pivots(&verdict.pivots, ui);
     for note in &verdict.notes {
         ui.say(format!("note: {note}"));
     }
@@ -154,6 +157,30 @@ fn show_replayed(runs: &[ReplayedRun], ui: Ui) {
         median(runs.iter().filter_map(|r| r.r_squared).collect()),
         median(runs.iter().map(|r| r.rmse_mps).collect())
     ));
+}
+
+/// The pivots in operation, one row per log and gear.
+fn show_pivots(pivots: &[RecordedPivots], ui: Ui) {
+    if pivots.is_empty() {
+        return;
+    }
+    let mut table =
+        new_table(&["pivots in operation", "gear", "compared", "desired (RMS)", "actual − desired: mean", "RMS", "of it noise", "gain"]);
+    for found in pivots {
+        let of_reach = |mps2: f64| format!("{mps2:.3} m/s² ({:.1} %)", 100.0 * mps2 / found.reach_mps2);
+        table.add_row([
+            found.file.clone(),
+            found.gear.to_string(),
+            format!("{:.1} s", found.seconds),
+            of_reach(found.desired_rms_mps2),
+            of_reach(found.mean_mps2),
+            of_reach(found.rms_mps2),
+            of_reach(found.noise_mps2),
+            format!("{:.2}", found.gain),
+        ]);
+    }
+    ui.say(table.to_string());
+    ui.say("percentages are of the largest acceleration; gain: actual over desired acceleration");
 }
 
 /// The values of manoeuvres of one class: nominal, and the largest over the draws.

@@ -55,7 +55,7 @@ pub enum Error {
     NotFinite { signal: &'static str, field: &'static str, value: f64 },
     #[error("{signal}: relative_to is {found:?}; a signal can only be relative to \"gear\"")]
     RelativeTo { signal: &'static str, found: String },
-    #[error("preset {found:?} is not known; known presets: pivot-cal, autoware, joint-state")]
+    #[error("preset {found:?} is not known; known presets: pivot-cal, verify-log, autoware, joint-state")]
     UnknownPreset { found: String },
     #[error("{signal}: there is no topic {topic:?}{}", list(", the nearest is", nearest, "; the log has", topics))]
     NoTopic { signal: &'static str, topic: String, nearest: Vec<String>, topics: Vec<String> },

@@ -32,7 +32,7 @@ const MAX_PASSES: usize = 3;
 /// The file is not a log or holds no message, a required signal is missing or has no values, or the vehicle is not known.
 /// Damage is not an error as long as usable data remain: see [`Recording::loss`].
 pub fn read(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
-    Ok(part(path, true, source, overrides, progress)?.finish())
+    Ok(part(path, true, &SignalName::ALL, source, overrides, progress)?.finish())
 }
 
 /// Like [`read`], but for the signals of the lateral calibration ([`SignalName::LATERAL`]): they are in [`Signals::lateral`], the others
@@ -64,7 +64,7 @@ pub fn read_lateral_bytes(bytes: Vec<u8>, name: &str, source: &Source, overrides
 /// # Errors
 /// As [`read`].
 pub fn read_signals(path: &Path, source: &Source, overrides: &VehicleOverrides, progress: &(dyn Fn(u64) + Sync)) -> Result<Recording> {
-    Ok(part(path, false, source, overrides, progress)?.finish())
+    Ok(part(path, false, &SignalName::ALL, source, overrides, progress)?.finish())
 }
 
 /// Reads a log from memory, under the name `name`; otherwise like [`read`].
@@ -92,16 +92,17 @@ pub(crate) struct RecordingPart {
     pub clock_steps: Vec<ClockStep>,
 }
 
-/// Reads one file, with its hash if `hashed`.
+/// Reads the signals `wanted` of one file, with its hash if `hashed`.
 pub(crate) fn part(
     path: &Path,
     hashed: bool,
+    wanted: &[SignalName],
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<RecordingPart> {
     let name = path.file_name().map(shown).unwrap_or_default();
-    read_input(LogInput::open(path)?, (name, path.to_owned(), hashed), &SignalName::ALL, source, overrides, progress)
+    read_input(LogInput::open(path)?, (name, path.to_owned(), hashed), wanted, source, overrides, progress)
 }
 
 fn read_input(

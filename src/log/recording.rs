@@ -46,7 +46,7 @@ pub struct Signals {
     pub gear: Option<Signal>,
     /// Emergency stop: 1 active, 0 not.
     pub estop: Option<Signal>,
-    /// Signals of the lateral calibration, by name, if they were read.
+    /// Signals of the lateral calibration, and the desired acceleration of pivots in operation, by name, if they were read.
     #[doc(hidden)]
     pub lateral: BTreeMap<SignalName, Signal>,
     /// The reference as complete polylines, sorted by time, if it was named as such; `lateral` then holds no reference point.

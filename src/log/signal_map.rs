@@ -42,6 +42,8 @@ pub enum SignalName {
     ReferenceY,
     /// Compensation angle in force, left positive.
     Compensation,
+    /// Acceleration of the front wheel that a controller asks for, forward positive.
+    DesiredAccel,
 }
 
 impl SignalName {
@@ -51,6 +53,10 @@ impl SignalName {
 
     /// Every signal of the torque map's calibration, in display order.
     pub const ALL: [Self; 7] = [Self::Speed, Self::Torque, Self::TorqueFeedback, Self::Angle, Self::YawRate, Self::Gear, Self::Estop];
+
+    /// The signals of pivots in operation: those of the calibration, and the desired acceleration, which a map or a preset names.
+    pub(crate) const OPERATION: [Self; 8] =
+        [Self::Speed, Self::Torque, Self::TorqueFeedback, Self::Angle, Self::YawRate, Self::Gear, Self::Estop, Self::DesiredAccel];
 
     /// The key in a signal map.
     pub fn key(self) -> &'static str {
@@ -70,6 +76,7 @@ impl SignalName {
             Self::ReferenceX => "reference_x",
             Self::ReferenceY => "reference_y",
             Self::Compensation => "compensation",
+            Self::DesiredAccel => "desired_accel",
         }
     }
 
@@ -86,6 +93,7 @@ impl SignalName {
             Self::Torque | Self::TorqueFeedback => "N.m",
             Self::Angle | Self::Yaw | Self::Compensation => "rad",
             Self::YawRate => "rad/s",
+            Self::DesiredAccel => "m/s²",
             Self::Gear | Self::Estop | Self::YawZ | Self::YawW => "1",
             Self::PoseX | Self::PoseY | Self::ReferenceX | Self::ReferenceY => "m",
         }
@@ -97,6 +105,7 @@ impl SignalName {
             Self::Torque | Self::TorqueFeedback => matches!(dimension, Dimension::Torque | Dimension::Share),
             Self::Angle | Self::Yaw | Self::Compensation => dimension == Dimension::Angle,
             Self::YawRate => dimension == Dimension::AngularSpeed,
+            Self::DesiredAccel => dimension == Dimension::Acceleration,
             Self::Gear | Self::Estop | Self::YawZ | Self::YawW => dimension == Dimension::Number,
             Self::PoseX | Self::PoseY | Self::ReferenceX | Self::ReferenceY => dimension == Dimension::Length,
         }
@@ -231,7 +240,7 @@ impl SignalMap {
                     map.vehicle = value.try_into().map_err(|error| Error::Toml(format!("[vehicle]: {error}")))?;
                 }
                 "signals" => {
-                    let names: Vec<SignalName> = SignalName::ALL.into_iter().chain(SignalName::LATERAL).collect();
+                    let names: Vec<SignalName> = SignalName::OPERATION.into_iter().chain(SignalName::LATERAL).collect();
                     let keys: Vec<&'static str> = names.iter().map(|name| name.key()).collect();
                     known_keys(&value, "[signals]", &keys)?;
                     let toml::Value::Table(signals) = value else {

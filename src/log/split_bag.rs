@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Reads the files of one recording, in their order, as one log. A file without a required signal, or without any message, is skipped with
+/// Reads the signals `wanted` from the files of one recording, in their order, as one log. A file without a required signal, or without any message, is skipped with
 /// a note, as long as another file has it. The hash of several files is the hash of their concatenated hashes in hexadecimal. `progress` is
 /// as in [`crate::log::read`].
 ///
@@ -23,6 +23,7 @@ use std::path::PathBuf;
 /// As [`crate::log::read`]; the first error, if no file can be used.
 pub(crate) fn read_split(
     paths: &[PathBuf],
+    wanted: &[SignalName],
     source: &Source,
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
@@ -32,7 +33,7 @@ pub(crate) fn read_split(
     let mut skipped = Vec::new();
     let mut first_error = None;
     for path in paths {
-        let next = match read::part(path, true, source, &overrides, progress) {
+        let next = match read::part(path, true, wanted, source, &overrides, progress) {
             Ok(next) => next,
             Err(error @ (Error::NoMessages { .. } | Error::NoValues { .. } | Error::NoTopic { .. } | Error::MissingSignal { .. }))
                 if paths.len() > 1 =>

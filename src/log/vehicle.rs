@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 /// Name of the metadata record that `record` writes.
 pub(crate) const VEHICLE_METADATA: &str = "pivot-cal/vehicle";
+/// Name of the metadata record that `verify --log` writes.
+pub(crate) const SCENARIO_METADATA: &str = "pivot-cal/scenario";
 
 impl VehicleOverrides {
     /// These values, and those of `other` where they are missing.

@@ -2,6 +2,7 @@
 
 use crate::guidance::path::PosePath;
 use crate::guidance::route::follower::DriveStage;
+use crate::log::SCENARIO_METADATA;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::drive::{ManoeuvreDriver, ManoeuvreMoment};
 use crate::map::Vehicle;
@@ -45,7 +46,7 @@ impl ManoeuvreLog {
     /// Any error of the MCAP writer.
     pub(crate) fn of_scenario(vehicle: &Vehicle, name: &str, what: &str, path: &PosePath) -> Result<Self> {
         let mut log = Self::new(vehicle);
-        log.log.metadata("pivot-cal/scenario", [("name", name.to_owned()), ("what", what.to_owned())]);
+        log.log.metadata(SCENARIO_METADATA, [("name", name.to_owned()), ("what", what.to_owned())]);
         log.reference(path)?;
         Ok(log)
     }

@@ -29,7 +29,17 @@ pub enum Error {
     )]
     TorqueAgainst { percent: f64 },
     #[error(
+        "{signal} never changes: it reads {value} {unit} in all {values} values over {seconds:.0} s, although the torque changes between {low_nm:.1} and {high_nm:.1} N·m{evidence}. Look at the path of `{signal}` (`pivot-cal inspect LOG` shows it), at the sensor and at its cable{}",
+        without(signal)
+    )]
+    Stuck { signal: &'static str, unit: &'static str, value: f64, values: usize, seconds: f64, low_nm: f64, high_nm: f64, evidence: String },
+    #[error(
         "torque has two publishers: {found} interrupts the command {interruptions} times, and it is not clear which of the two the wheel follows. Record one publisher only, or name a topic that has one"
     )]
     TwoPublishers { interruptions: usize, found: String },
+}
+
+/// How to go on without a signal that is not required.
+fn without(signal: &str) -> &'static str {
+    if signal == "yaw_rate" { "; or leave `yaw_rate` out with a signal map that does not name it" } else { "" }
 }

@@ -3,6 +3,7 @@
 use crate::log::{Recording, Signal};
 use crate::map::{LogRef, Vehicle};
 use crate::signal::agreement::{NEAR_ANGLE_RAD, Sources};
+use crate::signal::stuck::expect_changes;
 use crate::signal::taken::{FEWEST, TakenSignals};
 use crate::signal::{Error, Result, Series, resolve};
 use crate::units::RAD_PER_DEG;
@@ -42,7 +43,7 @@ impl Track {
     /// The track of one log, for runs at the vehicle's test angle.
     ///
     /// # Errors
-    /// A required signal has too few values, a sign cannot be determined or is reversed, two publishers command the torque, or signals do not
+    /// A required signal has too few values, the speed or the yaw rate never changes, a sign cannot be determined or is reversed, two publishers command the torque, or signals do not
     /// overlap in time.
     pub fn new(recording: &Recording) -> Result<Self> {
         Self::at_angle(recording, recording.vehicle.test_angle_deg)
@@ -54,6 +55,7 @@ impl Track {
     /// As [`Track::new`].
     pub fn at_angle(recording: &Recording, wheel_angle_deg: f64) -> Result<Self> {
         let signals = &recording.signals;
+        expect_changes(recording)?;
         let mut taken = TakenSignals::new(recording);
         let gear = signals.gear.as_ref().map(|s| taken.held("gear", s)).filter(|s| !s.is_empty());
         let estop = signals.estop.as_ref().map(|s| taken.held("estop", s)).filter(|s| !s.is_empty());

@@ -5,6 +5,7 @@ use crate::map::{Check, Gear, Table1File};
 use crate::verify::basis::Basis;
 use crate::verify::gate::LimitCheck;
 use crate::verify::notes::notes;
+use crate::verify::pivots_check::pivots_check;
 use crate::verify::replay_check::replay_check;
 use crate::verify::round_trip::RoundTripVerdict;
 use crate::verify::scenario::Scenario;
@@ -36,6 +37,7 @@ impl MapVerdict {
     pub(crate) fn on(mut self, table1: &Table1File) -> Self {
         self.checks = all_checks(table1);
         self.checks.extend(replay_check(&self.replayed));
+        self.checks.extend(pivots_check(&self.pivots));
         self.basis = Some(Basis::new(table1));
         self.concluded()
     }

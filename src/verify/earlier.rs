@@ -3,6 +3,8 @@
 //! What was driven before and is not driven now stays, so that no order of commands loses a failure. A failure goes only when the same
 //! scenario is driven again on at least as many perturbed vehicles.
 
+use crate::verify::pivots_check::PIVOTS;
+use crate::verify::replay_check::REPLAY;
 use crate::verify::scenario::Scenario;
 use crate::verify::verdict::{MapVerdict, ScenarioVerdict, Status};
 
@@ -34,17 +36,16 @@ impl MapVerdict {
             self.manoeuvre_vehicle_sha256 = self.manoeuvre_vehicle_sha256.or_else(|| earlier.manoeuvre_vehicle_sha256.clone());
         }
         self.accepted.extend(earlier.accepted.iter().filter(|name| !self.accepted.contains(name)).cloned().collect::<Vec<_>>());
-        let replayed_now: Vec<&str> = self.replayed.iter().map(|r| r.file.as_str()).collect();
-        let replayed_before = earlier.replayed.iter().filter(|r| !replayed_now.contains(&r.file.as_str())).cloned().collect::<Vec<_>>();
-        let replayed = replayed_before.into_iter().chain(std::mem::take(&mut self.replayed)).collect();
+        let replayed = with_earlier(std::mem::take(&mut self.replayed), &earlier.replayed, |r| &r.file);
+        let pivots = with_earlier(std::mem::take(&mut self.pivots), &earlier.pivots, |p| &p.file);
         for note in &earlier.notes {
             if !self.notes.contains(note) {
                 self.notes.push(note.clone());
             }
         }
         let accepted = self.accepted.clone();
-        self.checks.retain(|check| check.name != crate::verify::replay_check::REPLAY);
-        self.with_scenarios(scenarios, None).with_replayed(replayed, &accepted)
+        self.checks.retain(|check| check.name != REPLAY && check.name != PIVOTS);
+        self.with_scenarios(scenarios, None).with_replayed(replayed, &accepted).with_pivots(pivots, &accepted)
     }
 
     /// Whether both judge the same map in the same way.
@@ -71,6 +72,14 @@ impl MapVerdict {
     fn drives_pivots(&self) -> bool {
         self.scenarios.iter().any(|s| s.class.is_pivot())
     }
+}
+
+/// What earlier logs gave, without the logs that were given again, and then what these give now.
+fn with_earlier<T: Clone>(now: Vec<T>, earlier: &[T], file: impl Fn(&T) -> &String) -> Vec<T> {
+    let kept = earlier.iter().filter(|before| now.iter().all(|again| file(again) != file(before)));
+    let mut all: Vec<T> = kept.cloned().collect();
+    all.extend(now);
+    all
 }
 
 /// Whether an earlier failure stands against a pass on fewer perturbed vehicles.

@@ -35,6 +35,21 @@ pub enum Error {
     NoScenario { found: String, nearest: String },
     #[error("there is no check {found:?} to accept; the checks of this table1.json are {known}")]
     NoCheck { found: String, known: String },
+    #[error(
+        "{log}: the signal desired_accel is missing{reason}: the acceleration of the front wheel that the controller asked for [m/s², forward \
+         positive]. Name it in a signal map, `[signals]` with `desired_accel = {{ path = \"/topic.field\" }}`, and give it with --signals; a log \
+         of `verify --log` needs no map"
+    )]
+    NoDesiredAccel { log: String, reason: String },
+    #[error(
+        "{log}: desired_accel has no sign (`unsigned`); a desired acceleration is positive forward, or with relative_to = \"gear\" in the gear's direction"
+    )]
+    UnsignedAccel { log: String },
+    #[error(
+        "{log}: no {needed_s} s in which the wheel moved at the test angle with a gear set and a desired acceleration no older than {age_s} s; \
+         {driven_s:.1} s were driven, desired_accel has {values} value(s)"
+    )]
+    NoPivots { log: String, needed_s: f64, age_s: f64, driven_s: f64, values: usize },
     #[error("the gate cannot be read: {0}")]
     Gate(#[from] toml::de::Error),
     #[error("the gate's limit on {metric:?} has to have one of at_most and at_least, and a number there")]

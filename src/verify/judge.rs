@@ -13,6 +13,7 @@ use crate::verify::notes::notes;
 use crate::verify::perturbations::draws;
 use crate::verify::pivot_log::PivotLog;
 use crate::verify::pivot_traces::ClosedLoop;
+use crate::verify::pivots_check::PIVOTS;
 use crate::verify::replay_check::{REPLAY, nothing_to_accept};
 use crate::verify::round_trip::round_trip;
 use crate::verify::run::run;
@@ -110,6 +111,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         lateral_sha256: maps.lateral.as_ref().and_then(|table| Some(sha256_hex(table.to_json().ok()?.as_bytes()))),
         manoeuvre_vehicle_sha256: None,
         replayed: Vec::new(),
+        pivots: Vec::new(),
     }
     .concluded();
     Ok(Verified { verdict, traces: traces.flatten(), logs: logs.into_iter().flatten().collect() })
@@ -120,8 +122,8 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
 /// # Errors
 /// A name that no check has.
 fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
-    // the replay follows
-    let known: Vec<&str> = checks.iter().map(|c| c.name.as_str()).chain([REPLAY]).collect();
+    // the recorded logs follow
+    let known: Vec<&str> = checks.iter().map(|c| c.name.as_str()).chain([REPLAY, PIVOTS]).collect();
     if let Some(found) = names.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(Error::NoCheck { found: found.clone(), known: known.join(", ") });
     }

@@ -102,6 +102,7 @@ mod tests {
             lateral_sha256: None,
             manoeuvre_vehicle_sha256: None,
             replayed: Vec::new(),
+            pivots: Vec::new(),
         }
     }
 

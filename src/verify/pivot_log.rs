@@ -2,6 +2,7 @@
 //! motion, and the messages between the controller's modules.
 
 use crate::control::{AngleStatus, DriveLaw, LateralTask, Phase, PivotRequest};
+use crate::log::SCENARIO_METADATA;
 use crate::map::Gear;
 use crate::record::{LogWriter, MessageStamp, Odometry, RosMessage};
 use crate::units::RAD_PER_DEG;
@@ -26,7 +27,7 @@ impl PivotLog {
     /// An empty log of `scenario`.
     pub(crate) fn new(maps: &Maps, scenario: &Scenario) -> Self {
         let mut log = LogWriter::new();
-        log.metadata("pivot-cal/scenario", [("name", scenario.name.clone()), ("what", scenario.what.clone())]);
+        log.metadata(SCENARIO_METADATA, [("name", scenario.name.clone()), ("what", scenario.what.clone())]);
         Self { log, wheel_radius_m: maps.table2.vehicle.wheel_radius_m, last: (None, None), outcome: Ok(()) }
     }
 

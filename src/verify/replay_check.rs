@@ -20,14 +20,19 @@ impl MapVerdict {
     /// its name in `accept`.
     #[must_use]
     pub(crate) fn with_replayed(mut self, runs: Vec<ReplayedRun>, accept: &[String]) -> Self {
-        let check = replay_check(&runs);
-        if check.as_ref().is_some_and(Check::objects) && accept.iter().any(|name| name == REPLAY) {
-            self.accepted.push(REPLAY.to_owned());
-            self.notes.retain(|note| *note != nothing_to_accept(REPLAY));
-        }
-        self.checks.extend(check);
+        self.with_check(replay_check(&runs), accept);
         self.replayed = runs;
         self.concluded()
+    }
+
+    /// Adds the check on recorded logs, overruled if it objects and `accept` names it.
+    pub(crate) fn with_check(&mut self, check: Option<Check>, accept: &[String]) {
+        let Some(check) = check else { return };
+        if check.objects() && accept.contains(&check.name) && !self.accepted.contains(&check.name) {
+            self.accepted.push(check.name.clone());
+            self.notes.retain(|note| *note != nothing_to_accept(&check.name));
+        }
+        self.checks.push(check);
     }
 }
 

@@ -64,7 +64,7 @@ pub(crate) fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<Repla
         }
         let Some(recorded) = Recorded::cut(survey, *stretch, late_s, scale) else { continue };
         let found = sim::replay(&settings, &recorded.run(stretch.gear))?;
-        let missing_share = recorded.missing_mps2(&found) / reach_mps2(table1, stretch.gear)?;
+        let missing_share = recorded.missing_mps2(&found) / reach_mps2(table1, stretch.gear)?.unwrap_or(f64::INFINITY);
         runs.push(ReplayedRun {
             file: source.file.clone(),
             fitted,
@@ -81,13 +81,13 @@ pub(crate) fn replayed(table1: &Table1File, survey: &Survey) -> Result<Vec<Repla
     Ok(runs)
 }
 
-/// Acceleration by the largest torque of a gear's surface over that by none, just above standstill [m/s²].
-fn reach_mps2(table1: &Table1File, gear: Gear) -> Result<f64> {
-    let Some(map) = table1.map_at_test_angle(gear) else { return Ok(f64::INFINITY) };
+/// Acceleration by the largest torque of a gear's surface over that by none, just above standstill [m/s²]; `None` without the gear's map.
+pub(crate) fn reach_mps2(table1: &Table1File, gear: Gear) -> Result<Option<f64>> {
+    let Some(map) = table1.map_at_test_angle(gear) else { return Ok(None) };
     let surface = map.surface.table()?;
     let largest_nm = map.torque_nm.last().copied().unwrap_or(0.0);
     let accel_mps2 = |torque_nm: f64| surface.accel_from_torque_clamped(0.0, torque_nm).unwrap_or(0.0);
-    Ok((accel_mps2(largest_nm) - accel_mps2(0.0)).max(1e-6))
+    Ok(Some((accel_mps2(largest_nm) - accel_mps2(0.0)).max(1e-6)))
 }
 
 /// One run's samples, gear frame: at every speed reading, and at every change of the command.

@@ -7,6 +7,7 @@ use crate::verify::basis::Basis;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
 use crate::verify::metric::MetricSummary;
 use crate::verify::perturbations::Spread;
+use crate::verify::recorded_pivots::RecordedPivots;
 use crate::verify::replayed::ReplayedRun;
 use crate::verify::round_trip::{RoundTripLimit, RoundTripVerdict};
 use crate::verify::scenario::Class;
@@ -100,6 +101,9 @@ pub struct MapVerdict {
     /// Recorded runs replayed by the plant, if logs were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub replayed: Vec<ReplayedRun>,
+    /// Recorded pivots in operation, per log and gear, if logs were given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pivots: Vec<RecordedPivots>,
 }
 
 /// The plant that was driven.

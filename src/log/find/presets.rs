@@ -10,6 +10,8 @@ use std::str::FromStr;
 pub enum Preset {
     /// The topics that `record` writes.
     PivotCal,
+    /// The logs of `verify --log`: a controller that drives.
+    VerifyLog,
     /// The status topics of Autoware. It does not define torque and wheel speed; these are found by name.
     Autoware,
     /// `sensor_msgs/JointState` for speed and angle; all other signals by name.
@@ -18,12 +20,13 @@ pub enum Preset {
 
 impl Preset {
     /// Every preset.
-    pub const ALL: [Self; 3] = [Self::PivotCal, Self::Autoware, Self::JointState];
+    pub const ALL: [Self; 4] = [Self::PivotCal, Self::VerifyLog, Self::Autoware, Self::JointState];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::PivotCal => "pivot-cal",
+            Self::VerifyLog => "verify-log",
             Self::Autoware => "autoware",
             Self::JointState => "joint-state",
         }
@@ -51,6 +54,17 @@ impl Preset {
                 compensation = { path = "/steering/compensation.data", unit = "rad" }
                 "#
             }
+            Self::VerifyLog => {
+                r#"
+                [signals]
+                speed = { path = '/joint_states.velocity{name=="front_drive_joint"}', unit = "rad/s" }
+                torque = { path = "/drive/torque_command.data", unit = "N.m" }
+                angle = { path = '/joint_states.position{name=="front_steer_joint"}', unit = "rad" }
+                gear = { path = "/drive/gear.data", neutral = 0, forward = 1, reverse = 2 }
+                estop = { path = "/safety/estop.data" }
+                desired_accel = { path = "/pivot/accel_desired.data", unit = "m/s²" }
+                "#
+            }
             Self::Autoware => {
                 r#"
                 [signals]
@@ -66,7 +80,7 @@ impl Preset {
     /// Whether a signal not fixed by the preset may come from messages of this schema.
     pub(crate) fn allows(self, signal: SignalName, schema: &str) -> bool {
         match (self, signal) {
-            (Self::PivotCal, _) => false,
+            (Self::PivotCal | Self::VerifyLog, _) => false,
             (Self::JointState, SignalName::Speed | SignalName::Angle) => schema.ends_with("JointState"),
             _ => true,
         }

@@ -13,7 +13,7 @@ use crate::log::find::{detect, named_stamp, series};
 use crate::log::path::{MessagePath, PathStep};
 use crate::log::schema::Layout;
 use crate::log::signal_map::{SignalMap, SignalName, SignalSpec};
-use crate::log::vehicle::VEHICLE_METADATA;
+use crate::log::vehicle::{SCENARIO_METADATA, VEHICLE_METADATA};
 use crate::log::{Error, Result, Source, reference_path};
 use crate::map::Vehicle;
 use crate::spelling::edits;
@@ -58,6 +58,9 @@ pub(crate) fn choose(source: &Source, wanted: &[SignalName], container: &Contain
         Source::Preset(preset) => (preset.map()?, format!("preset {preset}"), Some(*preset)),
         Source::Detect if container.metadata.contains_key(VEHICLE_METADATA) => {
             (Preset::PivotCal.map()?, "the log was written by pivot-cal".to_owned(), None)
+        }
+        Source::Detect if container.metadata.contains_key(SCENARIO_METADATA) => {
+            (Preset::VerifyLog.map()?, "the log was written by pivot-cal verify".to_owned(), None)
         }
         Source::Detect => (SignalMap::default(), String::new(), None),
     };

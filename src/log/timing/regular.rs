@@ -33,9 +33,11 @@ impl Bounds {
             let end = starts.get(number + 1).copied().unwrap_or(time_s.len());
             // after a pause, the messages are still as recent as usual
             let before_s = if start > 0 { time_s[start - 1] } else { f64::NEG_INFINITY };
-            let lo_s = before_s.max(time_s[start] - 1.5 * usual_s);
+            // stamps that scatter may go back within a burst, and behind the one before
+            let hi_s = time_s[start..end].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let lo_s = before_s.max(time_s[start] - 1.5 * usual_s).min(hi_s);
             bounds.lo_s.extend(std::iter::repeat_n(lo_s, end - start));
-            bounds.hi_s[start..end].fill(time_s[end - 1]);
+            bounds.hi_s[start..end].fill(hi_s);
             bounds.bursts.push(end - start);
         }
         bounds
@@ -215,7 +217,7 @@ fn slope(bounds: &Bounds, numbers: &[i64]) -> Option<f64> {
 /// The times on lines that are fitted in overlapping windows.
 fn lines(bounds: &Bounds, numbers: &[i64], period_s: f64) -> Vec<f64> {
     let n = bounds.len();
-    let per_window = ((WINDOW_S / period_s) as usize).clamp(50, n);
+    let per_window = ((WINDOW_S / period_s) as usize).max(50).min(n);
     let step = (per_window / 2).max(1);
     let (mut sums, mut weights) = (vec![0.0; n], vec![0.0; n]);
     let mut from = 0;
@@ -313,5 +315,17 @@ mod tests {
         let errors = errors(&clock, &truth);
         assert!(errors[errors.len() * 9 / 10] < 0.006, "{} lost, {}", clock.lost, errors[errors.len() * 9 / 10]);
         assert!((clock.period_s - 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn stamps_that_go_back_within_a_burst_and_behind_the_one_before_keep_their_bounds_in_order() {
+        let truth = sampled();
+        let mut times: Vec<f64> = truth.iter().map(|(t, scatter)| ((t + 0.002 * scatter) / 0.1003).ceil() * 0.1003).collect();
+        for k in (7..times.len()).step_by(29) {
+            times[k] -= 0.11;
+        }
+        let bounds = Bounds::of_bursts(&times, 0.006);
+        assert!(bounds.lo_s.iter().zip(&bounds.hi_s).all(|(lo, hi)| lo <= hi));
+        RegularClock::fit(&bounds, &Rhythm::of(&times).unwrap(), true);
     }
 }
