@@ -250,6 +250,25 @@ fn recorded_runs_are_replayed_through_the_plant_and_reported_per_run() {
 }
 
 #[test]
+fn pivots_in_operation_are_compared_with_what_was_desired() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path());
+    command(folder.path(), &["--scenario", "left-180", "--log", folder.path().join("logs").to_str().unwrap()]).code(0);
+    let log = folder.path().join("logs/left-180.mcap");
+    let out = command(folder.path(), &["--pivots", log.to_str().unwrap(), "-v"]).code(0);
+    let text = String::from_utf8(out.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("pivots in operation") && text.contains("passed pivots: in "), "{text}");
+    let verdict: MapVerdict = serde_json::from_slice(&std::fs::read(folder.path().join("verify.json")).unwrap()).unwrap();
+    let [found] = &verdict.pivots[..] else { panic!("{:?}", verdict.pivots) };
+    // the turn takes 6 s; the speed loop makes up to 15 %
+    assert!(found.gear == Gear::Forward && found.seconds > 4.0 && (0.85..1.1).contains(&found.gain), "{found:?}");
+    let campaign = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/demo.mcap");
+    let out = command(folder.path(), &["--pivots", campaign.to_str().unwrap()]).code(1);
+    let text = String::from_utf8(out.get_output().stderr.clone()).unwrap();
+    assert!(text.contains("demo.mcap: the signal desired_accel is missing") && text.contains("--signals"), "{text}");
+}
+
+#[test]
 fn an_edited_csv_is_refused_and_with_force_judged() {
     let folder = tempfile::tempdir().unwrap();
     save(folder.path());

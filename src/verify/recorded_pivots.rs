@@ -118,14 +118,14 @@ impl Desired {
 
 /// One window: desired and actual acceleration, and the variance of the latter by the readings' scatter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Window {
+struct AccelWindow {
     desired_mps2: f64,
     actual_mps2: f64,
     variance: f64,
     scatter: f64,
 }
 
-fn windows(table1: &Table1File, survey: &Survey, desired: &Desired, gear: Gear) -> Vec<Window> {
+fn windows(table1: &Table1File, survey: &Survey, desired: &Desired, gear: Gear) -> Vec<AccelWindow> {
     let encoder = &survey.track.encoder_mps;
     let witness = table1.witnesses.iter().find(|w| w.name == SpeedSource::Encoder);
     let (delay_s, scale) = witness.map_or((0.0, 1.0), |w| (w.delay_s, w.scale));
@@ -148,7 +148,7 @@ fn windows(table1: &Table1File, survey: &Survey, desired: &Desired, gear: Gear) 
             let slope_mps2 = slope_through_origin(points.iter().copied());
             let scatter = points.iter().map(|(t, v)| (v - slope_mps2 * t).powi(2)).sum::<f64>() / (n - 2.0);
             let spread = points.iter().map(|(t, _)| t * t).sum::<f64>();
-            windows.push(Window {
+            windows.push(AccelWindow {
                 desired_mps2,
                 actual_mps2: gear.sign() * slope_mps2 / scale,
                 variance: 1.0 / spread.max(1e-12),
@@ -161,13 +161,13 @@ fn windows(table1: &Table1File, survey: &Survey, desired: &Desired, gear: Gear) 
 
 impl RecordedPivots {
     /// The figures of one gear; `None` with too few windows.
-    fn new(file: String, gear: Gear, windows: &[Window], reach_mps2: f64) -> Option<Self> {
+    fn new(file: String, gear: Gear, windows: &[AccelWindow], reach_mps2: f64) -> Option<Self> {
         let (n, seconds) = (windows.len() as f64, windows.len() as f64 * WINDOW_S);
         if seconds < LEAST_S - 1e-9 {
             return None;
         }
-        let mean = |of: &dyn Fn(&Window) -> f64| windows.iter().map(of).sum::<f64>() / n;
-        let off = |w: &Window| w.actual_mps2 - w.desired_mps2;
+        let mean = |of: &dyn Fn(&AccelWindow) -> f64| windows.iter().map(of).sum::<f64>() / n;
+        let off = |w: &AccelWindow| w.actual_mps2 - w.desired_mps2;
         // the median: a window in which the acceleration changes scatters more
         let mut scatter: Vec<f64> = windows.iter().map(|w| w.scatter).collect();
         scatter.sort_unstable_by(f64::total_cmp);

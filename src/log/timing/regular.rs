@@ -34,7 +34,7 @@ impl Bounds {
             // after a pause, the messages are still as recent as usual
             let before_s = if start > 0 { time_s[start - 1] } else { f64::NEG_INFINITY };
             // stamps that scatter may go back within a burst, and behind the one before
-            let hi_s = time_s[start..end].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let hi_s = time_s[end - 1];
             let lo_s = before_s.max(time_s[start] - 1.5 * usual_s).min(hi_s);
             bounds.lo_s.extend(std::iter::repeat_n(lo_s, end - start));
             bounds.hi_s[start..end].fill(hi_s);
