@@ -327,10 +327,11 @@ fn a_damaged_or_mismatched_map_is_refused() {
     assert!(errors.contains("table2.reverse.csv"), "{errors}");
 }
 
+type Spoil = fn(&mut Value);
+
 #[test]
 fn a_map_without_a_passed_verdict_is_exported_only_as_unverified_and_every_file_says_so() {
     let formats = "c,rust,autoware,apollo,dcm,cdfx,a2l,json";
-    type Spoil = fn(&mut Value);
     let spoils: [(&str, Spoil); 4] = [
         ("FAIL: ", |v| v["scenarios"][0]["status"] = "fail".into()),
         ("verdict on another map", |v| v["generation"] = "0123456789abcdef".into()),

@@ -133,7 +133,7 @@ pub(crate) fn show(file: &Table2File, ui: Ui) {
             trip.between_max_at.accel_mps2
         ));
         let bytes = |size: usize| size * (map.speed_mps.len() + map.accel_mps2.len() + map.speed_mps.len() * map.accel_mps2.len());
-        let [double, float, int16] = [8, 4, 2].map(|size| bytes(size));
+        let [double, float, int16] = [8, 4, 2].map(bytes);
         ui.say(format!("  ROM of its numbers: {double} bytes as double, {float} as float, {int16} as int16"));
         ui.say(format!("written: {}", map.csv.file));
     }

@@ -216,7 +216,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     ui.document(&verdict)?;
     show(&verdict, ui);
     if arguments.table.is_none() {
-        ui.say(format!("written: {}", shown(&arguments.maps.join("verify.json"))));
+        ui.say(format!("written: {}", shown(arguments.maps.join("verify.json"))));
     }
     if let Some(folder) = &arguments.log {
         for log in &logs {

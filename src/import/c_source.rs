@@ -47,7 +47,9 @@ fn array(text: &str, prefix: &str) -> Result<Option<Vec<WrittenNumber>>, TextFau
             text.trim_end_matches(['f', 'F', '}']).parse::<f64>().map_err(|_| TextFault::at(number, format!("{text:?} is no scale")))
         };
         let (scale, offset) = (factor(scale)?, factor(offset)?);
-        numbers.iter_mut().for_each(|n| *n = n.scaled(scale, offset));
+        for number in &mut numbers {
+            *number = number.scaled(scale, offset);
+        }
     }
     Ok(Some(numbers))
 }

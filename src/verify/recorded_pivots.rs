@@ -210,7 +210,7 @@ pub(crate) mod tests {
             torque_full_scale_nm: None,
         };
         let usual = PhysicalSettings::default();
-        let (table1, table2) = known_maps(&WorldSettings::physical(vehicle, usual.clone())).unwrap();
+        let (table1, table2) = known_maps(&WorldSettings::physical(vehicle, usual)).unwrap();
         let heavy = PhysicalSettings { mass_kg: heavier * usual.mass_kg, yaw_inertia_kgm2: heavier * usual.yaw_inertia_kgm2, ..usual };
         let plant = Some(WorldSettings::physical(vehicle, heavy));
         let scenarios = Scenario::all().into_iter().filter(|s| s.name == "left-180").collect();

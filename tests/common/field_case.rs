@@ -99,9 +99,13 @@ impl FieldCase {
             topics += "[topics]\ntorque_command_on_change = true\n";
         }
         let command = habit(&mut draw).replace(", ", "\n");
-        topics += &format!("[topics.torque_command]\n{command}\n");
+        topics.push_str("[topics.torque_command]\n");
+        topics.push_str(&command);
+        topics.push('\n');
         if draw.one_in(3) {
-            topics += &format!("clock_offset_s = {}\n", draw.between(-2.0, 2.0));
+            topics.push_str("clock_offset_s = ");
+            topics.push_str(&draw.between(-2.0, 2.0).to_string());
+            topics.push('\n');
         }
         Self { changes, topics }
     }
