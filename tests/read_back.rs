@@ -30,7 +30,8 @@ fn spreadsheet(map: &TorqueMap) -> String {
     let mut text = format!("\u{feff}speed_mps\\accel_mps2;{}\r\n", map.accel_mps2.iter().map(comma).collect::<Vec<_>>().join(";"));
     for (speed, row) in map.speed_mps.iter().zip(&map.torque_nm) {
         let row: Vec<String> = row.iter().map(|t| format!("{t:.6}").replace('.', ",")).collect();
-        text += &format!("{};{}\r\n", comma(speed), row.join(";"));
+        text.push_str(&[comma(speed), row.join(";")].join(";"));
+        text.push_str("\r\n");
     }
     text
 }
@@ -40,7 +41,7 @@ fn long_form(map: &TorqueMap) -> String {
     let mut text = "torque [%],speed [km/h],acceleration [m/s²]\n".to_owned();
     for (speed, row) in map.speed_mps.iter().zip(&map.torque_nm) {
         for (accel, torque) in map.accel_mps2.iter().zip(row) {
-            text += &format!("{:.3},{:.6},{accel}\n", torque / 0.44, 3.6 * speed);
+            text.push_str(&[format!("{:.3}", torque / 0.44), format!("{:.6}", 3.6 * speed), format!("{accel}\n")].join(","));
         }
     }
     text
