@@ -125,7 +125,7 @@ fn main() -> Fallible<()> {
             share(outcome.within),
             share(outcome.wrong),
             drives.join(", "),
-            refused.iter().map(|(why, count)| format!(", rejected ({count}): {why}")).collect::<String>()
+            refused.iter().map(|(why, count)| format!(", rejected ({count}): {why}")).collect::<Vec<_>>().concat()
         );
     }
     Ok(())

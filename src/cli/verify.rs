@@ -194,6 +194,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     })?;
     logs.extend(judged.logs);
     let scenarios = at_other_angles.into_iter().chain(judged.verdicts).collect();
+    verdict.lateral_sha256 = maps.lateral_sha256();
     if !driven.manoeuvres.is_empty() {
         verdict.manoeuvre_vehicle_sha256 = Some(sha256_hex(format!("{:?}", driven.vehicle).as_bytes()));
     }

@@ -2,7 +2,7 @@
 
 use crate::check::campaign_checks::all_checks;
 use crate::control::WaypointLaw;
-use crate::map::{Check, FORMAT_VERSION, sha256_hex};
+use crate::map::{Check, FORMAT_VERSION};
 use crate::sim;
 use crate::verify::basis::Basis;
 use crate::verify::bench::PivotMoment;
@@ -108,7 +108,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         round_trip: trips,
         scenarios,
         comparison,
-        lateral_sha256: maps.lateral.as_ref().and_then(|table| Some(sha256_hex(table.to_json().ok()?.as_bytes()))),
+        lateral_sha256: None,
         manoeuvre_vehicle_sha256: None,
         replayed: Vec::new(),
         pivots: Vec::new(),

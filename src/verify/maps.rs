@@ -2,7 +2,7 @@
 
 use crate::import::ImportedMap;
 use crate::map::{
-    FolderView, Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable,
+    FolderView, Gear, LateralTableFile, MapFolder, Matrix, Mismatch, PerGear, Table1File, Table2File, TorqueMap, TorqueTable, sha256_hex,
 };
 use crate::verify::{Error, Result};
 use std::path::Path;
@@ -141,6 +141,11 @@ impl Maps {
         self.reverse = table(Gear::Reverse)?;
         (self.csv_sha256, self.angles) = (vec![imported.sha256.clone()], Vec::new());
         Ok(self)
+    }
+
+    /// SHA-256 of the lateral table, if the folder has one.
+    pub(crate) fn lateral_sha256(&self) -> Option<String> {
+        Some(sha256_hex(self.lateral.as_ref()?.to_json().ok()?.as_bytes()))
     }
 
     fn no_forward(table2: &Table2File) -> Error {
