@@ -5,7 +5,6 @@
 //! power or torque gives no more. A governor lets go near its speed only.
 
 use crate::campaign::Survey;
-use crate::map::Gear;
 use crate::signal::{median, slope_through_origin};
 
 /// A run has settled when its speed changes by no more than this share over its last part of this length [s].
@@ -45,8 +44,8 @@ pub(crate) struct SpeedLimit {
 impl SpeedLimit {
     /// The governor of the vehicle of all logs; `None` without signs of one.
     pub(crate) fn of(surveys: &[&Survey]) -> Option<Self> {
-        let drives: Vec<Drive> = surveys.iter().flat_map(|survey| drives(survey)).collect();
-        let settled: Vec<SettledRun> = drives.iter().filter_map(Drive::settled).collect();
+        let drives: Vec<DrivingRun> = surveys.iter().flat_map(|survey| drives(survey)).collect();
+        let settled: Vec<SettledRun> = drives.iter().filter_map(DrivingRun::settled).collect();
         let fastest_mps = drives.iter().flat_map(|d| &d.points).map(|p| p.1).fold(0.0, f64::max);
         Self::of_runs(&settled, fastest_mps)
     }
@@ -85,30 +84,30 @@ impl SpeedLimit {
 }
 
 /// The motion under one held driving torque: time [s] and speed [m/s], smoothed, gear frame.
-struct Drive {
+struct DrivingRun {
     torque_nm: f64,
     points: Vec<(f64, f64)>,
 }
 
 /// The driving runs of a log in order of time.
-fn drives(survey: &Survey) -> Vec<Drive> {
+fn drives(survey: &Survey) -> Vec<DrivingRun> {
     let encoder = &survey.track.encoder_mps;
     let smoothed = encoder.smoothed(SMOOTH_S);
     let mut all = Vec::new();
     for stretch in &survey.stretches {
-        let sign: f64 = Gear::sign(stretch.gear);
+        let sign = stretch.gear.sign();
         for hold in survey.holds.iter().filter(|h| h.steady && sign * h.torque_nm > 0.0) {
             let (from_s, to_s) = (stretch.from_s.max(hold.from_s), stretch.to_s.min(hold.to_s));
             if from_s < to_s {
                 let points = encoder.range(from_s, to_s).map(|k| (encoder.t_s[k], sign * smoothed[k])).collect();
-                all.push(Drive { torque_nm: sign * hold.torque_nm, points });
+                all.push(DrivingRun { torque_nm: sign * hold.torque_nm, points });
             }
         }
     }
     all
 }
 
-impl Drive {
+impl DrivingRun {
     fn settled(&self) -> Option<SettledRun> {
         let (first_s, last_s) = (self.points.first()?.0, self.points.last()?.0);
         if last_s - first_s < SETTLED_S {
@@ -137,18 +136,18 @@ mod tests {
     use super::*;
 
     /// A vehicle of 13 N·m per m/s² from rest for 8 s: what is delivered of a torque at a speed, and friction of 8 N·m and 14 N·m per m/s.
-    fn run(torque_nm: f64, delivered: impl Fn(f64, f64) -> f64) -> Drive {
+    fn run(torque_nm: f64, delivered: impl Fn(f64, f64) -> f64) -> DrivingRun {
         let (mut speed_mps, mut points) = (0.0, Vec::new());
         for k in 0..800 {
             points.push((f64::from(k) * 0.01, speed_mps));
             speed_mps += 0.01 * (delivered(torque_nm, speed_mps) - 8.0 - 14.0 * speed_mps) / 13.0;
         }
-        Drive { torque_nm, points }
+        DrivingRun { torque_nm, points }
     }
 
     fn found(torques: &[f64], delivered: impl Fn(f64, f64) -> f64 + Copy) -> Option<SpeedLimit> {
-        let runs: Vec<Drive> = torques.iter().map(|u| run(*u, delivered)).collect();
-        let settled: Vec<SettledRun> = runs.iter().filter_map(Drive::settled).collect();
+        let runs: Vec<DrivingRun> = torques.iter().map(|u| run(*u, delivered)).collect();
+        let settled: Vec<SettledRun> = runs.iter().filter_map(DrivingRun::settled).collect();
         assert!(settled.len() >= 2, "{settled:?}");
         SpeedLimit::of_runs(&settled, runs.iter().flat_map(|d| &d.points).map(|p| p.1).fold(0.0, f64::max))
     }
