@@ -118,7 +118,6 @@ fn main() -> Fallible<()> {
         }
         let share = |sum: f64| 100.0 * sum / outcome.cells.max(1.0);
         let drives: Vec<String> = outcome.drives.iter().map(|(drive, count)| format!("{drive} ({count})")).collect();
-        let rejected: Vec<String> = refused.iter().map(|(why, count)| format!(", rejected ({count}): {why}")).collect();
         println!(
             "| {name} | {} | {:.3} | {:.0} % | {:.1} % | {}{} |",
             VEHICLES.len() as u64 * seeds,
