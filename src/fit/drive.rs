@@ -7,6 +7,7 @@ pub(crate) mod lagged_command;
 pub(crate) mod measured_torque;
 pub(crate) mod sampled_torque;
 pub(crate) mod settled_holds;
+pub(crate) mod speed_limit;
 pub(crate) mod step_timing;
 pub(crate) mod torque_input;
 pub(crate) mod undelivered;

@@ -9,9 +9,9 @@ use crate::verify::verdict::MapVerdict;
 
 /// Name of the check.
 pub(crate) const PIVOTS: &str = "pivots";
-/// Shares for a warning and for an objection. The speed loop's reaction to noise and to the floor makes 6 to 15 % on the vehicles of `data` with their
-/// own maps; a map of 30 % more or less inertia makes 29 %.
-const LIMITS: [f64; 2] = [0.2, 0.25];
+/// Shares for a warning and for an objection. With its own map, a vehicle makes 3 to 18 % by the speed loop's reaction to noise and to the floor
+/// (26 drives of four turns: two scrubbers, the sweeper); with a map of 30 % more or less mass and inertia 23 to 30 % (18 drives).
+const LIMITS: [f64; 2] = [0.2, 0.22];
 /// A log that is compared for less long counts with the others only [s]: one short pivot is mostly start and stop.
 const ALONE_S: f64 = 3.0;
 

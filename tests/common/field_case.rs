@@ -110,6 +110,12 @@ impl FieldCase {
         Self { changes, topics }
     }
 
+    /// The case without the options whose lines name `option`.
+    pub(crate) fn without(mut self, option: &str) -> Self {
+        self.changes.retain(|(_, lines)| !lines.contains(option));
+        self
+    }
+
     /// The vehicle file.
     pub(crate) fn vehicle_text(&self, bundled: &str) -> String {
         let changes: Vec<(&str, &str)> = self.changes.iter().map(|(heading, lines)| (*heading, lines.as_str())).collect();

@@ -11,6 +11,7 @@ use crate::fit::drive::effective_torque::{EffectiveTorque, Instead};
 use crate::fit::drive::feedback_delays::{FeedbackDelays, after_step_ratio, dead_time_through, delays, lag_explains};
 use crate::fit::drive::feedback_scale::FeedbackScale;
 use crate::fit::drive::measured_torque::{MeasuredTorque, gaps};
+use crate::fit::drive::speed_limit::SpeedLimit;
 use crate::fit::drive::undelivered::{Undelivered, exceeded_s, undelivered};
 use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
 use crate::map::{ActuatorInput, DriveFamily, InputSource, LogRef};
@@ -86,6 +87,8 @@ pub(crate) struct TorqueChoice {
     undelivered: BTreeMap<LogRef, Vec<Undelivered>>,
     /// Time for which the feedbacks show more torque than was asked for [s].
     exceeded_s: f64,
+    /// The governor that the speeds show.
+    speed_limit: Option<SpeedLimit>,
 }
 
 impl TorqueChoice {
@@ -133,7 +136,17 @@ impl TorqueChoice {
                 None => (true, Some("it does not follow the command through a first-order lag".to_owned())),
             },
         };
-        Self { feedback, reason, for_undelivered: feedback && for_undelivered, ratio, delays, scales, undelivered, exceeded_s }
+        Self {
+            feedback,
+            reason,
+            for_undelivered: feedback && for_undelivered,
+            ratio,
+            delays,
+            scales,
+            undelivered,
+            exceeded_s,
+            speed_limit: SpeedLimit::of(&surveys),
+        }
     }
 
     /// Time for which the feedbacks show more torque than was asked for [s], where that is no ringing around it.
@@ -153,6 +166,11 @@ impl TorqueChoice {
     /// Where a log's drive did not deliver the commanded torque, by its feedback.
     pub(crate) fn undelivered(&self, log: &LogRef) -> &[Undelivered] {
         self.undelivered.get(log).map_or(&[], Vec::as_slice)
+    }
+
+    /// The governor that the speeds show.
+    pub(crate) fn speed_limit(&self) -> Option<SpeedLimit> {
+        self.speed_limit
     }
 
     /// What replaces the torque of a log's command where it was not delivered: the corrected feedback, in the intervals in which the torque

@@ -33,6 +33,8 @@ pub(crate) struct LogData<'a> {
     pub(crate) instead: Option<Instead>,
     /// Where the drive did not deliver the torque that was asked for, on the command's clock [s].
     pub(crate) undelivered_s: Vec<(f64, f64)>,
+    /// The speed from which on a governor may take the driving torque away [m/s]; infinite without one.
+    pub(crate) governed_from_mps: f64,
     /// Timing errors of the steps of its command.
     pub(crate) timing: StepTiming,
     /// Outliers among the yaw readings.

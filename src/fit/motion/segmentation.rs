@@ -106,9 +106,13 @@ impl OfLog<'_> {
     /// Where the effective torque is unknown or was not delivered, on the clock of the readings, with starts and ends that rise.
     fn gaps(&self) -> Vec<(f64, f64)> {
         let dead_time_s = self.dead_time_s();
-        // a feedback has gaps, a command has torque that was not delivered: never both
         let unknown = self.lagged.gaps().iter().chain(&self.log.undelivered_s);
-        unknown.map(|gap| (gap.0 + dead_time_s, gap.1 + dead_time_s)).collect()
+        let mut gaps: Vec<(f64, f64)> = unknown.map(|gap| (gap.0 + dead_time_s, gap.1 + dead_time_s)).collect();
+        gaps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for k in 1..gaps.len() {
+            gaps[k].1 = gaps[k].1.max(gaps[k - 1].1);
+        }
+        gaps
     }
 
     fn dead_time_s(&self) -> f64 {

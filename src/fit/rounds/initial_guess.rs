@@ -3,6 +3,7 @@
 use crate::campaign::{SampleVerdict, Survey};
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
+use crate::fit::drive::speed_limit::SpeedLimit;
 use crate::fit::drive::step_timing::StepTiming;
 use crate::fit::drive::torque_input::{TorqueChoice, TorqueInput};
 use crate::fit::drive_form::campaign_drift::{CampaignDrift, CampaignProgress, Progress};
@@ -284,6 +285,7 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<Progress>, ch
         yaw_outliers: yaw_outliers.unwrap_or_default(),
         instead: choice.instead(&survey.track),
         undelivered_s: undelivered_s(choice, survey),
+        governed_from_mps: choice.speed_limit().map_or(f64::INFINITY, SpeedLimit::onset_mps),
         timing: StepTiming::new(&survey.track.command_nm).unsure(survey.track.command_std_s),
         cuts: Cuts::default(),
         coarse_mps,
@@ -292,11 +294,18 @@ fn log_data<'a>(survey: &'a Survey, grains: &Grains, progress: Vec<Progress>, ch
     }
 }
 
-/// Where the drive did not deliver, for a command as the input: a feedback holds what was delivered.
+/// Where the drive did not deliver, with starts and ends that rise: by a feedback where the command is the input, and by a governor unless the
+/// input is a feedback that shows what is delivered.
 fn undelivered_s(choice: &TorqueChoice, survey: &Survey) -> Vec<(f64, f64)> {
     let input = choice.of(&survey.track.source);
     let found = if input == TorqueInput::Command { choice.undelivered(&survey.track.source) } else { &[] };
-    found.iter().map(|u| (u.from_s, u.to_s)).collect()
+    let governed = choice.speed_limit().filter(|_| !choice.is_for_undelivered()).map(|limit| limit.undelivered_s(survey));
+    let mut all: Vec<(f64, f64)> = found.iter().map(|u| (u.from_s, u.to_s)).chain(governed.into_iter().flatten()).collect();
+    all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    for k in 1..all.len() {
+        all[k].1 = all[k].1.max(all[k - 1].1);
+    }
+    all
 }
 
 /// Hampel's rule at 6 scaled median absolute deviations over ±3 readings.

@@ -151,13 +151,20 @@ fn identified_drive(found: &Delays, estimate: &Estimate, surveys: &[&Survey], ch
         std_err: 0.0,
     });
     drive.exceeded_s = choice.exceeded_s().map(|seconds| round(seconds, 1e2));
+    if let Some(limit) = choice.speed_limit() {
+        let intervals = surveys.iter().flat_map(|survey| limit.undelivered_s(survey));
+        drive.undelivered_s = Some(round(intervals.map(|(from_s, to_s)| to_s - from_s).sum(), 1e2));
+        let governor = DriveLimit { kind: LimitKind::Speed, value: round(limit.speed_mps, 1e3), std_err: None };
+        drive.limit = drive.limit.or(Some(governor));
+    }
     let undelivered = undelivered_samples(surveys, choice);
     if !undelivered.is_empty() {
-        drive.undelivered_s = Some(round(undelivered.iter().map(|u| u.seconds).sum(), 1e2));
+        let shown_s: f64 = undelivered.iter().map(|u| u.seconds).sum();
+        drive.undelivered_s = Some(round(shown_s.max(drive.undelivered_s.unwrap_or(0.0)), 1e2));
         drive.undelivered_share = common_share(&undelivered).map(|share| round(share, 1e3));
         drive.limit = drive.limit.or_else(|| limit_of(&undelivered)).filter(|_| drive.undelivered_share.is_none());
     }
-    let departs = drive.better_than_given.is_some() || drive.exceeded_s.is_some() || !undelivered.is_empty();
+    let departs = drive.undelivered_s.is_some() || drive.better_than_given.is_some() || drive.exceeded_s.is_some();
     let plain = drive.family == DriveFamily::FirstOrder && drive.limit.is_none() && drive.compared.is_empty() && !departs;
     (!plain).then_some(drive)
 }

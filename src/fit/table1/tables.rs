@@ -116,10 +116,13 @@ pub(crate) fn accel_map(
 
     let mut count = vec![vec![0u64; speed.len()]; torque.len()];
     let mut measured_torque_nm: Vec<Option<[f64; 2]>> = vec![None; speed.len()];
+    let governed_from_mps = estimate.data.logs.iter().map(|log| log.governed_from_mps).fold(f64::INFINITY, f64::min);
     for sample in &own {
         let (i, j) = (table.torque_nm().nearest(sample.torque_nm), table.speed_mps().nearest(sample.speed_mps));
         let is_near = (sample.speed_mps - speed[j]).abs() <= SPEED_STEP_MPS && (sample.torque_nm - torque[i]).abs() <= near_nm;
-        count[i][j] += u64::from(is_near);
+        // a governor takes an unknown part of the torque that is asked for
+        let is_governed = sample.torque_nm > 0.0 && speed[j] > governed_from_mps;
+        count[i][j] += u64::from(is_near && !is_governed);
         let range = measured_torque_nm[j].get_or_insert([sample.torque_nm; 2]);
         *range = [range[0].min(sample.torque_nm), range[1].max(sample.torque_nm)];
     }

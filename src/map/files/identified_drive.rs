@@ -145,7 +145,7 @@ impl IdentifiedDrive {
             lines.push(("limit", format!("{:.2}{error} {unit}", limit.value)));
         }
         if let Some(seconds) = self.undelivered_s {
-            lines.push(("", format!("the feedback is below the commanded torque for {seconds:.1} s")));
+            lines.push(("", format!("the commanded torque is not delivered for {seconds:.1} s")));
         }
         lines
     }
