@@ -58,6 +58,7 @@ impl MapVerdict {
             && self.plant == other.plant
             && self.spread == other.spread
             && self.controller_settings == other.controller_settings
+            && self.controller_command == other.controller_command
             && self.controller == other.controller
             && self.limits == other.limits
             && self.round_trip_limit == other.round_trip_limit
