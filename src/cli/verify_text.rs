@@ -92,6 +92,10 @@ fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
         table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
         return;
     }
+    if scenario.controller_fault().is_some() {
+        table.add_row([scenario.name.as_str(), "controller", "", "broke", "", mark(false)]);
+        return;
+    }
     let failed = scenario.checks.iter().any(|c| !c.pass);
     let nearest = scenario.checks.iter().enumerate().max_by(|a, b| used(a.1).total_cmp(&used(b.1))).map(|(k, _)| k);
     let shown = scenario.checks.iter().enumerate().filter(|(k, c)| if failed { !c.pass } else { Some(*k) == nearest });

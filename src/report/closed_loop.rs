@@ -157,7 +157,10 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
     let shown = |metric, statistic| figure(&scenario.metrics, metric, statistic).map_or("–".to_owned(), |v| with_unit(metric, v));
     vec![
         html! { (scenario.name) },
-        html! { (scenario.what) },
+        html! {
+            (scenario.what)
+            @if let Some(fault) = scenario.controller_fault() { ". " strong { "The controller broke: " (fault) } }
+        },
         html! {
             @match scenario.status {
                 Status::Pass => "pass",

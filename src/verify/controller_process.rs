@@ -19,7 +19,7 @@ const KEPT_ERRORS: usize = 4096;
 const GRACE: Duration = Duration::from_millis(500);
 
 /// An answer as it was read.
-enum Answer {
+enum AnswerLine {
     Line(String),
     /// The beginning of a line that is longer than allowed.
     TooLong(String),
@@ -43,7 +43,7 @@ pub(crate) struct ControllerProcess {
     child: Child,
     /// `None` once it is to end.
     questions: Option<ChildStdin>,
-    answers: Receiver<Answer>,
+    answers: Receiver<AnswerLine>,
     errors: Receiver<Vec<u8>>,
     timeout: Duration,
 }
@@ -65,7 +65,7 @@ impl ControllerProcess {
         std::thread::spawn(move || {
             let mut output = output.map(BufReader::new);
             while let Some(answer) = output.as_mut().and_then(next_answer) {
-                let is_last = matches!(answer, Answer::TooLong(_));
+                let is_last = matches!(answer, AnswerLine::TooLong(_));
                 if put_answer.send(answer).is_err() || is_last {
                     break;
                 }
@@ -88,14 +88,14 @@ impl ControllerProcess {
     /// No answer in time, one that was not asked for, one without end, or the end of the process.
     pub(crate) fn ask(&mut self, line: &str) -> std::result::Result<String, ProcessFault> {
         match self.answers.try_recv() {
-            Ok(Answer::Line(answer)) => return Err(ProcessFault::Unasked(name_from_outside(&answer).into_owned())),
-            Ok(Answer::TooLong(start)) => return Err(ProcessFault::TooLong(name_from_outside(&start).into_owned())),
+            Ok(AnswerLine::Line(answer)) => return Err(ProcessFault::Unasked(name_from_outside(&answer).into_owned())),
+            Ok(AnswerLine::TooLong(start)) => return Err(ProcessFault::TooLong(name_from_outside(&start).into_owned())),
             Err(_) => {}
         }
         self.say(line);
         match self.answers.recv_timeout(self.timeout) {
-            Ok(Answer::Line(answer)) => Ok(answer),
-            Ok(Answer::TooLong(start)) => Err(ProcessFault::TooLong(name_from_outside(&start).into_owned())),
+            Ok(AnswerLine::Line(answer)) => Ok(answer),
+            Ok(AnswerLine::TooLong(start)) => Err(ProcessFault::TooLong(name_from_outside(&start).into_owned())),
             Err(RecvTimeoutError::Timeout) => {
                 self.end_now();
                 Err(ProcessFault::Late(self.timeout.as_millis()))
@@ -149,7 +149,7 @@ impl Drop for ControllerProcess {
 }
 
 /// The next line; `None` at the end.
-fn next_answer(output: &mut impl BufRead) -> Option<Answer> {
+fn next_answer(output: &mut impl BufRead) -> Option<AnswerLine> {
     let mut line = Vec::new();
     // one byte more than allowed shows that it is too long
     output.take(LONGEST_ANSWER as u64 + 1).read_until(b'\n', &mut line).ok()?;
@@ -157,7 +157,7 @@ fn next_answer(output: &mut impl BufRead) -> Option<Answer> {
         return None;
     }
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_end().to_owned();
-    Some(if line.len() > LONGEST_ANSWER { Answer::TooLong(text(&line[..200])) } else { Answer::Line(text(&line)) })
+    Some(if line.len() > LONGEST_ANSWER { AnswerLine::TooLong(text(&line[..200])) } else { AnswerLine::Line(text(&line)) })
 }
 
 /// The end of what a stream holds.
@@ -179,11 +179,11 @@ mod tests {
     fn a_line_ends_at_its_line_end_or_at_the_end_of_the_output_and_is_never_longer_than_allowed() {
         let mut output = BufReader::new(&b"one\r\ntwo"[..]);
         for expected in ["one", "two"] {
-            assert!(matches!(next_answer(&mut output), Some(Answer::Line(line)) if line == expected));
+            assert!(matches!(next_answer(&mut output), Some(AnswerLine::Line(line)) if line == expected));
         }
         assert!(next_answer(&mut output).is_none());
         let long = vec![b'7'; 3 * LONGEST_ANSWER];
-        assert!(matches!(next_answer(&mut BufReader::new(&long[..])), Some(Answer::TooLong(start)) if start.len() == 200));
+        assert!(matches!(next_answer(&mut BufReader::new(&long[..])), Some(AnswerLine::TooLong(start)) if start.len() == 200));
     }
 
     #[test]
