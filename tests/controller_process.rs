@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const ONE_TURN: [&str; 4] = ["--scenario", "left-90", "--draws", "4"];
 
 /// Drives with a constant torque to 60° and rolls out, or breaks in the way that its argument names.
-const CONTROLLER: &str = r##"
+const CONTROLLER: &str = r#"
 use std::io::{BufRead, Write};
 
 fn number(line: &str, key: &str) -> f64 {
@@ -62,7 +62,7 @@ fn main() {
         std::io::stdout().flush().unwrap();
     }
 }
-"##;
+"#;
 
 /// The compiled controller, in `folder`.
 fn compiled(folder: &Path) -> PathBuf {

@@ -130,7 +130,9 @@ impl<'a> PivotStage<'a> {
         let nominal = (values, nominal);
         if let Some(fault) = fault {
             let not_run = if varied.is_empty() { String::new() } else { format!("; {} perturbed vehicles were not driven", varied.len()) };
-            varied.iter().for_each(|_| (self.done)());
+            for _ in varied {
+                (self.done)();
+            }
             return Ok(PivotRuns { nominal, draws: Vec::new(), faults: vec![format!("nominal run, {fault}{not_run}")] });
         }
         let one = |(plant, seed): &(sim::WorldSettings, u64)| {
