@@ -14,8 +14,8 @@ use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::text::shown;
 use crate::verify::{
-    Class, Error, Gate, MapVerdict, Maps, RecordedPivots, ReplayedRun, Scenario, Verified, VerifySettings, Wanted, at_angles,
-    recorded_pivots, replayed, verify_with,
+    Class, ControllerCommand, Error, Gate, MapVerdict, Maps, RecordedPivots, ReplayedRun, Scenario, Verified, VerifySettings, Wanted,
+    at_angles, recorded_pivots, replayed, verify_with,
 };
 use anyhow::{Context, bail};
 use std::path::PathBuf;
@@ -36,6 +36,7 @@ Examples:
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
   pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
+  pivot-cal verify --controller 'python3 examples/controller.py'   your own controller as a process (docs/controller.md)
   pivot-cal verify --table tuned.dcm          a map that came back from a tool, on the measured plant
   pivot-cal verify --replay held_out.mcap     also recorded runs replayed with the plant
   pivot-cal verify --pivots shift.mcap --signals deployed.toml   also pivots in operation, desired against actual acceleration
@@ -81,6 +82,13 @@ pub(crate) struct Arguments {
     /// Settings of the controller that drives (TOML) instead of the built-in ones; data/controllers has examples
     #[arg(long, value_name = "FILE")]
     controller_settings: Option<PathBuf>,
+    /// Judge this process instead of the bundled controller: it is asked one line of JSON per control period and answers one
+    /// (docs/controller.md). No shell reads the command; quotes keep spaces
+    #[arg(long, value_name = "CMD", conflicts_with_all = ["points", "table"])]
+    controller: Option<String>,
+    /// Time that the process has for each answer [ms]
+    #[arg(long, value_name = "MS", default_value_t = 1000, requires = "controller")]
+    controller_timeout_ms: u64,
     /// Limits that replace the built-in ones
     #[arg(long, value_name = "FILE")]
     gate: Option<PathBuf>,
@@ -144,6 +152,13 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         None => Gate::with(None)?,
     };
     let controller = controller_file::read(arguments.controller_settings.as_deref())?;
+    let controller_command = match &arguments.controller {
+        Some(command) => Some(ControllerCommand::new(command, arguments.controller_timeout_ms)?),
+        None => None,
+    };
+    if let Some(manoeuvre) = manoeuvres.first().filter(|_| controller_command.is_some()) {
+        bail!("--controller drives pivots only, and {} is a manoeuvre; leave it out of --scenario", manoeuvre.name);
+    }
     let defaults = ManoeuvreSettings::new()?;
     let given = match &arguments.vehicle {
         Some(path) => Some(VehicleFile::from_toml(&read_file(path)?).with_context(|| shown(path))?.settings()),
@@ -168,6 +183,11 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let mut folder = FolderWriter::open(&arguments.maps)?;
     let maps = Maps::read_from(&folder.view(), arguments.force)?;
     settings.given_vehicle = given;
+    if controller_command.is_some() {
+        // laws that share its plan, but not its process, are no measure of it
+        settings.comparison_draws = 0;
+    }
+    settings.controller_command = controller_command;
     for forced in &maps.forced {
         ui.warn(format!("{forced}; continued, since --force was given"));
     }

@@ -1,6 +1,7 @@
 //! A verdict as text: the table of the scenarios, replayed runs, pivots in operation, manoeuvres, and the comparison with other laws.
 
 use crate::cli::Ui;
+use crate::controller::ControllerFile;
 use crate::map::{Check, CheckOutcome};
 use crate::verify::{
     Class, LawComparison, LimitCheck, MapVerdict, Metric, RecordedPivots, ReplayedRun, ScenarioVerdict, Statistic, Status,
@@ -17,8 +18,12 @@ pub(crate) fn new_table(header: &[&str]) -> Table {
 /// Prints a verdict as text.
 pub(crate) fn show(verdict: &MapVerdict, ui: Ui) {
     ui.say(format!("verdict: {}", verdict.headline()));
-    if let Some(controller) = &verdict.controller_settings {
-        ui.say(format!("controller: {}", controller.label()));
+    let plan = verdict.controller_settings.as_ref().map(ControllerFile::label);
+    if let Some(command) = &verdict.controller_command {
+        let plan = plan.map_or(String::new(), |plan| format!("; planned and judged by the settings of {plan}"));
+        ui.say(format!("controller: {}, {} ms for an answer{plan}", command.label(), command.timeout_ms));
+    } else if let Some(plan) = plan {
+        ui.say(format!("controller: {plan}"));
     }
     show_checks(&verdict.checks, ui);
     let mut table = new_table(&["scenario", "metric", "", "value", "limit", ""]);
@@ -85,6 +90,10 @@ pub(crate) fn status_word(status: Status) -> &'static str {
 fn rows(table: &mut Table, scenario: &ScenarioVerdict) {
     if scenario.status == Status::NotTested {
         table.add_row([scenario.name.as_str(), "", "", "", "", "not tested"]);
+        return;
+    }
+    if scenario.controller_fault().is_some() {
+        table.add_row([scenario.name.as_str(), "controller", "", "broke", "", mark(false)]);
         return;
     }
     let failed = scenario.checks.iter().any(|c| !c.pass);

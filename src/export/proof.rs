@@ -36,6 +36,11 @@ impl Proof {
         if !verdict.is_about(&files.table1.generation, &csvs) {
             return Ok(not("verify.json is the verdict on another map".to_owned()));
         }
+        if let Some(command) = &verdict.controller_command {
+            let reason =
+                format!("the verdict is about {}, not about this map with the bundled controller: run pivot-cal verify", command.label());
+            return Ok(not(reason));
+        }
         let (status, reason) = deployment(&files.table1, Some(&verdict));
         Ok(Self { is_verified: status == Status::Pass, reason, controller: verdict.controller_settings })
     }

@@ -7,8 +7,10 @@ use crate::report::html::TableColumn::{Number, Text};
 use crate::report::html::{TableColumn, num_or_dash, table};
 use crate::report::section::{Figures, Section};
 use crate::report::svg::num;
+use crate::text::shown;
 use crate::verify::{
-    Bands, ClosedLoop, LawComparison, LawTraces, LimitCheck, MapVerdict, Metric, MetricSummary, ScenarioVerdict, Statistic, Status,
+    Bands, ClosedLoop, ControllerCommand, LawComparison, LawTraces, LimitCheck, MapVerdict, Metric, MetricSummary, ScenarioVerdict,
+    Statistic, Status,
 };
 use maud::{Markup, html};
 
@@ -30,7 +32,7 @@ pub(crate) fn closed_loop(inputs: &ReportFiles) -> Section {
             @if let Some(comparison) = &verdict.comparison { (laws(comparison, verdict.comparison_draws)) }
             h3 { "Scenarios" }
             (scenarios(verdict))
-            @if let Some(file) = &verdict.controller_settings { (controller(file)) }
+            @if let Some(file) = &verdict.controller_settings { (controller(file, verdict.controller_command.as_ref())) }
         } @else {
             p.absent { "There is no verdict on these tables: run pivot-cal verify." }
         }
@@ -39,7 +41,7 @@ pub(crate) fn closed_loop(inputs: &ReportFiles) -> Section {
 }
 
 /// The settings of the controller that was judged; those that are not the default's are marked.
-fn controller(file: &ControllerFile) -> Markup {
+fn controller(file: &ControllerFile, command: Option<&ControllerCommand>) -> Markup {
     let defaults = ControllerSettings::default().sections();
     let settings = file.settings();
     let mut rows = Vec::new();
@@ -51,7 +53,13 @@ fn controller(file: &ControllerFile) -> Markup {
     }
     html! {
         h3 { "Controller" }
-        p { "The verdict is about the controller " (settings.name()) ", SHA-256 " code { (file.sha256()) } "." }
+        @if let Some(command) = command {
+            p {
+                "The verdict is about a process of the user's, " code { (shown(&command.command)) } ", with " (command.timeout_ms)
+                " ms for an answer, and not about the bundled controller. The settings are those of the plan that it was judged by."
+            }
+        }
+        p { @if command.is_some() { "The plan is of the controller " } @else { "The verdict is about the controller " } (settings.name()) ", SHA-256 " code { (file.sha256()) } "." }
         details {
             summary { "Its " (rows.len()) " settings" }
             (table("", &[Text("setting"), Number("value"), Text("if not the default"), Text("meaning")], &rows))
@@ -149,7 +157,10 @@ fn scenario(scenario: &ScenarioVerdict) -> Vec<Markup> {
     let shown = |metric, statistic| figure(&scenario.metrics, metric, statistic).map_or("–".to_owned(), |v| with_unit(metric, v));
     vec![
         html! { (scenario.name) },
-        html! { (scenario.what) },
+        html! {
+            (scenario.what)
+            @if let Some(fault) = scenario.controller_fault() { ". " strong { "The controller broke: " (fault) } }
+        },
         html! {
             @match scenario.status {
                 Status::Pass => "pass",

@@ -118,6 +118,7 @@ impl MapVerdict {
             scope.push(format!("{judged} of {} pivots only", all.len()));
         }
         scope.extend(about);
+        scope.extend(self.controller_command.as_ref().map(|command| format!("driven by {}", command.label())));
         scope
     }
 
@@ -143,6 +144,9 @@ impl MapVerdict {
         let mut failed = self.scenarios.iter().filter(|s| s.status == Status::Fail);
         let Some(first) = failed.next() else { return "a limit is broken".to_owned() };
         let more = failed.count();
+        if let Some(fault) = first.controller_fault() {
+            return format!("{}: the controller broke: {fault}{}", first.name, and_more(more, "scenario"));
+        }
         let worst = first.checks.iter().filter(|c| !c.pass).max_by(|a, b| excess(a).total_cmp(&excess(b)));
         let cause = worst.map_or_else(|| "a limit is broken".to_owned(), words);
         format!("{}: {cause}{}", first.name, and_more(more, "scenario"))

@@ -9,7 +9,7 @@ use crate::verify::scenario::Scenario;
 use crate::verify::verdict::{MapVerdict, ScenarioVerdict, Status};
 
 impl MapVerdict {
-    /// This verdict with what `earlier` judged of the same map and this verdict does not. Of another map, another controller, other limits or
+    /// This verdict with what `earlier` judged of the same map and this verdict does not. Of another map, another controller, a process of the user's, other limits or
     /// another version of the file, nothing is kept.
     #[must_use]
     pub(crate) fn added_to(mut self, earlier: &Self) -> Self {
@@ -58,6 +58,9 @@ impl MapVerdict {
             && self.plant == other.plant
             && self.spread == other.spread
             && self.controller_settings == other.controller_settings
+            // the same command may start another program than before
+            && self.controller_command.is_none()
+            && other.controller_command.is_none()
             && self.controller == other.controller
             && self.limits == other.limits
             && self.round_trip_limit == other.round_trip_limit
@@ -143,6 +146,8 @@ mod tests {
         let kept = |earlier: MapVerdict| now().added_to(&earlier).scenarios.len();
         assert_eq!(kept(MapVerdict { generation: "another".to_owned(), ..all.clone() }), 1);
         assert_eq!(kept(MapVerdict { limits: Vec::new(), ..all.clone() }), 1);
+        let process = Some(crate::verify::ControllerCommand::new("a b", 10).unwrap());
+        assert_eq!(kept(MapVerdict { controller_command: process, ..all.clone() }), 1);
         assert_eq!(kept(all.clone()), all.scenarios.len());
         let parked = MapVerdict { scenarios: vec![scenario("parking", Class::Parking, Status::Pass, 20)], ..all.clone() };
         let of = |vehicle: &str| MapVerdict { manoeuvre_vehicle_sha256: Some(vehicle.to_owned()), ..parked.clone() };

@@ -62,6 +62,10 @@ pub enum Error {
     Sim(#[from] crate::sim::Error),
     #[error("the controller cannot be set up: {0}")]
     Control(#[from] crate::control::Error),
+    #[error("the controller {command:?}: {fault}; allowed: a program and its arguments, and at least 1 ms for an answer")]
+    ControllerCommand { command: String, fault: &'static str },
+    #[error("{command} cannot be started: {source}; give a program and its arguments to --controller, as \"python3 my_controller.py\"")]
+    ControllerStart { command: String, source: std::io::Error },
     #[error("the log of a run cannot be written: {0}")]
     Record(#[from] crate::record::Error),
     #[error("the verdict cannot be written as JSON: {0}")]

@@ -8,7 +8,7 @@ use crate::verify::basis::Basis;
 use crate::verify::bench::PivotMoment;
 use crate::verify::comparison::{compare, comparison_runs};
 use crate::verify::drive::EachMoment;
-use crate::verify::metric::Values;
+use crate::verify::metric::{MetricSummary, Values};
 use crate::verify::notes::notes;
 use crate::verify::perturbations::draws;
 use crate::verify::pivot_log::PivotLog;
@@ -19,7 +19,7 @@ use crate::verify::round_trip::round_trip;
 use crate::verify::run::run;
 use crate::verify::scenario::Scenario;
 use crate::verify::settings::{RunLog, VerifySettings, Wanted};
-use crate::verify::stage::PivotStage;
+use crate::verify::stage::{PivotRuns, PivotStage};
 use crate::verify::verdict::{FORMAT, MapVerdict, PlantSummary, ScenarioVerdict, Status};
 use crate::verify::{Error, Maps, Result};
 use rayon::prelude::*;
@@ -102,6 +102,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
         seed: settings.seed,
         spread: settings.spread,
         controller_settings: Some(settings.controller.clone()),
+        controller_command: settings.controller_command.clone(),
         controller: serde_json::json!({ "modules": stage.control, "drive_law": stage.law }),
         round_trip_limit: settings.gate.round_trip.clone(),
         limits: settings.gate.limits.clone(),
@@ -136,7 +137,7 @@ fn accepted(checks: &[Check], names: &[String]) -> Result<Vec<String>> {
 /// As [`verify`].
 pub fn replay(maps: &Maps, settings: &VerifySettings, scenario: &Scenario, record: impl FnMut(&PivotMoment)) -> Result<Values> {
     let stage = PivotStage::new(maps, settings, &|| ())?;
-    run(&stage.bench(), scenario, &stage.plant, stage.map_law(), settings.seed, EachMoment(record))
+    Ok(run(&stage.bench(), scenario, &stage.plant, stage.map_law(), settings.seed, EachMoment(record))?.values)
 }
 
 /// The verdict on each scenario of `settings`, driven with the map, or with the perfect inverse of the plant; without round trip and comparison.
@@ -163,6 +164,18 @@ pub(crate) fn judge_pivots(maps: &Maps, settings: &VerifySettings, perfect: bool
     settings.scenarios.par_iter().map(judge).collect()
 }
 
+/// The runs of a scenario, whoever drove.
+struct JudgedRuns {
+    summaries: Vec<MetricSummary>,
+    draws: usize,
+    faults: Vec<String>,
+    log: Option<PivotLog>,
+}
+
+fn judged(runs: PivotRuns<Option<PivotLog>, ()>) -> JudgedRuns {
+    JudgedRuns { summaries: runs.summaries(), draws: runs.draws.len(), faults: runs.faults, log: runs.nominal.1 }
+}
+
 /// The verdict on each scenario, and the log of its nominal run if requested.
 fn judge_scenarios(
     stage: &PivotStage<'_>,
@@ -178,12 +191,16 @@ fn judge_scenarios(
             return Ok((ScenarioVerdict::not_tested(name, what, scenario.class, why), None));
         }
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));
-        let runs = stage.run_all(scenario, varied, || stage.map_law(), log, || ())?;
-        let mut verdict = ScenarioVerdict::new(name, what, scenario.class, (runs.summaries(), varied.len()), &settings.gate);
+        let runs = match &settings.controller_command {
+            Some(command) => judged(stage.run_all(scenario, varied, || stage.process_law(command), log, || ())?),
+            None => judged(stage.run_all(scenario, varied, || stage.map_law(), log, || ())?),
+        };
+        let mut verdict = ScenarioVerdict::new(name, what, scenario.class, (runs.summaries, runs.draws), &settings.gate);
+        verdict = verdict.with_controller_faults(runs.faults);
         if scenario.assumes_symmetry() {
             verdict.notes.push("symmetry assumed: the table was measured with the wheel to the left".to_owned());
         }
-        let bytes = runs.nominal.1.map(PivotLog::finish).transpose()?;
+        let bytes = runs.log.map(PivotLog::finish).transpose()?;
         Ok((verdict, bytes.map(|bytes| RunLog { name: name.clone(), bytes })))
     };
     settings.scenarios.par_iter().map(judge).collect()

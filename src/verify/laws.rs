@@ -94,7 +94,7 @@ pub(crate) fn tuned_heading_law(
     let drive = |k: usize, seed: u64| {
         let values = run(bench, scenario, plant, HeadingLaw::new(candidate(k)), seed, ());
         done();
-        Ok(score(&values?))
+        Ok(score(&values?.values))
     };
     let first: Result<Vec<f64>> = (0..count).into_par_iter().map(|k| drive(k, 0)).collect();
     let first = first?;

@@ -93,6 +93,7 @@ mod tests {
             seed: 1,
             spread: Spread::default(),
             controller_settings: None,
+            controller_command: None,
             controller: serde_json::Value::Null,
             round_trip_limit: RoundTripLimit { at_most_mps2: 0.1, row_mean_at_most_mps2: 0.1, standard_errors: 3.0, reason: String::new() },
             limits: Vec::new(),

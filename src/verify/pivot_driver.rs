@@ -1,14 +1,15 @@
-//! Drives the turns of a scenario with the pivot controller, and starts the scenario's disturbance at its time.
+//! Drives the turns of a scenario with a controller of pivots, and starts the scenario's disturbance at its time.
 
-use crate::control::{DriveLaw, Phase, PivotController, PivotRequest, PivotSettings};
+use crate::control::{Phase, PivotRequest};
 use crate::sim::{Fault, World, WorldCommand};
 use crate::units::RAD_PER_DEG;
 use crate::verify::Result;
 use crate::verify::bench::{PivotBench, PivotMoment};
 use crate::verify::drive::{Driver, inputs, pose};
+use crate::verify::pivot_law::PivotControl;
 use crate::verify::scenario::{Disturbance, Expected, Onset, Scenario};
 
-/// Longest simulated time of one turn [s]: the controller's own time-outs come first.
+/// Longest simulated time of one turn [s]: the time-outs of a controller come first.
 const LONGEST_S: f64 = 120.0;
 /// Time that a failed run continues [s]: a vehicle at 0.6 m/s stops within it, and the torque must stay zero.
 const AFTER_FAILURE_S: f64 = 2.5;
@@ -36,10 +37,10 @@ enum RunPart {
 }
 
 /// The driver of a scenario.
-pub(crate) struct PivotDriver<'a, L: DriveLaw> {
+pub(crate) struct PivotDriver<'a, C: PivotControl> {
     bench: &'a PivotBench<'a>,
     scenario: &'a Scenario,
-    controller: PivotController<L>,
+    controller: C,
     part: RunPart,
     turn: Option<AskedTurn>,
     /// The disturbance that has not yet begun in this turn.
@@ -47,26 +48,18 @@ pub(crate) struct PivotDriver<'a, L: DriveLaw> {
     last_phase: Phase,
     in_phase_s: f64,
     as_expected: bool,
+    /// The turn that did not end.
+    endless: Option<String>,
 }
 
-impl<'a, L: DriveLaw> PivotDriver<'a, L> {
+impl<'a, C: PivotControl> PivotDriver<'a, C> {
     /// The driver at the start of `scenario`. A disturbance without an onset begins now.
-    ///
-    /// # Errors
-    /// Settings that the controller refuses.
-    pub(crate) fn new(
-        bench: &'a PivotBench<'a>,
-        scenario: &'a Scenario,
-        settings: &PivotSettings,
-        law: L,
-        world: &mut World,
-    ) -> Result<Self> {
-        let controller = PivotController::new(settings, law)?;
+    pub(crate) fn new(bench: &'a PivotBench<'a>, scenario: &'a Scenario, controller: C, world: &mut World) -> Self {
         world.place_wheel(scenario.start_wheel_deg * RAD_PER_DEG);
         if let Some((disturbance, None)) = scenario.disturbance {
             begin(world, disturbance, bench);
         }
-        Ok(Self {
+        Self {
             last_phase: controller.phase(),
             bench,
             scenario,
@@ -76,7 +69,8 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
             pending: None,
             in_phase_s: 0.0,
             as_expected: true,
-        })
+            endless: None,
+        }
     }
 
     /// The last requested turn; `None` before the first.
@@ -92,6 +86,11 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
     /// Whether the last turn failed.
     pub(crate) fn failed(&self) -> bool {
         matches!(self.part, RunPart::Failed(_))
+    }
+
+    /// What went wrong with the controller itself: it broke, or a turn did not end.
+    pub(crate) fn fault(&self) -> Option<&str> {
+        self.controller.fault().or(self.endless.as_deref())
     }
 
     /// Whether every turn has ended as the scenario expects.
@@ -119,6 +118,10 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
     fn end_turn(&mut self) -> bool {
         let phase = self.controller.phase();
         let failed = phase != Phase::Succeeded;
+        if phase.is_active() {
+            let number = self.turn.map_or(0, |turn| turn.index + 1);
+            self.endless = Some(format!("turn {number} did not end within {LONGEST_S} s"));
+        }
         self.as_expected &= match self.scenario.expected {
             Expected::Success => !failed,
             Expected::Failure(failure) => phase == Phase::Failed(failure),
@@ -141,7 +144,7 @@ impl<'a, L: DriveLaw> PivotDriver<'a, L> {
     }
 }
 
-impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
+impl<C: PivotControl> Driver for PivotDriver<'_, C> {
     type Moment = PivotMoment;
 
     fn prepare(&mut self, world: &mut World) -> Result<bool> {
@@ -172,7 +175,7 @@ impl<L: DriveLaw> Driver for PivotDriver<'_, L> {
 
     fn command(&mut self, world: &World) -> (PivotMoment, WorldCommand) {
         let (state, seen) = (world.state(), world.measure());
-        let command = self.controller.step(&inputs(&seen));
+        let command = self.controller.step(state.t_s, &inputs(&seen));
         if let RunPart::Turning(left_s) = &mut self.part {
             let phase = self.controller.phase();
             self.in_phase_s = if phase == self.last_phase { self.in_phase_s + self.bench.period_s } else { 0.0 };

@@ -1,7 +1,7 @@
 //! A scenario's nominal run as a log of standard ROS 2 messages, which Foxglove, `PlotJuggler` and rerun draw: the actual and the desired
 //! motion, and the messages between the controller's modules.
 
-use crate::control::{AngleStatus, DriveLaw, LateralTask, Phase, PivotRequest};
+use crate::control::{AngleStatus, LateralTask, Phase, PivotRequest};
 use crate::log::SCENARIO_METADATA;
 use crate::map::Gear;
 use crate::record::{LogWriter, MessageStamp, Odometry, RosMessage};
@@ -9,6 +9,7 @@ use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotMoment;
 use crate::verify::drive::{Observer, Period};
 use crate::verify::pivot_driver::PivotDriver;
+use crate::verify::pivot_law::PivotControl;
 use crate::verify::scenario::Scenario;
 use crate::verify::vehicle_log::{log_time_ns, write_vehicle};
 use crate::verify::{Maps, Result};
@@ -41,8 +42,8 @@ impl PivotLog {
     }
 }
 
-impl<'a, L: DriveLaw> Observer<PivotDriver<'a, L>> for PivotLog {
-    fn see(&mut self, period: &Period<'_, PivotDriver<'a, L>>) {
+impl<'a, C: PivotControl> Observer<PivotDriver<'a, C>> for PivotLog {
+    fn see(&mut self, period: &Period<'_, PivotDriver<'a, C>>) {
         let moment = period.moment;
         if self.outcome.is_ok() {
             self.outcome = write(&mut self.log, self.wheel_radius_m, moment, period.driver.request(), self.last);

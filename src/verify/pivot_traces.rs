@@ -1,12 +1,13 @@
 //! `verify_traces.json`: the pivot of the comparison over time, by the map and by the conventional law, on the nominal plant and as quantiles
 //! over the draws. For display only; the verdict does not depend on it.
 
-use crate::control::{DriveLaw, Phase};
+use crate::control::Phase;
 use crate::map::{FORMAT_VERSION, parse_file};
 use crate::units::RAD_PER_DEG;
 use crate::verify::drive::{Observer, Period};
 use crate::verify::metric::quantile;
 use crate::verify::pivot_driver::PivotDriver;
+use crate::verify::pivot_law::PivotControl;
 use crate::verify::scenario::Scenario;
 use crate::verify::{Maps, Result};
 use serde::{Deserialize, Serialize};
@@ -100,8 +101,8 @@ pub(crate) struct PivotTrace {
     start_rad: Option<f64>,
 }
 
-impl<'a, L: DriveLaw> Observer<PivotDriver<'a, L>> for PivotTrace {
-    fn see(&mut self, period: &Period<'_, PivotDriver<'a, L>>) {
+impl<'a, C: PivotControl> Observer<PivotDriver<'a, C>> for PivotTrace {
+    fn see(&mut self, period: &Period<'_, PivotDriver<'a, C>>) {
         let (state, command) = (&period.moment.state, &period.moment.command);
         let start_rad = *self.start_rad.get_or_insert(state.heading_rad);
         if self.begun_s.is_none() && command.phase == Phase::Driving {

@@ -1,6 +1,5 @@
 //! One run: a scenario driven by a law on a plant, with its metrics.
 
-use crate::control::DriveLaw;
 use crate::sim;
 use crate::sim::World;
 use crate::units::RAD_PER_DEG;
@@ -9,18 +8,30 @@ use crate::verify::bench::PivotBench;
 use crate::verify::drive::{Observer, drive, steps_of};
 use crate::verify::metric::Values;
 use crate::verify::pivot_driver::PivotDriver;
+use crate::verify::pivot_law::PivotLaw;
 use crate::verify::run_metrics::PivotMetrics;
 use crate::verify::scenario::Scenario;
 
+/// What a run came to.
+pub(crate) struct DrivenPivot {
+    /// Its metrics.
+    pub(crate) values: Values,
+    /// What went wrong with the controller itself.
+    pub(crate) fault: Option<String>,
+}
+
 /// Runs `scenario` and computes its metrics; `observer` also sees every period.
-pub(crate) fn run<'a, L: DriveLaw>(
+///
+/// # Errors
+/// A plant that cannot be simulated, a controller that cannot be set up or started.
+pub(crate) fn run<'a, L: PivotLaw>(
     bench: &'a PivotBench<'a>,
     scenario: &'a Scenario,
     plant: &sim::WorldSettings,
     law: L,
     seed: u64,
-    observer: impl Observer<PivotDriver<'a, L>>,
-) -> Result<Values> {
+    observer: impl Observer<PivotDriver<'a, L::Controller>>,
+) -> Result<DrivenPivot> {
     let mut settings = *bench.control;
     settings.planning.policy = scenario.policy;
     if let Some(right_deg) = scenario.right_wheel_deg {
@@ -30,8 +41,9 @@ pub(crate) fn run<'a, L: DriveLaw>(
         settings.planning.return_angle_rad = return_deg * RAD_PER_DEG;
     }
     let mut world = World::new(plant, seed)?;
-    let mut driver = PivotDriver::new(bench, scenario, &settings, law, &mut world)?;
+    let mut driver = PivotDriver::new(bench, scenario, law.controller(&settings)?, &mut world);
     let mut observers = (PivotMetrics::new(bench, &settings, plant), observer);
     drive(&mut world, steps_of(bench.period_s, plant.step_s), &mut driver, &mut observers)?;
-    Ok(observers.0.values(scenario, &driver, &world.state()))
+    let values = observers.0.values(scenario, &driver, &world.state());
+    Ok(DrivenPivot { values, fault: driver.fault().map(str::to_owned) })
 }

@@ -1,6 +1,6 @@
 //! The metrics of a pivot, computed while it is driven; the definitions are in `docs/controller.md`.
 
-use crate::control::{Direction, DriveLaw, Phase, PivotSettings};
+use crate::control::{Direction, Phase, PivotSettings};
 use crate::map::Gear;
 use crate::sim;
 use crate::sim::TrueState;
@@ -9,6 +9,7 @@ use crate::verify::bench::{PivotBench, PivotMoment};
 use crate::verify::drive::{Observer, Period};
 use crate::verify::metric::{Metric, Values};
 use crate::verify::pivot_driver::{AskedTurn, PivotDriver};
+use crate::verify::pivot_law::PivotControl;
 use crate::verify::scenario::{Expected, Scenario};
 
 /// Observes a run and accumulates its metrics. Over several turns it takes the largest value, and the mean of shares.
@@ -32,6 +33,8 @@ pub(crate) struct PivotMetrics<'a> {
     squares: f64,
     largest_mps: f64,
     driving_periods: f64,
+    /// Whether a look-up was reported: a controller that is a process may keep it to itself.
+    looks_up: bool,
     saturated: f64,
     outside: f64,
     limit_nm: f64,
@@ -69,6 +72,7 @@ impl<'a> PivotMetrics<'a> {
             squares: 0.0,
             largest_mps: 0.0,
             driving_periods: 0.0,
+            looks_up: false,
             saturated: 0.0,
             outside: 0.0,
             limit_nm: bench.torque_limit_nm.min(plant.drive.torque_limit_nm),
@@ -122,9 +126,11 @@ impl<'a> PivotMetrics<'a> {
             self.squares += error_mps * error_mps;
             self.largest_mps = self.largest_mps.max(error_mps.abs());
             self.driving_periods += 1.0;
+            // 1e-6: an interpolated table value at its limit may miss it by its rounding
+            let torque_nm = command.drive.map_or(command.torque_nm, |drive| drive.torque_nm);
+            self.saturated += f64::from(u8::from(torque_nm.abs() >= self.limit_nm - 1e-6));
             if let Some(drive) = command.drive {
-                // 1e-6: an interpolated table value at its limit may miss it by its rounding
-                self.saturated += f64::from(u8::from(drive.torque_nm.abs() >= self.limit_nm - 1e-6));
+                self.looks_up = true;
                 self.outside += f64::from(u8::from(!self.bench.region.contains(self.gear, drive.speed_mps, drive.accel_mps2)));
             }
             self.drift_m = self.drift_m.max(self.drift(state));
@@ -163,7 +169,7 @@ impl<'a> PivotMetrics<'a> {
     }
 
     /// The metrics of the run, which ended at `state` with its last turn.
-    pub(crate) fn values<L: DriveLaw>(mut self, scenario: &Scenario, driver: &PivotDriver<'_, L>, state: &TrueState) -> Values {
+    pub(crate) fn values<C: PivotControl>(mut self, scenario: &Scenario, driver: &PivotDriver<'_, C>, state: &TrueState) -> Values {
         if self.turn.is_some() {
             self.end(state);
         }
@@ -190,14 +196,16 @@ impl<'a> PivotMetrics<'a> {
             values.set(Metric::SpeedMaxMps, self.largest_mps);
             values.set(Metric::StartJerkMps3, self.start_jerk_mps3);
             values.set(Metric::SaturatedShare, self.saturated / self.driving_periods);
-            values.set(Metric::OutsideShare, self.outside / self.driving_periods);
+            if self.looks_up {
+                values.set(Metric::OutsideShare, self.outside / self.driving_periods);
+            }
         }
         values
     }
 }
 
-impl<'b, L: DriveLaw> Observer<PivotDriver<'b, L>> for PivotMetrics<'_> {
-    fn see(&mut self, period: &Period<'_, PivotDriver<'b, L>>) {
+impl<'b, C: PivotControl> Observer<PivotDriver<'b, C>> for PivotMetrics<'_> {
+    fn see(&mut self, period: &Period<'_, PivotDriver<'b, C>>) {
         let (asked, state) = (period.driver.turn(), &period.moment.state);
         if let Some(turn) = asked.filter(|_| asked != self.turn) {
             // the previous turn ended where this one begins

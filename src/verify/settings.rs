@@ -3,6 +3,7 @@
 use crate::controller::ControllerFile;
 use crate::sim;
 use crate::verify::Result;
+use crate::verify::controller_command::ControllerCommand;
 use crate::verify::gate::Gate;
 use crate::verify::perturbations::Spread;
 use crate::verify::scenario::Scenario;
@@ -26,6 +27,8 @@ pub struct VerifySettings {
     pub accept: Vec<String>,
     /// Settings of the controller that drives. Default `data/controllers/default.toml`.
     pub controller: ControllerFile,
+    /// A process of the user's that drives instead; the settings of the controller are then the plan that it is judged by. Default none.
+    pub controller_command: Option<ControllerCommand>,
     /// A vehicle whose sensors, steering, and step, dead band and rate limits of the torque act beside the identified motion. Default none.
     #[doc(hidden)]
     pub given_vehicle: Option<sim::WorldSettings>,
@@ -49,6 +52,7 @@ impl VerifySettings {
             gate: Gate::with(None)?,
             accept: Vec::new(),
             controller: ControllerFile::bundled()?,
+            controller_command: None,
             given_vehicle: None,
             plant: None,
         })

@@ -1,16 +1,19 @@
 //! The plant, the law and the controller of a verdict, and runs of one law over a scenario: nominal and on every draw.
 
-use crate::control::{DriveLaw, OutsidePolicy, PivotSettings, Tables, TorqueFromAccel as _, UnderWay, WaypointLaw, WaypointLawSettings};
+use crate::control::{OutsidePolicy, PivotSettings, Tables, TorqueFromAccel as _, UnderWay, WaypointLaw, WaypointLawSettings};
 use crate::map::{Gear, TorqueTable};
 use crate::sim;
 use crate::units::RAD_PER_DEG;
 use crate::verify::bench::PivotBench;
+use crate::verify::controller_command::ControllerCommand;
+use crate::verify::controller_under_test::ProcessLaw;
 use crate::verify::drive::Observer;
 use crate::verify::exact_map::ExactMap;
 use crate::verify::measured_region::Region;
 use crate::verify::metric::{MetricSummary, Values};
 use crate::verify::pivot_driver::PivotDriver;
-use crate::verify::run::run;
+use crate::verify::pivot_law::PivotLaw;
+use crate::verify::run::{DrivenPivot, run};
 use crate::verify::scenario::Scenario;
 use crate::verify::settings::VerifySettings;
 use crate::verify::{Maps, Result};
@@ -34,6 +37,8 @@ pub(crate) struct PivotStage<'a> {
 pub(crate) struct PivotRuns<N, O> {
     pub(crate) nominal: (Values, N),
     pub(crate) draws: Vec<(Values, O)>,
+    /// What went wrong with the controller itself, per run: the run, and what happened.
+    pub(crate) faults: Vec<String>,
 }
 
 impl<N, O> PivotRuns<N, O> {
@@ -76,6 +81,16 @@ impl<'a> PivotStage<'a> {
         WaypointLaw::new(self.law, Tables { forward, reverse, policy: self.outside })
     }
 
+    /// The law of a process of the user's.
+    pub(crate) fn process_law<'b>(&self, command: &'b ControllerCommand) -> ProcessLaw<'b> {
+        ProcessLaw {
+            command,
+            period_s: self.law.period_s,
+            wheel_radius_m: self.maps.table2.vehicle.wheel_radius_m,
+            torque_limit_nm: self.maps.torque_limit_nm(),
+        }
+    }
+
     /// Data of the vehicle that a run needs.
     pub(crate) fn bench(&self) -> PivotBench<'_> {
         let profile = &self.control.planning.profile;
@@ -90,7 +105,8 @@ impl<'a> PivotStage<'a> {
         }
     }
 
-    /// The nominal run of a law and its runs on the plants `varied`. `nominal` observes the first, one of `draw` each of the others.
+    /// The nominal run of a law and its runs on the plants `varied`. `nominal` observes the first, one of `draw` each of the others. Where the
+    /// controller itself breaks on the nominal plant, the others are not run.
     ///
     /// # Errors
     /// A plant that cannot be simulated, a controller that cannot be set up.
@@ -103,21 +119,34 @@ impl<'a> PivotStage<'a> {
         draw: impl Fn() -> O + Sync,
     ) -> Result<PivotRuns<N, O>>
     where
-        L: DriveLaw,
-        N: for<'b> Observer<PivotDriver<'b, L>>,
-        O: for<'b> Observer<PivotDriver<'b, L>> + Send,
+        L: PivotLaw,
+        N: for<'b> Observer<PivotDriver<'b, L::Controller>>,
+        O: for<'b> Observer<PivotDriver<'b, L::Controller>> + Send,
     {
         let bench = self.bench();
-        let values = run(&bench, scenario, &self.plant, law(), self.seed, &mut nominal);
+        let driven = run(&bench, scenario, &self.plant, law(), self.seed, &mut nominal);
         (self.done)();
-        let nominal = (values?, nominal);
+        let DrivenPivot { values, fault } = driven?;
+        let nominal = (values, nominal);
+        if let Some(fault) = fault {
+            let not_run = if varied.is_empty() { String::new() } else { format!("; {} perturbed vehicles were not driven", varied.len()) };
+            for _ in varied {
+                (self.done)();
+            }
+            return Ok(PivotRuns { nominal, draws: Vec::new(), faults: vec![format!("nominal run, {fault}{not_run}")] });
+        }
         let one = |(plant, seed): &(sim::WorldSettings, u64)| {
             let mut observer = draw();
-            let values = run(&bench, scenario, plant, law(), *seed, &mut observer);
+            let driven = run(&bench, scenario, plant, law(), *seed, &mut observer);
             (self.done)();
-            Ok((values?, observer))
+            Ok((driven?, observer))
         };
-        let draws: Result<Vec<_>> = varied.par_iter().map(one).collect();
-        Ok(PivotRuns { nominal, draws: draws? })
+        let driven: Result<Vec<(DrivenPivot, O)>> = varied.par_iter().map(one).collect();
+        let (mut draws, mut faults) = (Vec::new(), Vec::new());
+        for (number, (driven, observer)) in (1..).zip(driven?) {
+            faults.extend(driven.fault.map(|fault| format!("perturbed run {number}, {fault}")));
+            draws.push((driven.values, observer));
+        }
+        Ok(PivotRuns { nominal, draws, faults })
     }
 }

@@ -4,6 +4,7 @@ use crate::control::HeadingLawSettings;
 use crate::controller::ControllerFile;
 use crate::map::{Check, parse_file};
 use crate::verify::basis::Basis;
+use crate::verify::controller_command::ControllerCommand;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
 use crate::verify::metric::MetricSummary;
 use crate::verify::perturbations::Spread;
@@ -15,6 +16,11 @@ use serde::{Deserialize, Serialize};
 
 /// Value of the `format` field of a `verify.json`.
 pub(crate) const FORMAT: &str = "pivot-cal/verify";
+
+/// Beginning of a note on what went wrong with the controller itself.
+const CONTROLLER_FAULT: &str = "the controller broke: ";
+/// Runs of a scenario whose controller broke that are described.
+const SHOWN_FAULTS: usize = 3;
 
 /// Whether a scenario or a map keeps its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,6 +86,9 @@ pub struct MapVerdict {
     /// Settings of the controller as a file, with its hash; absent in files of versions before them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller_settings: Option<ControllerFile>,
+    /// The process that was judged in place of the bundled controller; then the settings are those of the plan that it was judged by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller_command: Option<ControllerCommand>,
     /// Settings of the controller, as used.
     pub controller: serde_json::Value,
     /// The limit of the round trip.
@@ -236,6 +245,28 @@ impl ScenarioVerdict {
             metrics,
             checks,
         }
+    }
+}
+
+impl ScenarioVerdict {
+    /// The verdict with what went wrong with the controller itself in its runs, as notes. Any of it is a failure of the scenario, whatever its
+    /// class allows.
+    #[must_use]
+    pub(crate) fn with_controller_faults(mut self, faults: Vec<String>) -> Self {
+        if !faults.is_empty() {
+            self.status = Status::Fail;
+        }
+        let left_out = faults.len().saturating_sub(SHOWN_FAULTS);
+        self.notes.extend(faults.into_iter().take(SHOWN_FAULTS).map(|fault| format!("{CONTROLLER_FAULT}{fault}")));
+        if left_out > 0 {
+            self.notes.push(format!("{CONTROLLER_FAULT}and in {left_out} more runs"));
+        }
+        self
+    }
+
+    /// The first thing that went wrong with the controller itself.
+    pub(crate) fn controller_fault(&self) -> Option<&str> {
+        self.notes.iter().find_map(|note| note.strip_prefix(CONTROLLER_FAULT))
     }
 }
 
