@@ -35,6 +35,15 @@ fn the_json_document_shows_what_was_read_and_lost() {
 }
 
 #[test]
+fn a_wrong_wheelbase_is_an_objection_before_any_fit() {
+    let output = inspect(&["--runs", "data/demo.mcap", "--wheelbase-m", "1.2"]).code(3);
+    let said = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    assert!(said.contains("objection encoder-scale") && said.contains("0.90"), "{said}");
+    let checks = &json(&["--json", "--runs", "data/demo.mcap"])["logs"][0]["runs"]["checks"];
+    assert!(checks.as_array().unwrap().iter().all(|check| check["outcome"] == "passed"), "{checks}");
+}
+
+#[test]
 fn a_damaged_log_is_a_warning_or_with_strict_a_rejection() {
     let whole = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mini_ros2.zstd.mcap")).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -209,6 +209,43 @@ fn the_command_passes_a_good_map_writes_the_same_bytes_twice_and_a_log() {
 }
 
 #[test]
+fn small_turns_are_added_to_what_was_judged_and_fresh_starts_over() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path());
+    let turn = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("pivot-cal-verify").unwrap();
+        let said = command.arg("--maps").arg(folder.path()).args(["--draws", "2", "--turn-deg", "5"]).args(arguments).assert();
+        let verdict: MapVerdict = serde_json::from_slice(&std::fs::read(folder.path().join("verify.json")).unwrap()).unwrap();
+        (said, verdict.scenarios.iter().map(|s| s.name.clone()).collect::<Vec<_>>())
+    };
+    command(folder.path(), &["-q"]).code(0);
+    let (said, names) = turn(&[]);
+    said.code(0);
+    assert_eq!(names, ["left-90", "left-5", "right-5", "right-5-mirror"]);
+    let (said, names) = turn(&["--fresh"]);
+    let said = String::from_utf8(said.code(0).get_output().stdout.clone()).unwrap();
+    assert_eq!(names, ["left-5", "right-5", "right-5-mirror"]);
+    assert!(said.starts_with("verdict: pass: 90° only, left-5, right-5, right-5-mirror only"), "{said}");
+    let (said, _) = turn(&["--turn-deg", "1"]);
+    assert!(String::from_utf8_lossy(&said.code(2).get_output().stderr).contains("allowed: 2 to 360"));
+}
+
+#[test]
+fn a_vehicle_file_gives_the_pivots_what_torque_steps_hardly_show() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path());
+    let file = folder.path().join("vehicle.toml");
+    let text = include_str!("../data/vehicles/scrubber.toml");
+    // a dead band of half the cruise torque: the wheel stops short
+    std::fs::write(&file, text.replace("[drive]\n", "[drive]\ntorque_dead_band_nm = 12.0\n")).unwrap();
+    command(folder.path(), &["--vehicle", file.to_str().unwrap()]).code(3);
+    let verdict: MapVerdict = serde_json::from_slice(&std::fs::read(folder.path().join("verify.json")).unwrap()).unwrap();
+    assert_eq!((verdict.plant.torque_dead_band_nm, verdict.status), (Some(12.0), Status::Fail));
+    std::fs::write(&file, text).unwrap();
+    command(folder.path(), &["--vehicle", file.to_str().unwrap()]).code(0);
+}
+
+#[test]
 fn a_circumstance_that_the_map_does_not_know_of_is_felt() {
     let (table1, table2) = good();
     let maps = Maps::new(table1, table2).unwrap();

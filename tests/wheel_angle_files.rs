@@ -79,6 +79,15 @@ fn a_campaign_at_several_angles_gives_a_map_of_each_and_every_command_goes_on_wi
     let (_, said, errors) = run(folder, &["verify", "--scenario", "polyline-pure-pursuit", "--draws", "1"]);
     assert!(said.contains("torque from the maps at -40°, 30°, 60°, 90° (forward)"), "{said}{errors}");
 
+    // the pivots of another angle's map stand beside those of the test angle
+    let (_, said, errors) = run(folder, &["verify", "--fresh", "--scenario", "left-90", "--draws", "2", "--angle", "60"]);
+    let verdict: serde_json::Value = serde_json::from_str(&text(&maps, "verify.json")).unwrap();
+    let names: Vec<_> =
+        verdict["scenarios"].as_array().unwrap().iter().map(|s| (s["name"].as_str(), s["wheel_angle_deg"].as_f64())).collect();
+    assert_eq!(names, [(Some("left-90"), None), (Some("left-90@60°"), Some(60.0))], "{said}{errors}");
+    let (status, _, errors) = run(folder, &["verify", "--scenario", "left-90", "--draws", "2", "--angle", "45"]);
+    assert!(status == 1 && errors.contains("45°") && errors.contains("forward at 60°"), "{errors}");
+
     // a CSV of another angle that was edited is found
     let csv = text(&maps, "table2.angle60.csv");
     std::fs::write(

@@ -21,7 +21,6 @@ pub struct DriveSettings {
     /// Step of the command's encoding [N·m]; 0, the default, for no quantisation.
     pub torque_quantum_nm: f64,
     /// Smaller commands give no torque [N·m]; 0, the default, for no dead band.
-    #[serde(skip_serializing_if = "is_none")]
     pub torque_dead_band_nm: f64,
     /// Largest rate of the setpoint [N·m/s]. Default: unlimited.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -104,11 +103,6 @@ impl DriveSettings {
         within("drive.damping", self.damping.unwrap_or(0.7), 0.01..=10.0, "0.01 to 10")?;
         within("drive.estop_brake_nm", self.estop_brake_nm, 0.0..=1e5, "0 to 1e5")
     }
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_none(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// Effective torque [N·m] over one step.

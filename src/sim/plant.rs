@@ -51,10 +51,8 @@ pub struct PhysicalSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub governor_mps: Option<[f64; 2]>,
     /// Share by which friction falls while the vehicle warms up, below 1; negative if it rises. Default 0.
-    #[serde(skip_serializing_if = "is_zero")]
     pub friction_fall: f64,
     /// Time constant of the warming [s]: friction has fallen by 63 % of its fall then. Default 300.
-    #[serde(skip_serializing_if = "is_warming_time")]
     pub warming_time_s: f64,
     /// Share of the effective mass on which a slope acts along the wheel, 0 to 1. For a pivot: distance of the centre of mass from the rear
     /// axle, divided by the wheelbase.
@@ -65,16 +63,6 @@ pub struct PhysicalSettings {
     pub disturbance_nm: f64,
     /// Its time constant [s].
     pub disturbance_time_s: f64,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_warming_time(value: &f64) -> bool {
-    *value == 300.0
 }
 
 impl Default for PhysicalSettings {

@@ -12,7 +12,6 @@ pub struct EncoderSettings {
     /// Counts per revolution; 0 for an encoder that measures the speed directly. Default 4096.
     pub counts_per_rev: u32,
     /// Step of the reading of an encoder that measures the speed directly [m/s]; 0, the default, for none.
-    #[serde(skip_serializing_if = "is_none")]
     pub step_mps: f64,
     /// Standard deviation of a reading [m/s]. Default 0.006.
     pub noise_mps: f64,
@@ -55,13 +54,10 @@ pub struct TorqueFeedbackSettings {
     /// Standard deviation of a reading [N·m]. Default 0.3.
     pub noise_nm: f64,
     /// Reading over effective torque: 1, the default, for the torque at the wheel.
-    #[serde(skip_serializing_if = "is_one")]
     pub scale: f64,
     /// Reading at no torque [N·m]. Default 0.
-    #[serde(skip_serializing_if = "is_none")]
     pub offset_nm: f64,
     /// Whether it shows what a power limit and a governor take away. Default false: it stands before them.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub shows_limits: bool,
     /// Timing of the readings.
     pub timing: Timing,
@@ -93,16 +89,6 @@ pub struct SensorSettings {
     pub torque_feedback: TorqueFeedbackSettings,
     /// The localisation.
     pub pose: PoseSettings,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_none(value: &f64) -> bool {
-    *value == 0.0
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_one(value: &f64) -> bool {
-    *value == 1.0
 }
 
 impl Default for EncoderSettings {

@@ -26,19 +26,11 @@ pub struct Timing {
     /// Length of a dropout [s]. Default 0.3.
     pub dropout_s: f64,
     /// Readings arrive together, once in this time [s]; 0, the default, for each when it is due.
-    #[serde(skip_serializing_if = "is_zero")]
     pub burst_s: f64,
     /// Stamps are rounded to this step [s]; 0, the default, for none.
-    #[serde(skip_serializing_if = "is_zero")]
     pub stamp_step_s: f64,
     /// Whether the stamp is the time of arrival. Default false.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub stamped_on_arrival: bool,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 impl Default for Timing {

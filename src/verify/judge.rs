@@ -61,7 +61,7 @@ pub(crate) fn verify_with(maps: &Maps, settings: &VerifySettings, wanted: Wanted
     let stage = PivotStage::new(maps, settings, &done)?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws.max(settings.comparison_draws), settings.seed)?;
     let trips = round_trip(maps, &settings.gate.round_trip)?;
-    let judged = judge_scenarios(&stage, settings, &basis, &varied[..settings.draws.min(varied.len())], wanted.logs)?;
+    let judged = judge_scenarios(&stage, settings, &basis, &varied[..settings.draws.min(varied.len())], (false, wanted.logs))?;
     let (scenarios, logs): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
     let compared = compare(&stage, settings, &varied, wanted.traces)?;
     let (comparison, traces) = compared.unzip();
@@ -148,20 +148,8 @@ pub(crate) fn judge_pivots(maps: &Maps, settings: &VerifySettings, perfect: bool
     let basis = Basis::new(&maps.table1);
     let stage = PivotStage::new(maps, settings, &|| ())?;
     let varied = draws(&stage.plant, &settings.spread, settings.draws, settings.seed)?;
-    let policy = settings.controller.settings.planning.wheel_policy;
-    let judge = |scenario: &Scenario| {
-        let (name, what, class) = (&scenario.name, &scenario.what, scenario.class);
-        if let Some(why) = basis.untestable(scenario, maps.reverse.is_some(), policy) {
-            return Ok(ScenarioVerdict::not_tested(name, what, class, why));
-        }
-        let summaries = if perfect {
-            stage.run_all(scenario, &varied, || WaypointLaw::new(stage.law, &stage.exact), (), || ())?.summaries()
-        } else {
-            stage.run_all(scenario, &varied, || stage.map_law(), (), || ())?.summaries()
-        };
-        Ok(ScenarioVerdict::new(name, what, class, (summaries, varied.len()), &settings.gate))
-    };
-    settings.scenarios.par_iter().map(judge).collect()
+    let judged = judge_scenarios(&stage, settings, &basis, &varied, (perfect, false))?;
+    Ok(judged.into_iter().map(|(verdict, _)| verdict).collect())
 }
 
 /// The runs of a scenario, whoever drove.
@@ -176,13 +164,13 @@ fn judged(runs: PivotRuns<Option<PivotLog>, ()>) -> JudgedRuns {
     JudgedRuns { summaries: runs.summaries(), draws: runs.draws.len(), faults: runs.faults, log: runs.nominal.1 }
 }
 
-/// The verdict on each scenario, and the log of its nominal run if requested.
+/// The verdict on each scenario, driven with the perfect inverse of the plant if `perfect`, and the log of its nominal run if `logs`.
 fn judge_scenarios(
     stage: &PivotStage<'_>,
     settings: &VerifySettings,
     basis: &Basis,
     varied: &[(sim::WorldSettings, u64)],
-    logs: bool,
+    (perfect, logs): (bool, bool),
 ) -> Result<Vec<(ScenarioVerdict, Option<RunLog>)>> {
     let policy = settings.controller.settings.planning.wheel_policy;
     let judge = |scenario: &Scenario| {
@@ -192,6 +180,7 @@ fn judge_scenarios(
         }
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));
         let runs = match &settings.controller_command {
+            _ if perfect => judged(stage.run_all(scenario, varied, || WaypointLaw::new(stage.law, &stage.exact), log, || ())?),
             Some(command) => judged(stage.run_all(scenario, varied, || stage.process_law(command), log, || ())?),
             None => judged(stage.run_all(scenario, varied, || stage.map_law(), log, || ())?),
         };

@@ -119,15 +119,13 @@ impl Maps {
         let mut maps = self.clone();
         maps.table1.vehicle.test_angle_deg = wheel_angle_deg;
         maps.table2.vehicle.test_angle_deg = wheel_angle_deg;
-        let table = |gear| maps.table2.map_at_test_angle(gear).map(TorqueMap::table).transpose();
-        let edited = |gear| {
-            let same = |m: &&AngleMap| m.gear == gear && maps.table2.vehicle.test_angle().is_same_deg(m.wheel_angle_deg);
-            self.angles.iter().find(same).map(|m| m.table.clone())
-        };
-        let of_gear = |gear| -> Result<Option<TorqueTable>> { Ok(edited(gear).map_or_else(|| table(gear), |t| Ok(Some(t)))?) };
-        let (forward, reverse) = (of_gear(Gear::Forward)?, of_gear(Gear::Reverse)?);
-        maps.forward = forward.ok_or_else(|| Self::no_forward(&maps.table2))?;
-        maps.reverse = reverse;
+        // with one angle there is no list, and it is the only one that can be asked for
+        if !self.angles.is_empty() || !self.table2.vehicle.test_angle().is_same_deg(wheel_angle_deg) {
+            let is_there = |m: &&AngleMap| maps.table2.vehicle.test_angle().is_same_deg(m.wheel_angle_deg);
+            let of_gear = |gear| self.angles.iter().filter(is_there).find(|m| m.gear == gear).map(|m| m.table.clone());
+            let (forward, reverse) = (of_gear(Gear::Forward), of_gear(Gear::Reverse));
+            (maps.forward, maps.reverse) = (forward.ok_or_else(|| Self::no_forward(&maps.table2))?, reverse);
+        }
         Ok(maps)
     }
 

@@ -1,6 +1,6 @@
 //! Pivots with the maps of other wheel angles than the test angle, each on the plant of its angle.
 
-use crate::verify::judge::verify;
+use crate::verify::judge::judge_pivots;
 use crate::verify::settings::VerifySettings;
 use crate::verify::verdict::ScenarioVerdict;
 use crate::verify::{Maps, Result};
@@ -8,14 +8,12 @@ use crate::verify::{Maps, Result};
 /// The scenarios of `settings` at each of the wheel angles [°], named `left-90@80°`.
 ///
 /// # Errors
-/// An angle without a forward map, and any error of [`verify`].
+/// An angle without a forward map, and any error of [`judge_pivots`].
 pub(crate) fn at_angles(maps: &Maps, settings: &VerifySettings, angles_deg: &[f64]) -> Result<Vec<ScenarioVerdict>> {
-    // the test angle's checks and comparison are judged with it
-    let settings = VerifySettings { comparison_draws: 0, accept: Vec::new(), ..settings.clone() };
     let mut all = Vec::new();
     for angle_deg in angles_deg {
-        let judged = verify(&maps.at_angle(*angle_deg)?, &settings)?;
-        all.extend(judged.scenarios.into_iter().map(|scenario| ScenarioVerdict {
+        let judged = judge_pivots(&maps.at_angle(*angle_deg)?, settings, false)?;
+        all.extend(judged.into_iter().map(|scenario| ScenarioVerdict {
             name: format!("{}@{angle_deg}°", scenario.name),
             what: format!("{}, the wheel at {angle_deg}°", scenario.what),
             wheel_angle_deg: Some(*angle_deg),

@@ -109,13 +109,8 @@ pub struct PlantNoise {
     /// Standard deviation of a speed reading [m/s].
     pub speed_noise_mps: f64,
     /// Step of the encoder's readings [m/s], where it is coarse; 0 where noise hides it.
-    #[serde(default, skip_serializing_if = "is_none")]
+    #[serde(default)]
     pub speed_step_mps: f64,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_none(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// Table 1 of one gear and wheel angle. Rows are torques, columns speeds.
