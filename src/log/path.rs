@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_broken_path_names_the_column() {
-        for (text, column) in [("/a.", 4), ("", 1), ("/a[x]", 5), ("/a{b=1}", 5), ("/a[1", 5), ("/a{b==\"x}", 8)] {
+        for (text, column) in [("/a.", 4), ("", 1), (r#""".a"#, 1), ("/a[x]", 5), ("/a{b=1}", 5), ("/a[1", 5), ("/a{b==\"x}", 8)] {
             let error = text.parse::<MessagePath>().unwrap_err();
             assert!(matches!(&error, crate::log::Error::BadPath { column: c, .. } if *c == column), "{text}: {error}");
         }

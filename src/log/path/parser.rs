@@ -111,13 +111,16 @@ impl<'a> PathParser<'a> {
     }
 
     fn topic(&mut self) -> Result<String> {
-        if let Some(topic) = self.quoted() {
-            return topic;
+        let topic = match self.quoted() {
+            Some(topic) => topic?,
+            None => self.until(&['.', '[', '{']).to_owned(),
+        };
+        // no topic has an empty name, in quotes or not
+        if topic.is_empty() {
+            self.at = 0;
+            return self.wrong("a topic such as /drive/torque_command");
         }
-        match self.until(&['.', '[', '{']) {
-            "" => self.wrong("a topic such as /drive/torque_command"),
-            topic => Ok(topic.to_owned()),
-        }
+        Ok(topic)
     }
 
     fn step(&mut self) -> Result<PathStep> {
