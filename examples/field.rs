@@ -73,9 +73,8 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// `duration_s` is that of the campaign: a warming vehicle is judged by its mean.
-    fn add(&mut self, vehicle: &VehicleFile, file: &Table1File, duration_s: f64) -> Fallible<()> {
-        for cell in measured_cells(vehicle, file, duration_s)? {
+    fn add(&mut self, vehicle: &VehicleFile, file: &Table1File) -> Fallible<()> {
+        for cell in measured_cells(vehicle, file)? {
             self.squares += cell.error_nm * cell.error_nm;
             self.within += f64::from(cell.error_nm < 1.96 * cell.std_err_nm);
             self.wrong += f64::from(cell.is_off_by(1.0, 3.0));
@@ -111,7 +110,7 @@ fn main() -> Fallible<()> {
                         let first = file.checks.iter().find(|c| c.objects()).map_or("", |c| c.name.as_str());
                         *refused.entry(format!("by {first}")).or_insert(0) += 1;
                     }
-                    Ok(file) => outcome.add(&vehicle, &file, driven.report.duration_s)?,
+                    Ok(file) => outcome.add(&vehicle, &file)?,
                     Err(error) => *refused.entry(error.to_string()).or_insert(0) += 1,
                 }
             }

@@ -36,7 +36,7 @@ fn tried(case: &FieldCase, seed: u64) -> Fallible<(String, bool)> {
         Err(error) => return Ok((format!("refused: {error}"), true)),
     };
     let objections: Vec<&str> = file.checks.iter().filter(|c| c.objects()).map(|c| c.name.as_str()).collect();
-    let cells = measured_cells(&vehicle, &file, driven.report.duration_s)?;
+    let cells = measured_cells(&vehicle, &file)?;
     let off = cells.iter().filter(|c| c.is_off_by(LIMITS.0, LIMITS.1));
     let worst = off.clone().max_by(|a, b| a.error_nm.total_cmp(&b.error_nm));
     let rms_nm = (cells.iter().map(|c| c.error_nm.powi(2)).sum::<f64>() / cells.len().max(1) as f64).sqrt();

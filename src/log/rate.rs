@@ -27,7 +27,7 @@ const MOST_REPEATS: usize = 20;
 /// k ≥ 2: at least 80 % of the runs of up to 20 messages have the length k, or a multiple of k where two values were equal (± a lost
 /// message). If more than 20 % of the runs are longer than that, it is a held command with steps of any length.
 pub(crate) fn rate(signal: &Signal) -> Option<Rate> {
-    let mut spacing: Vec<i64> = signal.time_ns.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut spacing: Vec<i64> = signal.time_ns.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).collect();
     let middle = spacing.len() / 2;
     let median = (!spacing.is_empty()).then(|| *spacing.select_nth_unstable(middle).1).filter(|median| *median > 0)?;
     let logged_hz = NS_PER_S / median as f64;

@@ -30,13 +30,13 @@ impl MeasuredCell {
     }
 }
 
-/// The measured cells of `file`. `duration_s` is that of the campaign: a warming vehicle is judged by its mean.
-pub(crate) fn measured_cells(vehicle: &VehicleFile, file: &Table1File, duration_s: f64) -> Fallible<Vec<MeasuredCell>> {
-    let truth = mean_vehicle(vehicle, duration_s).truth()?;
+/// The measured cells of `file`. A warming vehicle is judged by its mean over the runs of the gear.
+pub(crate) fn measured_cells(vehicle: &VehicleFile, file: &Table1File) -> Fallible<Vec<MeasuredCell>> {
     let angle_rad = vehicle.settings().vehicle.test_angle_deg * RAD_PER_DEG;
     let inverted = invert(file, CsvRef { file: "table1.json".into(), sha256: String::new() }, &InvertSettings::default())?.file;
     let mut cells = Vec::new();
     for map in &file.maps {
+        let truth = mean_vehicle(vehicle, file, map.gear).truth()?;
         let table2 = inverted.maps.iter().find(|m| m.gear == map.gear).ok_or("no Table 2")?;
         let table = table2.table()?;
         for (i, &torque_nm) in map.torque_nm.iter().enumerate() {
@@ -56,12 +56,16 @@ pub(crate) fn measured_cells(vehicle: &VehicleFile, file: &Table1File, duration_
     Ok(cells)
 }
 
-/// The vehicle with its mean friction over a campaign.
-fn mean_vehicle(vehicle: &VehicleFile, duration_s: f64) -> VehicleFile {
+/// The vehicle with its mean friction over the runs of a gear.
+fn mean_vehicle(vehicle: &VehicleFile, file: &Table1File, gear: Gear) -> VehicleFile {
     let mut mean = vehicle.clone();
     let motion = &mut mean.motion;
-    let warmed = duration_s / motion.warming_time_s;
-    let factor = 1.0 - motion.friction_fall * (1.0 - (1.0 - (-warmed).exp()) / warmed);
+    let (mut cold, mut used_s) = (0.0, 1e-9);
+    for run in file.report.runs.iter().filter(|run| run.gear == gear) {
+        cold += run.used_s * (-(run.start_s + 0.5 * run.duration_s) / motion.warming_time_s).exp();
+        used_s += run.used_s;
+    }
+    let factor = 1.0 - motion.friction_fall * (1.0 - cold / used_s);
     for friction in
         [&mut motion.coulomb_nm, &mut motion.static_nm, &mut motion.scrub_nm, &mut motion.viscous_nm_s_m, &mut motion.quadratic_nm_s2_m2]
     {

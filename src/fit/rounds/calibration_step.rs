@@ -2,6 +2,7 @@
 
 use crate::fit::drive::torque_input::TorqueInput;
 use crate::fit::drive_form::campaign_drift::{CampaignDrift, SPANS};
+use crate::fit::drive_form::drift_posterior::{CHANGES, DriftPosterior};
 use crate::fit::drive_form::drive_model::{DriveKind, DriveModel};
 use crate::fit::drive_form::parameters::{LIMIT, PARAMETERS};
 use crate::fit::drive_form::torque_limit::TorqueLimit;
@@ -11,6 +12,7 @@ use crate::fit::rounds::convergence::DelayStep;
 use crate::fit::rounds::initial_guess::hold_known;
 use crate::fit::rounds::state::State;
 use crate::fit::solve::penalised_least_squares::{Solution, System, nuisance_prior_std};
+use faer::Mat;
 
 /// Largest step of a delay in one round [s].
 const DELAY_STEP_S: f64 = 0.02;
@@ -85,8 +87,14 @@ impl State<'_> {
         system.observe(nuisance::DRIVE, step_s, std_err_s * (difference / AGREEING_STD_ERRS).powi(2).max(1.0));
     }
 
-    /// Continues to estimate the clear changes during the campaign, and sets the others to zero. Returns what is free from now on.
-    pub(crate) fn keep_clear_drifts(&mut self) -> Free {
+    /// Continues to estimate the clear changes during the campaign, and sets the others to zero; what `solution` says of all of them is
+    /// kept. Returns what is free from now on.
+    pub(crate) fn keep_clear_drifts(&mut self, solution: &Solution) -> Free {
+        let from = self.design.coefficients() + nuisance::DRIFT_FRICTION;
+        let covariance = Mat::from_fn(CHANGES, CHANGES, |a, b| solution.covariance[(from + a, from + b)]);
+        let found = &self.calibration.drift;
+        let all: [f64; CHANGES] = std::array::from_fn(|k| if k < SPANS { found.friction_share[k] } else { found.torque_share[k - SPANS] });
+        self.shrunk_drift = DriftPosterior::new(all, &covariance, self.drifts).unwrap_or_default();
         let (found, std_err) = (&mut self.calibration.drift, &self.calibration_errors.drift);
         let changes = found.friction_share.iter_mut().chain(&mut found.torque_share);
         let errors = std_err.friction_share.iter().chain(&std_err.torque_share);
@@ -96,7 +104,7 @@ impl State<'_> {
                 *change = 0.0;
             }
         }
-        if self.drifts == [false; 2 * SPANS] { Free::Delays } else { Free::DelaysAndDrift }
+        if self.drifts == [false; CHANGES] { Free::Delays } else { Free::DelaysAndDrift }
     }
 
     /// Whether the drive's parameters are known from outside.

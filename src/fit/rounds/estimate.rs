@@ -3,6 +3,7 @@
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
 use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress};
+use crate::fit::drive_form::drift_posterior::DriftPosterior;
 use crate::fit::drive_form::drive_model::DriveModel;
 use crate::fit::drive_form::parameters::PARAMETERS;
 use crate::fit::motion::log_data::LogData;
@@ -109,6 +110,8 @@ pub(crate) struct Estimate<'a> {
     pub(crate) data: EstimateData<'a>,
     pub(crate) model: SurfaceModel,
     pub(crate) calibration: Calibration,
+    /// The changes during the campaign, clear or not.
+    pub(crate) drift: DriftPosterior,
     /// Other drives that were fitted: by how much each is worse, with its standard error (−2·ln L).
     pub(crate) other_drives: Vec<(DriveModel, f64, f64)>,
     /// A drive that the data prefer by far to the one that was given, and by how much (−2·ln L).

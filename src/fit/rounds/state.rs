@@ -3,7 +3,8 @@
 use crate::fit::FitSettings;
 use crate::fit::calibration::Calibration;
 use crate::fit::drive::effective_torque::EffectiveTorque;
-use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress, SPANS};
+use crate::fit::drive_form::campaign_drift::{CampaignDrift, Progress};
+use crate::fit::drive_form::drift_posterior::{CHANGES, DriftPosterior};
 use crate::fit::drive_form::parameters::PARAMETERS;
 use crate::fit::motion::coarse_readings::replace_coarse;
 use crate::fit::motion::integration::Course;
@@ -45,7 +46,9 @@ pub(crate) struct State<'a> {
     /// Lag of the drive by the torque feedback, with its standard error [s].
     pub(crate) feedback_lag: Option<(f64, f64)>,
     /// Which changes are estimated: of friction, then of torque, each over the campaign and over each log.
-    pub(crate) drifts: [bool; 2 * SPANS],
+    pub(crate) drifts: [bool; CHANGES],
+    /// All changes as far as the data show them, before the clear ones are chosen.
+    pub(crate) shrunk_drift: DriftPosterior,
     /// Rounds so far.
     pub(crate) rounds: usize,
     /// The last step of the lag and of each dead time.
@@ -87,7 +90,8 @@ impl<'a> State<'a> {
             surfaces: PerGear { forward: zero.clone(), reverse: zero },
             penalties: Vec::new(),
             feedback_lag,
-            drifts: [false; 2 * SPANS],
+            drifts: [false; CHANGES],
+            shrunk_drift: DriftPosterior::default(),
             rounds: 0,
             last_steps: Vec::new(),
         }

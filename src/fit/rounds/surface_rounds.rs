@@ -58,7 +58,7 @@ pub(crate) fn run(mut state: State, sampled: bool) -> Result<Estimate> {
         let converged = convergence.reached(Moved { surface_mps2: found.moved_mps2, delays: found.stepped });
         if round == 1 {
             state.update_noise(&data.merged, &found.pass, WELL_EXPLAINED);
-            free = state.keep_clear_drifts();
+            free = state.keep_clear_drifts(&found.solution);
             // the better surface judges the cuts again, which also moves the starts from rest a little; afterwards the cuts do not change
             if !sampled || state.logs.iter().any(|l| l.cuts != Cuts::default()) {
                 drop(courses);
@@ -110,6 +110,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converg
         segments.iter().zip(merged.iter().zip(&lookups)).map(|(s, (m, v))| spread(&v.after, &m.readings, &s.readings).into()).collect();
     let torques = state.torques();
     let pass = state.pass(&courses(&segments, &torques, &state.calibration)).along(Some(&speeds));
+    let drift = state.shrunk_drift.with_clear(state.drifts, &state.calibration.drift, &state.calibration_errors.drift);
     Estimate {
         paths: Paths {
             speeds_mps: smoothed_speeds(&segments, &pass.residuals, &state.noise),
@@ -121,6 +122,7 @@ fn estimate(state: State, data: RoundData, last: FinalRound, free: Free, converg
         data: EstimateData { logs: state.logs, end: state.end, gears: state.gears, has_yaw: state.has_yaw, segments, transients },
         model: SurfaceModel { design: state.design, surfaces: state.surfaces, stacked, system, plausible },
         calibration: state.calibration,
+        drift,
         free,
         other_drives: Vec::new(),
         better_than_given: None,

@@ -1,7 +1,7 @@
 //! The surface on the user's grid, with the status of every cell.
 
 use crate::campaign::SampleVerdict;
-use crate::fit::drive_form::campaign_drift::DriftNow;
+use crate::fit::drive_form::campaign_drift::Progress;
 use crate::fit::drive_form::torque_limit::TorqueLimit;
 use crate::fit::rounds::estimate::Estimate;
 use crate::fit::table1::standard_errors::Uncertainty;
@@ -101,8 +101,9 @@ pub(crate) fn accel_map(
     let torque = settings.torque_breaks_nm.clone().unwrap_or(levels);
     let surface = estimate.model.surface(gear);
     let limit = estimate.calibration.drive.limit;
-    let change =
-        if settings.at == CampaignTime::End { estimate.calibration.drift.at(estimate.data.end[gear]) } else { DriftNow::default() };
+    // progress is zero at the mean of the gear's runs, whose map the surface is
+    let when = if settings.at == CampaignTime::End { estimate.data.end[gear] } else { Progress::default() };
+    let change = estimate.drift.at(when);
     let grid = |torques: &[f64], speeds: &[f64], limit: TorqueLimit| -> Vec<Vec<f64>> {
         let accel_mps2 = |v: f64, u: f64| {
             surface.accel_mps2(v, (1.0 + change.torque_share) * limit.delivered_nm(v, u))
@@ -132,7 +133,15 @@ pub(crate) fn accel_map(
     let measured: Vec<Vec<bool>> = count.iter().map(|row| row.iter().map(|c| *c >= MEASURED_SAMPLES).collect()).collect();
     let status = statuses(&measured);
     let points: Vec<(f64, f64)> = torque.iter().flat_map(|u| speed.iter().map(|v| (*v, limit.delivered_nm(*v, *u)))).collect();
-    let errors = uncertainty.std_errs_mps2(estimate, gear, &points);
+    let errors: Vec<f64> = uncertainty
+        .std_errs_mps2(estimate, gear, &points)
+        .into_iter()
+        .zip(&points)
+        .map(|(error, (v, u))| {
+            let by_torque = u * surface.value_and_slope(*v, *u).1;
+            error.hypot(estimate.drift.std_mps2(when, surface.accel_mps2(*v, 0.0), by_torque))
+        })
+        .collect();
     let std_err: Vec<Vec<f64>> = errors.chunks(speed.len()).map(|row| row.iter().map(|e| round6(*e)).collect()).collect();
     let confidence =
         std_err.iter().zip(&status).map(|(errors, row)| errors.iter().zip(row).map(|(e, s)| confidence(*e, *s)).collect()).collect();
