@@ -20,6 +20,8 @@ mod invert;
 mod lateral;
 mod listener;
 mod logs;
+mod manual;
+mod one_of;
 pub(crate) mod outcome;
 mod plan;
 mod points;
@@ -70,6 +72,9 @@ struct Global {
     /// Print more detail
     #[arg(short, long, global = true)]
     verbose: bool,
+    /// Colour the output: auto (on a terminal, unless NO_COLOR is set), always or never
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto", hide_default_value = true, hide_possible_values = true)]
+    color: clap::ColorChoice,
 }
 
 #[derive(Debug, Subcommand)]
@@ -102,21 +107,38 @@ enum CliCommand {
     Plan(plan::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
+    /// Write the manual pages, one for each command
+    Man(manual::Arguments),
 }
 
 /// Runs the program with `args`, the first is its name; returns the process's exit status.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     fault::report_panics();
+    let args: Vec<OsString> = args.into_iter().collect();
+    let json = args.iter().any(|argument| argument == "--json");
     let parsed = command().try_get_matches_from(args).and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             // help and version are "errors" of status 0; usage errors have status 2
             let status = ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            if json && error.use_stderr() {
+                Ui::error_document(&error.render().to_string(), error.exit_code());
+            }
             let printed = error.print();
-            return if error.use_stderr() { status } else { ending(Ui::printed(printed).and(Ui::finish()), status) };
+            return if error.use_stderr() {
+                status
+            } else {
+                ending(Ui::printed(printed).and(Ui::finish()), status, Ui::new(false, false, false))
+            };
         }
     };
+    match cli.global.color {
+        clap::ColorChoice::Auto => anstream::ColorChoice::Auto,
+        clap::ColorChoice::Always => anstream::ColorChoice::Always,
+        clap::ColorChoice::Never => anstream::ColorChoice::Never,
+    }
+    .write_global();
     let ui = Ui::new(cli.global.json, cli.global.quiet, cli.global.verbose);
     let outcome = match cli.command {
         CliCommand::Record(arguments) => record::run(&arguments, ui),
@@ -133,25 +155,26 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         CliCommand::Tune(arguments) => tune::run(&arguments, ui),
         CliCommand::Plan(arguments) => plan::run(&arguments, ui),
         CliCommand::Completions(arguments) => completions::run(&arguments, command()),
+        CliCommand::Man(arguments) => manual::run(&arguments, command(), ui),
     };
     let status = match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Rejected) => ExitCode::from(3),
         Ok(Outcome::NotJudged) => ExitCode::from(1),
         Err(error) => {
-            Ui::error(&error);
-            return ExitCode::from(1);
+            ui.error(&error);
+            return ending(Ui::finish(), ExitCode::from(1), ui);
         }
     };
-    ending(Ui::finish(), status)
+    ending(Ui::finish(), status, ui)
 }
 
 /// The exit status of a command, or 1 if what it printed was lost.
-fn ending(printed: anyhow::Result<()>, status: ExitCode) -> ExitCode {
+fn ending(printed: anyhow::Result<()>, status: ExitCode, ui: Ui) -> ExitCode {
     match printed {
         Ok(()) => status,
         Err(error) => {
-            Ui::error(&error);
+            ui.error(&error);
             ExitCode::from(1)
         }
     }

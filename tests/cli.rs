@@ -62,11 +62,67 @@ fn every_command_has_help_with_an_example() {
     }
 }
 
+/// What bash offers for the last of `words`, as its completion calls the script.
+fn completed_by_bash(script: &str, words: &[&str]) -> Vec<String> {
+    let quoted: Vec<String> = words.iter().map(|word| format!("'{word}'")).collect();
+    let ask = format!(
+        "COMP_WORDS=({}); COMP_CWORD={}; _pivot__cal pivot-cal \"${{COMP_WORDS[COMP_CWORD]}}\" \"${{COMP_WORDS[COMP_CWORD-1]}}\"; \
+         printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+        quoted.join(" "),
+        words.len() - 1
+    );
+    let output = std::process::Command::new("bash").args(["--norc", "-c", &format!("{script}\n{ask}")]).output().unwrap();
+    String::from_utf8(output.stdout).unwrap().lines().filter(|line| !line.is_empty()).map(str::to_owned).collect()
+}
+
 #[test]
-fn completions_are_printed_for_a_shell() {
+fn bash_completes_commands_options_and_values() {
     let (status, script, _) = run(Path::new("."), &["completions", "bash"]);
     assert_eq!(status, 0);
-    assert!(script.contains("pivot-cal") && script.contains("calibrate"));
+    let asked = |words: &[&str]| completed_by_bash(&script, words);
+    assert_eq!(asked(&["pivot-cal", "calib"]), ["calibrate"]);
+    assert_eq!(asked(&["pivot-cal", "fit", "--sig"]), ["--signals"]);
+    assert_eq!(asked(&["pivot-cal", "lateral", "fit", "--hel"]), ["--help"]);
+    assert_eq!(asked(&["pivot-cal", "export", "--format", "cd"]), ["cdfx"]);
+    assert_eq!(asked(&["pivot-cal", "inspect", "--preset", "joi"]), ["joint-state"]);
+    assert_eq!(asked(&["pivot-cal", "verify", "--scenario", "parking-s"]), ["parking-shuffle"]);
+    for shell in ["zsh", "fish"] {
+        let (status, script, _) = run(Path::new("."), &["completions", shell]);
+        assert!(status == 0 && script.contains("calibrate") && script.contains("cdfx") && script.contains("parking-shuffle"), "{shell}");
+    }
+}
+
+#[test]
+fn every_command_has_a_manual_page_that_says_what_its_help_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let (status, _, errors) = run(folder.path(), &["man"]);
+    assert_eq!(status, 0, "{errors}");
+    let (_, short, _) = run(folder.path(), &["fit", "--help"]);
+    let (_, long, _) = run(folder.path(), &["help", "fit"]);
+    assert_eq!(short, long);
+    let page = std::fs::read_to_string(folder.path().join("man/pivot-cal-fit.1")).unwrap();
+    let plain = page.replace('\\', "");
+    for option in short.split_whitespace().filter(|word| word.starts_with("--") && word.len() > 3) {
+        let option = option.trim_matches(|c: char| !c.is_alphanumeric() && c != '-');
+        assert!(plain.contains(option), "{option} is not in the manual page");
+    }
+    for page in ["pivot-cal.1", "pivot-cal-lateral-fit.1", "pivot-cal-man.1"] {
+        assert!(folder.path().join("man").join(page).exists(), "{page}");
+    }
+}
+
+#[test]
+fn an_error_is_a_document_with_json_and_colour_is_asked_for() {
+    let (status, document, errors) = run(Path::new("."), &["fit", "nosuch.mcap", "--json"]);
+    let document: serde_json::Value = serde_json::from_str(&document).unwrap();
+    assert_eq!((status, document["status"].as_i64()), (1, Some(1)));
+    assert!(document["error"].as_str().unwrap().contains("nosuch.mcap") && errors.contains("nosuch.mcap"), "{document}");
+    let (status, document, _) = run(Path::new("."), &["fit", "--no-such-flag", "--json"]);
+    let document: serde_json::Value = serde_json::from_str(&document).unwrap();
+    assert!(status == 2 && document["error"].as_str().unwrap().contains("--no-such-flag"), "{document}");
+    let (_, _, plain) = run(Path::new("."), &["fit", "nosuch.mcap"]);
+    let (_, _, coloured) = run(Path::new("."), &["fit", "nosuch.mcap", "--color", "always"]);
+    assert!(!plain.contains('\u{1b}') && coloured.starts_with("\u{1b}["), "{coloured:?}");
 }
 
 #[test]

@@ -15,6 +15,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<Outcome> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "pivot-cal", &mut script);
-    Ui::product(String::from_utf8(script)?);
+    // for bash, the generator calls a command below one with a hyphen in its name by two names (clap_complete 4.6)
+    let script = String::from_utf8(script)?.replace("pivot__subcmd__cal", "pivot__cal");
+    Ui::product(script);
     Ok(Outcome::Done)
 }

@@ -1,6 +1,7 @@
 //! `export`: the map in the formats of controllers and calibration tools.
 
 use crate::cli::Ui;
+use crate::cli::one_of::OneOf;
 use crate::cli::outcome::Outcome;
 use crate::export::{ExportSettings, Format, MapSource, Precision, UnitNumbers, UserUnit, UserUnits};
 use crate::map::{RawUnit, sha256_hex, write_whole};
@@ -34,7 +35,8 @@ written, unless --unverified is given; then every file says so.
 Exit status: 0 written, 3 the map is not verified, 1 error.")]
 pub(crate) struct Arguments {
     /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, a2l, json; several with commas
-    #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = format)]
+    #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = OneOf::new(Format::ALL.map(Format::name), format),
+        hide_possible_values = true)]
     format: Vec<Format>,
     /// Folder with table1.json and table2.json
     #[arg(long, value_name = "DIR", default_value = "maps")]

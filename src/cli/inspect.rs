@@ -1,6 +1,7 @@
 //! `inspect LOG…`: the content of logs, and the signals found.
 
 use crate::cli::Ui;
+use crate::cli::logs::preset;
 use crate::cli::outcome::Outcome;
 use crate::log;
 use crate::log::{Depth, LogSurvey, Preset, Source, VehicleOverrides};
@@ -29,7 +30,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, autoware or joint-state
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
     /// Read every message: true rates, losses, the runs, and checks of the signals; an objection ends with status 3
     #[arg(long)]

@@ -5,6 +5,7 @@ use crate::cli::Ui;
 use crate::cli::advice::with_advice;
 use crate::cli::breaks::Breaks;
 use crate::cli::listener::UiListener;
+use crate::cli::one_of::OneOf;
 use crate::cli::outcome::Outcome;
 use crate::invert::{InvertSettings, RawSettings, ZeroRow};
 use crate::map::{FixedText as _, RawUnit, RawUnits, Table2File};
@@ -48,7 +49,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SCALE[,OFFSET]", allow_hyphen_values = true, value_parser = raw_unit)]
     pub(crate) torque_raw: Option<RawUnit>,
     /// The row at speed 0: torque of a wheel just moving, or 0 for a ≤ 0
-    #[arg(long, value_name = "ROW", value_parser = zero_row, default_value = "moving")]
+    #[arg(long, value_name = "ROW", value_parser = OneOf::new(["moving", "hold"], zero_row), default_value = "moving",
+        hide_possible_values = true)]
     pub(crate) zero_row: ZeroRow,
     /// Exact at the nodes instead of best over the whole
     #[arg(long)]

@@ -4,6 +4,7 @@ use crate::calibrate::{LogSource, read_logs, read_operation_logs, survey};
 use crate::campaign::Survey;
 use crate::cli::Ui;
 use crate::cli::listener::UiListener;
+use crate::cli::one_of::OneOf;
 use crate::cli::text_file::read_file;
 use crate::log::{Preset, Recording, SignalMap, Source, VehicleOverrides};
 use crate::map::Vehicle;
@@ -21,7 +22,7 @@ pub(crate) struct LogArguments {
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) signals: Option<PathBuf>,
     /// Signal map that comes with the program: pivot-cal, verify-log, autoware, joint-state
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     pub(crate) preset: Option<Preset>,
     /// Wheelbase [m], over any signal map
     #[arg(long, value_name = "M")]
@@ -90,6 +91,11 @@ impl LogArguments {
         }
         Ok(found)
     }
+}
+
+/// Parser of the names of the signal maps that come with the program.
+pub(crate) fn preset() -> OneOf<Preset> {
+    OneOf::new(Preset::ALL.map(Preset::name), |text| text.parse::<Preset>().map_err(|error| error.to_string()))
 }
 
 /// Places of the signals, from the options `--signals` and `--preset`.

@@ -1,5 +1,6 @@
 //! `tune`: gains and preview for a map and its vehicle, as a controller file.
 
+use crate::cli::one_of::OneOf;
 use crate::cli::outcome::Outcome;
 use crate::cli::text_file::read_file;
 use crate::cli::verify_text::new_table;
@@ -34,7 +35,8 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// What may be done with cruise speed and accelerations of the plan: keep, slower (if no gains keep the gate), any (faster as well)
-    #[arg(long, value_name = "FREEDOM", default_value = "slower", value_parser = plan_freedom)]
+    #[arg(long, value_name = "FREEDOM", default_value = "slower", value_parser = OneOf::new(PlanFreedom::NAMES.map(|(name, _)| name), plan_freedom),
+        hide_possible_values = true)]
     plan: PlanFreedom,
     /// Share of each limit that is to be left
     #[arg(long, value_name = "SHARE", default_value_t = 0.15)]

@@ -4,10 +4,19 @@ use crate::cli::advice::flag_for;
 use crate::map::Destination;
 use crate::text::{for_json, for_terminal, shown};
 use anyhow::bail;
+use clap::builder::styling::{AnsiColor, Style};
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+
+/// A good outcome.
+const GOOD: Style = AnsiColor::Green.on_default().bold();
+/// A bad outcome.
+const BAD: Style = AnsiColor::Red.on_default().bold();
+/// An outcome to look at.
+const DOUBTFUL: Style = AnsiColor::Yellow.on_default().bold();
 
 /// The first error of writing to standard output. What is printed after it would be lost as well.
 static LOST: Mutex<Option<io::Error>> = Mutex::new(None);
@@ -51,9 +60,9 @@ impl Ui {
     pub(crate) fn say(self, text: impl AsRef<str>) {
         if self.json || self.quiet {
         } else if self.product_printed {
-            let _ = writeln!(anstream::stderr(), "{}", for_terminal(text.as_ref()));
+            let _ = writeln!(anstream::stderr(), "{}", coloured(&for_terminal(text.as_ref())));
         } else {
-            print(&for_terminal(text.as_ref()));
+            print(&coloured(&for_terminal(text.as_ref())));
         }
     }
 
@@ -90,19 +99,29 @@ impl Ui {
     /// A warning; the command continues.
     pub(crate) fn warn(self, text: impl AsRef<str>) {
         if !self.quiet {
-            let _ = writeln!(anstream::stderr(), "warning: {}", for_terminal(text.as_ref()));
+            let _ = writeln!(anstream::stderr(), "{DOUBTFUL}warning:{DOUBTFUL:#} {}", for_terminal(text.as_ref()));
         }
     }
 
     /// Why a command finished without writing what it was asked for; also with `--quiet`.
     pub(crate) fn refuse(text: impl AsRef<str>) {
-        let _ = writeln!(anstream::stderr(), "refused: {}", for_terminal(text.as_ref()));
+        let _ = writeln!(anstream::stderr(), "{BAD}refused:{BAD:#} {}", for_terminal(text.as_ref()));
     }
 
-    /// The error and its causes on one line, with the flag that helps.
-    pub(crate) fn error(error: &anyhow::Error) {
+    /// The error and its causes on one line, with the flag that helps; with `--json` also as a document on standard output.
+    pub(crate) fn error(self, error: &anyhow::Error) {
         let flag = flag_for(error).map_or_else(String::new, |flag| format!("; {flag}"));
-        let _ = writeln!(anstream::stderr(), "error: {}{flag}", for_terminal(&in_one_line(error)));
+        let message = format!("{}{flag}", in_one_line(error));
+        let _ = writeln!(anstream::stderr(), "{BAD}error:{BAD:#} {}", for_terminal(&message));
+        if self.json {
+            Self::error_document(&message, 1);
+        }
+    }
+
+    /// The JSON document of a command that ended with an error.
+    pub(crate) fn error_document(message: &str, status: i32) {
+        let document = serde_json::json!({ "error": message.trim_end(), "status": status });
+        Self::product(for_json(format!("{document:#}")));
     }
 
     /// Writes out what is still held back. A reader that has closed the pipe wants no more: that is no error.
@@ -149,6 +168,25 @@ impl Ui {
     }
 }
 
+/// Text with its outcomes coloured. The words say the same: no colour is needed to read them.
+fn coloured(text: &str) -> Cow<'_, str> {
+    const OUTCOMES: [(&str, Style); 6] = [
+        ("verdict: pass", GOOD),
+        ("verdict: FAIL", BAD),
+        ("verdict: rejected", BAD),
+        ("verdict: not judged", DOUBTFUL),
+        ("objection: ", BAD),
+        (" FAIL ", BAD),
+    ];
+    let mut text = Cow::Borrowed(text);
+    for (words, style) in OUTCOMES {
+        if text.contains(words) {
+            text = Cow::Owned(text.replace(words, &format!("{style}{words}{style:#}")));
+        }
+    }
+    text
+}
+
 /// Prints a line on standard output, unless it is broken.
 fn print(line: &str) {
     let mut lost = LOST.lock().unwrap_or_else(PoisonError::into_inner);
@@ -185,6 +223,13 @@ mod tests {
     #[error("table1.json: {source}")]
     struct WithItsCause {
         source: io::Error,
+    }
+
+    #[test]
+    fn outcomes_are_coloured_and_nothing_else() {
+        assert_eq!(coloured("verdict: pass: 90° only"), format!("{GOOD}verdict: pass{GOOD:#}: 90° only"));
+        assert_eq!(coloured("│ 61° ┆ FAIL │"), format!("│ 61° ┆{BAD} FAIL {BAD:#}│"));
+        assert!(matches!(coloured("a passage"), Cow::Borrowed("a passage")));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! `verify`: judges the map in a folder, prints the verdict and writes `verify.json`.
 
 use crate::calibrate::put_verdict;
-use crate::cli::logs::LogArguments;
+use crate::cli::logs::{LogArguments, preset};
+use crate::cli::one_of::OneOf;
 use crate::cli::outcome::Outcome;
 use crate::cli::text_file::read_file;
 use crate::cli::verify_text::{new_table, show};
@@ -49,7 +50,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "maps")]
     maps: PathBuf,
     /// Run this scenario, manoeuvre or group (pivots, manoeuvres, all) instead of the pivots (may be repeated)
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = OneOf::new(scenario_names(), |text| Ok(text.to_owned())), hide_possible_values = true)]
     scenario: Vec<String>,
     /// Also a turn of this size [°] in each direction; with no --scenario these turns alone (may be repeated)
     #[arg(long, value_name = "DEG", value_parser = turn_deg)]
@@ -104,7 +105,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", requires = "recorded", conflicts_with = "preset")]
     signals: Option<PathBuf>,
     /// Signal map of these logs that comes with the program: pivot-cal, verify-log, autoware, joint-state
-    #[arg(long, value_name = "NAME", requires = "recorded")]
+    #[arg(long, value_name = "NAME", requires = "recorded", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
     /// Points of the polyline manoeuvres instead of the built-in ones (CSV: x and y in metres, one point per line, optionally the set speed in m/s of
     /// the segment that begins there)
@@ -303,17 +304,24 @@ fn pivot_logs(arguments: &Arguments, maps: &Maps, ui: Ui) -> anyhow::Result<Vec<
     Ok(pivots)
 }
 
+/// Groups of scenarios.
+const GROUPS: [&str; 3] = ["pivots", "manoeuvres", "all"];
+
+/// The names of all scenarios and manoeuvres, and of the groups.
+fn scenario_names() -> Vec<String> {
+    let scenarios = Scenario::all().into_iter().map(|s| s.name);
+    GROUPS.into_iter().map(str::to_owned).chain(scenarios).chain(Manoeuvre::all().into_iter().map(|m| m.name.to_string())).collect()
+}
+
 /// The named scenarios and manoeuvres, in the order of the command line; without a name all pivots. Groups: `pivots`, `manoeuvres`, `all`.
 fn chosen(names: &[String]) -> Result<(Vec<Scenario>, Vec<Manoeuvre>), Error> {
     let (all, all_manoeuvres) = (Scenario::all(), Manoeuvre::all());
     if names.is_empty() {
         return Ok((all, Vec::new()));
     }
-    let groups = ["pivots", "manoeuvres", "all"];
-    let known: Vec<&str> =
-        groups.into_iter().chain(all.iter().map(|s| s.name.as_str())).chain(all_manoeuvres.iter().map(|m| m.name.as_str())).collect();
-    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
-        let nearest = known.iter().min_by_key(|known| apart(known, name)).map(|known| (*known).to_owned()).unwrap_or_default();
+    let known = scenario_names();
+    if let Some(name) = names.iter().find(|name| !known.contains(name)) {
+        let nearest = known.iter().min_by_key(|known| apart(known, name)).cloned().unwrap_or_default();
         return Err(Error::NoScenario { found: name.clone(), nearest });
     }
     let (mut scenarios, mut manoeuvres): (Vec<Scenario>, Vec<Manoeuvre>) = (Vec::new(), Vec::new());

@@ -41,7 +41,12 @@ pub fn invert(file: &Table1File, table1: CsvRef, settings: &InvertSettings) -> R
         // where no limit of the vehicle is given, the nodes next to the reach may lie beyond the largest torque driven, so that the table is right
         // up to it; a drive with a limit of its own delivers no more there
         let node_limit_nm = if file.torque_limit_driven { limit_nm * (1.0 + BEYOND_LARGEST) } else { limit_nm };
-        let limit = DeliveredTorque { least_nm: -limit_nm, most_nm: &|v| file.most_torque_nm(v), node_limit_nm };
+        let limit = DeliveredTorque {
+            least_nm: -limit_nm,
+            most_nm: &|v| file.most_torque_nm(v),
+            is_governed: &|v| file.is_governed(v),
+            node_limit_nm,
+        };
         let (inverted, csv) = invert_map(map, other, &limit, &raw, file.vehicle.test_angle_deg, settings)?;
         csvs.push((inverted.csv.file.clone(), csv));
         maps.push(inverted);
@@ -121,8 +126,7 @@ fn invert_map(
     let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
     let csv = table.to_matrix().to_csv();
 
-    let reach: Vec<[f64; 2]> =
-        speeds.iter().map(|v| [limit.least_nm, (limit.most_nm)(*v)].map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
+    let reach: Vec<[f64; 2]> = speeds.iter().map(|v| limit.reach_nm(*v).map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
     let known = map.table()?;
     let status_of = |v: f64, torque: f64| {
         let beyond = torque < tested[0] - 1e-9 || torque > tested[1] + 1e-9 || v > known.speed_mps().last() + 1e-9;
@@ -209,4 +213,35 @@ fn dead_band(map: &AccelMap, other: Option<&AccelMap>) -> DeadBand {
 
 fn round6(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn beyond_a_governor_nothing_accelerates_and_everything_brakes_as_before() {
+        let mut file: serde_json::Value = serde_json::from_str(include_str!("../../maps/table1.json")).unwrap();
+        let of = |file: &serde_json::Value| {
+            let table1 = CsvRef { file: "table1.json".to_owned(), sha256: String::new() };
+            invert(&serde_json::from_value(file.clone()).unwrap(), table1, &InvertSettings::default()).unwrap().file
+        };
+        let free = of(&file);
+        file["actuator"]["drive"] = serde_json::json!({ "family": "first-order", "limit": { "kind": "speed", "value": 0.6 } });
+        let governed = of(&file);
+        for (governed, free) in governed.maps.iter().zip(&free.maps) {
+            assert_eq!(governed.torque_nm, free.torque_nm, "the nodes keep their torque");
+            for (i, v) in governed.speed_mps.iter().enumerate() {
+                for (j, torque_nm) in free.torque_nm[i].iter().enumerate() {
+                    let (governed, free) = (governed.status[i][j], free.status[i][j]);
+                    if *v > 0.66 && *torque_nm > 0.3 {
+                        assert_eq!(governed, CellStatus::Unreachable, "{v} m/s, {torque_nm} N·m");
+                    } else if *v < 0.66 || *torque_nm < -0.3 {
+                        assert_eq!(governed, free, "{v} m/s, {torque_nm} N·m");
+                    }
+                }
+            }
+        }
+    }
 }

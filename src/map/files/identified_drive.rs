@@ -40,7 +40,15 @@ pub struct DriveLimit {
     pub std_err: Option<f64>,
 }
 
+/// Nothing drives faster than this multiple of a limit of the speed.
+const FASTEST: f64 = 1.1;
+
 impl DriveLimit {
+    /// Whether a limit of the speed leaves no driving torque at a speed.
+    pub fn governs(&self, speed_mps: f64) -> bool {
+        self.kind == LimitKind::Speed && speed_mps > FASTEST * self.value
+    }
+
     /// The largest driving torque that is delivered at a speed [N·m]; without end below a limit of the speed.
     pub fn most_nm(&self, speed_mps: f64) -> f64 {
         match self.kind {

@@ -321,6 +321,11 @@ impl Table1File {
         limit.map_or(f64::INFINITY, |l| l.most_nm(speed_mps))
     }
 
+    /// Whether a limit of the speed, if the fit found one, leaves no driving torque at a speed.
+    pub fn is_governed(&self, speed_mps: f64) -> bool {
+        self.actuator.drive.as_ref().and_then(|d| d.limit).is_some_and(|l| l.governs(speed_mps))
+    }
+
     /// The vehicle's torque limit [N·m], or without one the largest torque of the tables.
     pub fn torque_limit_nm(&self) -> f64 {
         self.vehicle.torque_limit_or_largest_nm(self.maps.iter().flat_map(|m| m.torque_nm.iter().copied()))
