@@ -1,7 +1,7 @@
-//! Reads MCAP logs of any writer as signals in SI units.
+//! Reads MCAP logs of any writer, and tables of signals, as signals in SI units.
 //!
-//! In: a log (ROS 2, ROS 1, protobuf or JSON; chunked or not, compressed or not, damaged or not) and a [`Source`] with the paths of the
-//! signals. Out: a [`Recording`] with the signals, their origin, and a report of the lost data. No content of a log can make this module
+//! In: a log (ROS 2, ROS 1, protobuf or JSON; chunked or not, compressed or not, damaged or not; or CSV or Parquet) and a [`Source`] with the
+//! paths of the signals. Out: a [`Recording`] with the signals, their origin, and a report of the lost data. No content of a log can make this module
 //! panic, abort or use more memory than a few chunks.
 //!
 //! ```no_run
@@ -11,6 +11,7 @@
 //! # Ok::<(), pivot_cal::log::Error>(())
 //! ```
 
+pub(crate) mod columns;
 mod error;
 pub(crate) mod extract;
 mod extractor_error;
@@ -25,11 +26,13 @@ mod rate;
 pub(crate) mod read;
 mod recording;
 mod reference_path;
+mod rosbag2;
 mod schema;
 mod schema_error;
 mod signal_map;
 pub(crate) mod split_bag;
 pub(crate) mod survey;
+mod table_columns;
 pub(crate) mod timing;
 mod value;
 mod vehicle;

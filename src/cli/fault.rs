@@ -1,11 +1,15 @@
 //! The last resort: what a person reads when the program itself is wrong.
 
+use crate::log::columns::foreign_panics::is_caught;
 use crate::text::{for_terminal, shown};
 use std::panic::PanicHookInfo;
 
 /// Makes a panic ask for a report in place of a message for programmers. The process then ends with exit status 101.
 pub(crate) fn report_panics() {
     std::panic::set_hook(Box::new(|fault| {
+        if is_caught() {
+            return; // of a parser that is not ours, on a damaged file: it becomes an error
+        }
         let message = fault.payload_as_str().unwrap_or("no message");
         let report = report(message, place(fault).as_deref(), std::env::args_os());
         let _ = std::io::Write::write_all(&mut anstream::stderr(), report.as_bytes());

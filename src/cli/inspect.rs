@@ -18,10 +18,11 @@ const SMALL: u64 = 64 << 20;
 #[command(after_help = "\
 Examples:
   pivot-cal inspect drive.mcap
+  pivot-cal inspect drive.csv                 a table: which column is which signal, how its times are read
   pivot-cal inspect --runs --signals data/signals/reference.toml logs/*.mcap
 
 Memory: logs of any size are read by the chunk (256 MB at most, two per thread) with 32 bytes for each value of a signal, at most
-128 million values in all logs (4 GB). What needs more is refused.")]
+128 million values in all logs (4 GB); tables by the line (4 MB at most) or the page of a column. What needs more is refused.")]
 pub(crate) struct Arguments {
     /// Logs: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
@@ -109,11 +110,17 @@ fn survey(path: &Path, source: &Source, everything: bool, ui: Ui) -> anyhow::Res
 fn text(survey: &LogSurvey) -> String {
     let mut text = String::new();
     let count = |number: Option<u64>| number.map_or_else(|| "?".to_owned(), |number| number.to_string());
-    let writer = if survey.library.is_empty() { "an unknown writer" } else { &survey.library };
-    let _ = writeln!(text, "{}  {}, by {writer}", survey.file, indicatif::HumanBytes(survey.bytes));
-    let index = if survey.indexed { "indexed" } else { "no usable index: scanned" };
-    let compression = if survey.compression.is_empty() { String::new() } else { format!(", {}", survey.compression.join(" + ")) };
-    let _ = writeln!(text, "  {} message(s) in {} chunk(s){compression}, {index}{}", count(survey.messages), survey.chunks, span(survey));
+    if let Some(table) = &survey.table {
+        let _ = writeln!(text, "{}  {}, a table: {table}", survey.file, indicatif::HumanBytes(survey.bytes));
+        let _ = writeln!(text, "  {} row(s){}", count(survey.messages), span(survey));
+    } else {
+        let writer = if survey.library.is_empty() { "an unknown writer" } else { &survey.library };
+        let _ = writeln!(text, "{}  {}, by {writer}", survey.file, indicatif::HumanBytes(survey.bytes));
+        let index = if survey.indexed { "indexed" } else { "no usable index: scanned" };
+        let compression = if survey.compression.is_empty() { String::new() } else { format!(", {}", survey.compression.join(" + ")) };
+        let _ =
+            writeln!(text, "  {} message(s) in {} chunk(s){compression}, {index}{}", count(survey.messages), survey.chunks, span(survey));
+    }
     let mut table = comfy_table::Table::new();
     table.load_style(comfy_table::presets::NOTHING);
     table.set_header(["topic", "schema", "encoding", "messages", "rate [Hz]"]);
@@ -151,7 +158,8 @@ fn text(survey: &LogSurvey) -> String {
         let _ = writeln!(text, "note: {note}");
     }
     if !survey.checked {
-        let _ = writeln!(text, "(from the summary alone; --runs reads every message)");
+        let part = if survey.table.is_some() { "the first rows" } else { "the summary" };
+        let _ = writeln!(text, "(from {part} alone; --runs reads every message)");
     }
     text.trim_end().to_owned()
 }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of every command that reads logs.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct LogArguments {
-    /// Logs (MCAP) of one vehicle, in any order: files, folders of logs, rosbag2 folders, or patterns
+    /// Logs (MCAP, CSV, Parquet) of one vehicle, in any order: files, folders of logs, rosbag2 folders, or patterns
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
     /// Signal map: which message path is which signal, and where its time is (docs/signals.md)

@@ -25,7 +25,7 @@ pub enum Error {
     TooMuchDescription { allowed: u64 },
     #[error("this is a folder, not a log; give the folder itself to read the logs in it")]
     Folder,
-    #[error("the folder holds no .mcap file")]
+    #[error("the folder holds no log: no .mcap file, and no table in a .parquet, .csv or .tsv file")]
     NoLogs,
     #[error("no file matches {pattern:?}")]
     NoMatch { pattern: String },
@@ -37,6 +37,39 @@ pub enum Error {
     Empty,
     #[error("this is not an MCAP log: {hint}")]
     NotMcap { hint: &'static str },
+    #[error("this is a rosbag2 recording in SQLite, not MCAP; convert it with ROS 2, then read {converted}: {command}{without_ros}")]
+    Sqlite { converted: String, command: String, without_ros: String },
+    #[error("the table has no header: in line {line} there is {found:?}, where the names of the columns are expected")]
+    NoHeader { line: u64, found: String },
+    #[error("the table is in UTF-16; save it as UTF-8 (in a spreadsheet: CSV UTF-8)")]
+    Utf16,
+    #[error("line {line} is longer than {allowed} bytes: no table has such lines")]
+    LongLine { line: u64, allowed: usize },
+    #[error("the Parquet file cannot be used: {reason}")]
+    BrokenParquet { reason: String },
+    #[error(
+        "no column holds the times: none is called time, t or timestamp; name it as `time` in [columns] of the signal map; the table has {}",
+        columns.join(", ")
+    )]
+    NoTimeColumn { columns: Vec<String> },
+    #[error(
+        "the times in column {column:?} begin with {found:?}, which is neither a number nor a date of ISO 8601 such as 2024-05-01T10:00:00.5Z; name another column as `time` in [columns] of the signal map"
+    )]
+    BadTimeColumn { column: String, found: String },
+    #[error("time_unit in [columns] is {found:?}; allowed are s, ms, us and ns")]
+    TimeUnit { found: String },
+    #[error("[columns] names one of `name` and `value`; a table with one value per row needs both, one with a column per signal neither")]
+    HalfLong,
+    #[error("[columns]: `{key}` names the column {column:?}, which the table does not have; it has {}", columns.join(", "))]
+    NoSuchColumn { key: &'static str, column: String, columns: Vec<String> },
+    #[error("{signal}: the table has no column {column:?}{}", list(", the nearest is", nearest, "; it has", columns))]
+    NoColumn { signal: &'static str, column: String, nearest: Vec<String>, columns: Vec<String> },
+    #[error("{signal}: {column:?} means the columns {first} and {second} of the table, which have one name; give each its own")]
+    TwoColumns { signal: &'static str, column: String, first: usize, second: usize },
+    #[error(
+        "{signal}: column {column:?} is in {unit:?} by its header, which is no unit of {signal}; name another column, or give `unit`, and `scale`, which multiplies each value before"
+    )]
+    ColumnUnit { signal: &'static str, column: String, unit: String },
     #[error("the log holds no message{}", damage.as_ref().map(|text| format!(": {text}")).unwrap_or_default())]
     NoMessages { damage: Option<String> },
     #[error("path {path:?}, column {column}: {expected} is expected here")]

@@ -1,5 +1,6 @@
 //! Finds the named logs: files, folders of logs, rosbag2 folders, patterns.
 
+use crate::log::rosbag2::{in_sqlite, is_database_name};
 use crate::log::{Error, Result};
 use crate::map::read_whole_text;
 use crate::text::shown;
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The recordings named by `named`, each as its files in order; inside a folder or a pattern they are sorted by name.
 ///
 /// A folder with a `metadata.yaml` is one rosbag2 recording; its files are taken in the listed order. Any other folder means the `.mcap`
-/// files in it, each a separate recording. A name that is neither a file nor a folder is a pattern such as `logs/*.mcap`, which may also
+/// files in it, without one the `.parquet` files, and without one of these the `.csv` and `.tsv` files, each a separate recording. A name that is neither a file nor a folder is a pattern such as `logs/*.mcap`, which may also
 /// match folders.
 ///
 /// # Errors
@@ -44,16 +45,27 @@ fn each(files: Vec<PathBuf>) -> Vec<Vec<PathBuf>> {
 }
 
 fn folder(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(Error::Io)? {
         let path = entry.map_err(Error::Io)?.path();
-        if path.is_file() && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
-            found.push(path);
+        if path.is_file() {
+            files.push(path);
         }
     }
-    found.sort();
-    if found.is_empty() { Err(Error::NoLogs) } else { Ok(found) }
+    files.sort();
+    for ends in KINDS {
+        let is_one = |path: &&PathBuf| path.extension().is_some_and(|extension| ends.iter().any(|end| extension.eq_ignore_ascii_case(end)));
+        let found: Vec<PathBuf> = files.iter().filter(is_one).cloned().collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+    }
+    let database = files.iter().find(|path| is_database_name(path));
+    Err(database.map_or(Error::NoLogs, |database| in_sqlite(folder, Some(database))))
 }
+
+/// Ends of the names of logs in a folder. The first kind that the folder has is meant: tables beside MCAP logs are mostly made of them.
+const KINDS: [&[&str]; 3] = [&["mcap"], &["parquet", "pq"], &["csv", "tsv"]];
 
 /// The files of a rosbag2 recording: the list `relative_file_paths` of its metadata, which is simple enough to be read by line.
 fn bag(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>> {
@@ -71,6 +83,9 @@ fn bag(folder: &Path, metadata: &Path) -> Result<Vec<PathBuf>> {
         // only the file name: a recording never refers to files outside its folder
         let Some(name) = Path::new(file).file_name() else { continue };
         let path = folder.join(name);
+        if is_database_name(&path) {
+            return Err(in_sqlite(folder, Some(&path)));
+        }
         if !path.is_file() {
             return Err(Error::MissingBagFile { file: file.to_owned() });
         }
@@ -107,6 +122,25 @@ mod tests {
         assert_eq!(names(&find_logs(&pattern).unwrap()), ["bag_1.mcap+bag_10.mcap"]);
         std::fs::remove_file(folder.path().join("bag_1.mcap")).unwrap();
         assert!(matches!(find_logs(folder.path()), Err(Error::MissingBagFile { .. })));
+    }
+
+    #[test]
+    fn tables_are_the_logs_of_a_folder_without_mcap() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, meant) in [("b.csv", "b.csv"), ("a.TSV", "a.TSV b.csv"), ("c.parquet", "c.parquet"), ("d.mcap", "d.mcap")] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+            assert_eq!(names(&find_logs(folder.path()).unwrap()).join(" "), meant);
+        }
+    }
+
+    #[test]
+    fn a_recording_in_sqlite_is_answered_with_its_conversion() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("bag_0.db3"), b"").unwrap();
+        let alone = find_logs(folder.path()).unwrap_err().to_string();
+        std::fs::write(folder.path().join("metadata.yaml"), "x:\n  relative_file_paths:\n    - bag_0.db3\n").unwrap();
+        let listed = find_logs(folder.path()).unwrap_err().to_string();
+        assert!(alone == listed && alone.contains("ros2 bag convert -i ") && alone.contains("bag_0.mcap"), "{alone}");
     }
 
     #[test]

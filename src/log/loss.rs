@@ -122,6 +122,12 @@ pub enum Why {
     NoChannel { channel: u16 },
     /// The file could not be read here.
     Io(String),
+    /// A row of a table with fewer or more cells than its header.
+    RaggedRow { line: u64, found: usize, expected: usize },
+    /// A row of a table without a time.
+    BadTime { place: Box<str>, found: Box<str> },
+    /// Rows of a Parquet file that cannot be read.
+    RowGroup { group: u32, rows: u64, reason: Box<str> },
 }
 
 impl fmt::Display for Why {
@@ -142,6 +148,9 @@ impl fmt::Display for Why {
             Self::BrokenRecords => f.write_str("records inside the chunk do not fit into it"),
             Self::NoChannel { channel } => write!(f, "the log does not describe channel {channel}"),
             Self::Io(error) => write!(f, "the file cannot be read here: {error}"),
+            Self::RaggedRow { line, found, expected } => write!(f, "line {line} has {found} cell(s), the header {expected}"),
+            Self::BadTime { place, found } => write!(f, "the time in {place} is {found:?}"),
+            Self::RowGroup { group, rows, reason } => write!(f, "{rows} row(s) of row group {group} cannot be read: {reason}"),
         }
     }
 }

@@ -75,6 +75,11 @@ impl MessagePath {
         Self { topic: String::new(), steps, text: String::new() }
     }
 
+    /// A column of a table by its name, of which no part means a step.
+    pub(crate) fn column(name: &str) -> Self {
+        Self { topic: name.to_owned(), steps: Vec::new(), text: name.to_owned() }
+    }
+
     /// The path that takes `steps` from the messages of `topic`.
     pub(crate) fn new(topic: String, steps: Vec<PathStep>) -> Self {
         let mut text = if topic.contains(['.', '[', '{', '"', '\\', '\'']) { quoted(&topic) } else { topic.clone() };

@@ -1,5 +1,9 @@
 //! Reads one log: structure, choice of signals, one pass over the messages, and the report of the lost data.
 
+use crate::log::columns;
+use crate::log::columns::TablePass;
+use crate::log::columns::table::TableFormat;
+use crate::log::extract::column::Column;
 use crate::log::extract::message_pass;
 use crate::log::extract::message_pass::Gathered;
 use crate::log::file::container::Container;
@@ -8,19 +12,21 @@ use crate::log::file::open::open;
 use crate::log::file::structure::BlockKind;
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
-use crate::log::find::resolve::Choices;
+use crate::log::find::resolve::{Choices, PathChoice};
 use crate::log::limits::MOST_VALUES;
 use crate::log::loss::{Damage, Loss, Why};
 use crate::log::recording::{Origin, Recording, Signal, Signals};
 use crate::log::reference_path::{Lists, polylines};
+use crate::log::rosbag2::expect_no_database;
 use crate::log::signal_map::{SignalName, SignalSpec, VehicleOverrides};
 use crate::log::timing::log_clock::ClockStep;
 use crate::log::timing::message_times::MessageTimes;
 use crate::log::{Error, Result, Source};
-use crate::map::LogRef;
+use crate::map::{LogRef, Vehicle};
 use crate::text::shown;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Largest number of passes over a log: one, and another if it found channels that were not known before.
 const MAX_PASSES: usize = 3;
@@ -113,6 +119,10 @@ fn read_input(
     overrides: &VehicleOverrides,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<RecordingPart> {
+    expect_no_database(&path, &input)?;
+    if let Some(format) = TableFormat::of(&path, &input)? {
+        return read_table(format, &Arc::new(input), (file, path, hashed), wanted, source, overrides, progress);
+    }
     let mut container = open(input)?;
     let input = container.input.clone();
     // the hash reads every byte again: it runs in parallel with the decoding, and each is half of the progress
@@ -132,63 +142,133 @@ fn read_input(
         Some(_) => return Err(Error::Changed),
         None => String::new(),
     };
-    let vehicle = vehicle.vehicle()?;
-    let mut loss = loss(&container, &gathered);
-    let mut notes = choices.notes;
-    let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
-    let mut signals = Signals::default();
-    let mut origins = Vec::new();
-    let mut reference: Vec<Lists> = Vec::new();
-    let mut times = BTreeMap::new();
-    let mut kept = Vec::new();
-    for (number, (mut column, choice)) in gathered.columns.into_iter().zip(choices.found).enumerate() {
-        let (signal, not_finite) = (choice.signal, column.not_finite);
-        if not_finite > 0 {
-            loss.not_finite.insert(signal.key().to_owned(), not_finite);
-        }
-        if column.is_empty() {
-            let of_topic = |id: &&u16| container.inventory.channels.get(id).is_some_and(|channel| channel.topic == choice.spec.path.topic);
-            let messages = gathered.tallies.iter().filter(|(id, _)| of_topic(id)).map(|(_, tally)| tally.messages).sum();
-            let broken: u64 = gathered.broken.iter().filter(|(id, _)| of_topic(id)).map(|(_, count)| *count).sum();
-            let refused = gathered.refused.iter().find(|(id, _)| of_topic(id)).map(|(_, reason)| format!(": {reason}")).unwrap_or_default();
-            let reason = match (not_finite, broken) {
-                (0, 0) => "none holds this field".to_owned(),
-                (nan, 0) => format!("{nan} hold NaN or infinity"),
-                (nan, broken) => format!("{broken} do not fit their schema{refused}, {nan} hold NaN or infinity"),
-            };
-            let path = choice.spec.path.to_string();
-            if signal.is_required() {
-                return Err(Error::NoValues { signal: signal.key(), path, messages, reason });
-            }
-            notes.push(format!("{signal} is left out: {path} gives no value: of {messages} message(s), {reason}"));
-            continue;
-        }
-        origins.push(Origin {
-            signal,
-            path: choice.spec.path.to_string(),
-            unit: choice.spec.unit.name().to_owned(),
-            reason: choice.reason,
-            values: column.len(),
-        });
-        if choice.spec.path.is_list() {
-            reference.push(std::mem::take(&mut column.lists));
-            continue;
-        }
-        let SignalSpec { relative_to_gear, unsigned, .. } = choice.spec;
-        signals.set(signal, Signal { value: column.value, relative_to_gear, unsigned, ..Signal::default() });
-        kept.push((signal, number));
-        times.insert(signal, column.times);
-    }
-    if let [x, y] = &reference[..] {
-        signals.reference_paths = polylines(x, y);
-    }
+    let loss = loss(&container, &gathered);
+    let of_choice = |choice: &PathChoice, not_finite: u64| {
+        let of_topic = |id: &&u16| container.inventory.channels.get(id).is_some_and(|channel| channel.topic == choice.spec.path.topic);
+        let messages = gathered.tallies.iter().filter(|(id, _)| of_topic(id)).map(|(_, tally)| tally.messages).sum();
+        let broken: u64 = gathered.broken.iter().filter(|(id, _)| of_topic(id)).map(|(_, count)| *count).sum();
+        let refused = gathered.refused.iter().find(|(id, _)| of_topic(id)).map(|(_, reason)| format!(": {reason}")).unwrap_or_default();
+        let reason = match (not_finite, broken) {
+            (0, 0) => "none holds this field".to_owned(),
+            (nan, 0) => format!("{nan} hold NaN or infinity"),
+            (nan, broken) => format!("{broken} do not fit their schema{refused}, {nan} hold NaN or infinity"),
+        };
+        (messages, reason)
+    };
     let source = LogRef { sha256, file, bytes: input.length(), loss: None };
-    // the steps count the values of the signals in the order of their names, as `times` has them
-    kept.sort_unstable();
-    let of_kept = |step: ClockStep| ClockStep { values: kept.iter().map(|(_, column)| step.values[*column]).collect(), ..step };
-    let clock_steps = gathered.clock_steps.into_iter().map(of_kept).collect();
-    let recording = Recording { source, path, vehicle, signals, origins, loss, notes, clock_notes: Vec::new() };
-    Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1, times, span_ns: gathered.span_ns, clock_steps })
+    let (span_ns, clock_steps) = (gathered.span_ns, gathered.clock_steps);
+    let read = ReadColumns { choices, columns: gathered.columns, vehicle: vehicle.vehicle()?, loss, span_ns, clock_steps };
+    read.into_part(source, path, of_choice)
+}
+
+/// Reads the signals of a table.
+fn read_table(
+    format: TableFormat,
+    input: &Arc<LogInput>,
+    (file, path, hashed): (String, PathBuf, bool),
+    wanted: &[SignalName],
+    source: &Source,
+    overrides: &VehicleOverrides,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<RecordingPart> {
+    let half = |bytes: u64| progress(if hashed { bytes.div_ceil(2) } else { bytes });
+    let whole = [(0, input.length())];
+    let (hash, read) = rayon::join(
+        || if hashed { input.sha256(&whole, &half).map(Some) } else { Ok(None) },
+        || columns::read(format, input, wanted, source, overrides, &half),
+    );
+    if hashed {
+        input.expect_unchanged()?; // before the errors that a change causes
+    }
+    let hash = hash?;
+    let TablePass { chosen, gathered, vehicle, notes } = read?;
+    let sha256 = match hash {
+        Some((sha256, sums)) if are_of(&[gathered.crc], &sums) => sha256,
+        Some(_) => return Err(Error::Changed),
+        None => String::new(),
+    };
+    let mut choices = chosen.choices;
+    choices.notes.splice(0..0, notes.into_iter().chain(gathered.notes));
+    let (rows, misread) = (gathered.loss.messages_read, gathered.loss.broken_messages.clone());
+    let of_choice = |choice: &PathChoice, not_finite: u64| {
+        let reason = match (not_finite, misread.get(&choice.spec.path.to_string())) {
+            (0, None) => "all of its cells are empty".to_owned(),
+            (infinite, None) => format!("{infinite} hold infinity"),
+            (infinite, Some(misread)) => format!("{misread} are no number, {infinite} hold infinity"),
+        };
+        (rows, reason)
+    };
+    let source = LogRef { sha256, file, bytes: input.length(), loss: None };
+    let (span_ns, clock_steps) = (gathered.span_ns, gathered.clock_steps);
+    ReadColumns { choices, columns: gathered.columns, vehicle, loss: gathered.loss, span_ns, clock_steps }
+        .into_part(source, path, of_choice)
+}
+
+/// The values of the chosen signals, wherever they come from.
+struct ReadColumns {
+    choices: Choices,
+    columns: Vec<Column>,
+    vehicle: Vehicle,
+    loss: Loss,
+    span_ns: Option<(i64, i64)>,
+    clock_steps: Vec<ClockStep>,
+}
+
+impl ReadColumns {
+    /// The values as a recording; `of_choice` gives the number of messages of a signal without a value, and the reason, from the number of
+    /// those that are not finite.
+    ///
+    /// # Errors
+    /// A required signal has no value.
+    fn into_part(self, source: LogRef, path: PathBuf, of_choice: impl Fn(&PathChoice, u64) -> (u64, String)) -> Result<RecordingPart> {
+        let Self { choices, columns, vehicle, mut loss, span_ns, clock_steps } = self;
+        let mut notes = choices.notes;
+        let unnamed: Vec<SignalName> = choices.found.iter().filter(|choice| choice.is_guess).map(|choice| choice.signal).collect();
+        let mut signals = Signals::default();
+        let mut origins = Vec::new();
+        let mut reference: Vec<Lists> = Vec::new();
+        let mut times = BTreeMap::new();
+        let mut kept = Vec::new();
+        for (number, (mut column, choice)) in columns.into_iter().zip(choices.found).enumerate() {
+            let (signal, not_finite) = (choice.signal, column.not_finite);
+            if not_finite > 0 {
+                loss.not_finite.insert(signal.key().to_owned(), not_finite);
+            }
+            if column.is_empty() {
+                let (messages, reason) = of_choice(&choice, not_finite);
+                let path = choice.spec.path.to_string();
+                if signal.is_required() {
+                    return Err(Error::NoValues { signal: signal.key(), path, messages, reason });
+                }
+                notes.push(format!("{signal} is left out: {path} gives no value: of {messages} message(s), {reason}"));
+                continue;
+            }
+            origins.push(Origin {
+                signal,
+                path: choice.spec.path.to_string(),
+                unit: choice.spec.unit.name().to_owned(),
+                reason: choice.reason,
+                values: column.len(),
+            });
+            if choice.spec.path.is_list() {
+                reference.push(std::mem::take(&mut column.lists));
+                continue;
+            }
+            let SignalSpec { relative_to_gear, unsigned, .. } = choice.spec;
+            signals.set(signal, Signal { value: column.value, relative_to_gear, unsigned, ..Signal::default() });
+            kept.push((signal, number));
+            times.insert(signal, column.times);
+        }
+        if let [x, y] = &reference[..] {
+            signals.reference_paths = polylines(x, y);
+        }
+        // the steps count the values of the signals in the order of their names, as `times` has them
+        kept.sort_unstable();
+        let of_kept = |step: ClockStep| ClockStep { values: kept.iter().map(|(_, column)| step.values[*column]).collect(), ..step };
+        let clock_steps = clock_steps.into_iter().map(of_kept).collect();
+        let recording = Recording { source, path, vehicle, signals, origins, loss, notes, clock_notes: Vec::new() };
+        Ok(RecordingPart { recording, guessed: choices.guessed, unnamed, files: 1, times, span_ns, clock_steps })
+    }
 }
 
 /// Whether the blocks that were used are those that were hashed, by the checksums of both.

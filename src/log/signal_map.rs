@@ -1,8 +1,10 @@
 //! The signal map: the message path and the unit of each signal. Read from `signals.toml`.
 
 use crate::log::path::{MessagePath, PathStep};
+use crate::log::table_columns::TableColumns;
 use crate::log::{Error, Result};
 use crate::spelling::edits;
+use crate::text::name_from_outside;
 use crate::units::{Dimension, Unit};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -99,7 +101,8 @@ impl SignalName {
         }
     }
 
-    fn accepts(self, dimension: Dimension) -> bool {
+    /// Whether the signal can be in a unit of this dimension.
+    pub(crate) fn accepts(self, dimension: Dimension) -> bool {
         match self {
             Self::Speed => matches!(dimension, Dimension::Speed | Dimension::AngularSpeed),
             Self::Torque | Self::TorqueFeedback => matches!(dimension, Dimension::Torque | Dimension::Share),
@@ -123,6 +126,8 @@ impl fmt::Display for SignalName {
 pub struct SignalMap {
     /// The vehicle data of the map.
     pub vehicle: VehicleOverrides,
+    /// The columns of a table that are no signals: time, and of a table in long form name and value.
+    pub(crate) columns: TableColumns,
     /// The signals.
     pub(crate) signals: BTreeMap<SignalName, SignalSpec>,
 }
@@ -150,6 +155,8 @@ pub(crate) struct SignalSpec {
     pub path: MessagePath,
     /// Unit of the value; SI by default.
     pub unit: Unit,
+    /// Whether the unit was given; otherwise the header of a table's column may give another.
+    pub is_unit_given: bool,
     /// Multiplies the raw value. Default 1.
     pub scale: f64,
     /// Added after scaling, in `unit`. Default 0.
@@ -189,7 +196,8 @@ pub(crate) enum Code {
 impl SignalSpec {
     /// A signal at `path` in `unit`, with defaults for the other fields.
     pub(crate) fn new(path: MessagePath, unit: Unit) -> Self {
-        Self { path, unit, scale: 1.0, offset: 0.0, stamp: Stamp::Usual, relative_to_gear: false, unsigned: false, codes: Vec::new() }
+        let (scale, offset, stamp) = (1.0, 0.0, Stamp::Usual);
+        Self { path, unit, is_unit_given: false, scale, offset, stamp, relative_to_gear: false, unsigned: false, codes: Vec::new() }
     }
 }
 
@@ -239,6 +247,11 @@ impl SignalMap {
                     known_keys(&value, "[vehicle]", &VEHICLE_KEYS)?;
                     map.vehicle = value.try_into().map_err(|error| Error::Toml(format!("[vehicle]: {error}")))?;
                 }
+                "columns" => {
+                    known_keys(&value, "[columns]", &TableColumns::KEYS)?;
+                    map.columns = value.try_into().map_err(|error| Error::Toml(format!("[columns]: {error}")))?;
+                    map.columns.time_scale()?;
+                }
                 "signals" => {
                     let names: Vec<SignalName> = SignalName::OPERATION.into_iter().chain(SignalName::LATERAL).collect();
                     let keys: Vec<&'static str> = names.iter().map(|name| name.key()).collect();
@@ -254,7 +267,7 @@ impl SignalMap {
                         }
                     }
                 }
-                _ => return Err(unknown_key(&key, "the signal map", &["vehicle", "signals"])),
+                _ => return Err(unknown_key(&key, "the signal map", &["vehicle", "columns", "signals"])),
             }
         }
         Ok(map)
@@ -285,8 +298,9 @@ impl SignalEntry {
             }
         }
         Ok(SignalSpec {
-            path: self.path.parse()?,
+            path: path_or_column(&self.path)?,
             unit,
+            is_unit_given: self.unit.is_some(),
             scale: finite("scale", self.scale, 1.0)?,
             offset: finite("offset", self.offset, 0.0)?,
             stamp: match self.stamp.as_deref().map(str::trim) {
@@ -298,6 +312,20 @@ impl SignalEntry {
             unsigned: self.unsigned,
             codes,
         })
+    }
+}
+
+/// A message path, or a text that is none because it is the name of a table's column, such as `wheel speed.x [rad/s]`.
+///
+/// # Errors
+/// It begins like a topic and is no path, or it is empty.
+fn path_or_column(text: &str) -> Result<MessagePath> {
+    let name = text.trim();
+    match text.parse() {
+        Err(Error::BadPath { .. }) if !name.is_empty() && !name.starts_with(['/', '"', '\'', '.', '[', '{']) => {
+            Ok(MessagePath::column(&name_from_outside(name)))
+        }
+        parsed => parsed,
     }
 }
 

@@ -1,5 +1,10 @@
 //! The content of a log: topics, time span, and paths of the signals. Uses only the summary if that is enough.
 
+use crate::log::columns::OpenTable;
+use crate::log::columns::choose::ColumnChoices;
+use crate::log::columns::head::Head;
+use crate::log::columns::table::TableFormat;
+use crate::log::extract::column::Column;
 use crate::log::extract::message_pass;
 use crate::log::file::container::Container;
 use crate::log::file::input::LogInput;
@@ -7,10 +12,13 @@ use crate::log::file::open::open;
 use crate::log::file::record::{CHUNK_HEADER, ChunkHeader};
 use crate::log::find::candidates::Candidates;
 use crate::log::find::resolve;
+use crate::log::find::resolve::Choices;
 use crate::log::loss::Loss;
 use crate::log::rate::{Rate, rate};
 use crate::log::read::loss;
+use crate::log::rosbag2::expect_no_database;
 use crate::log::signal_map::SignalName;
+use crate::log::timing::log_clock::ClockStep;
 use crate::log::timing::message_times::SignalTimes;
 use crate::log::timing::true_times;
 use crate::log::{Error, MessageKind, Result, Signal, Source};
@@ -20,6 +28,7 @@ use crate::units::NS_PER_S;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The content of a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,6 +37,9 @@ pub struct LogSurvey {
     pub file: String,
     /// Size [bytes].
     pub bytes: u64,
+    /// Format and form, if the log is a table and not MCAP.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<String>,
     /// Program that wrote the log, according to the log.
     pub library: String,
     /// Profile of the log, such as `ros2`.
@@ -123,8 +135,7 @@ pub enum Depth {
 /// # Errors
 /// The file is not a log or, if all messages are read, holds no message.
 pub fn survey(path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
-    let file = path.file_name().map(shown).unwrap_or_default();
-    survey_input(LogInput::open(path)?, file, source, depth, progress)
+    survey_input(LogInput::open(path)?, path, source, depth, progress)
 }
 
 /// Reports the content of a log in memory; otherwise like [`survey`].
@@ -132,10 +143,15 @@ pub fn survey(path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64
 /// # Errors
 /// As [`survey`].
 pub fn survey_bytes(bytes: Vec<u8>, name: &str, source: &Source, depth: Depth) -> Result<LogSurvey> {
-    survey_input(LogInput::Memory(bytes), name.to_owned(), source, depth, &|_| {})
+    survey_input(LogInput::Memory(bytes), Path::new(name), source, depth, &|_| {})
 }
 
-fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
+fn survey_input(input: LogInput, path: &Path, source: &Source, depth: Depth, progress: &(dyn Fn(u64) + Sync)) -> Result<LogSurvey> {
+    let file = path.file_name().map(shown).unwrap_or_default();
+    expect_no_database(path, &input)?;
+    if let Some(format) = TableFormat::of(path, &input)? {
+        return survey_table(format, &Arc::new(input), file, source, depth, progress);
+    }
     let mut container = open(input)?;
     let mut samples = message_pass::explore(&mut container);
     let mut gathered = None;
@@ -157,45 +173,15 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
         }
     };
     if depth == Depth::Everything {
-        // the rates do not depend on the vehicle
-        let any =
-            Vehicle { wheelbase_m: 1.0, wheel_radius_m: 1.0, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: Some(1.0) };
-        let plans = resolve::plans(&mut choices, &container, &samples, &any).unwrap_or_else(|error| {
+        let plans = resolve::plans(&mut choices, &container, &samples, &any_vehicle()).unwrap_or_else(|error| {
             notes.push(error.to_string());
             BTreeMap::new()
         });
         gathered = Some(message_pass::all(&container, &plans, choices.found.len(), progress));
     }
-    let mut found = Vec::new();
     let columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns)).unwrap_or_default();
-    let times: Vec<SignalTimes> =
-        choices.found.iter().zip(&columns).map(|(choice, column)| SignalTimes { signal: choice.signal, times: &column.times }).collect();
-    let (true_times, clock_notes) = true_times(&times, gathered.as_ref().map_or(&[], |gathered| &gathered.clock_steps));
-    notes.extend(clock_notes);
-    let not_finite: BTreeMap<String, u64> = choices
-        .found
-        .iter()
-        .zip(&columns)
-        .filter(|(_, column)| column.not_finite > 0)
-        .map(|(choice, column)| (choice.signal.key().to_owned(), column.not_finite))
-        .collect();
-    let mut read = columns.iter().zip(true_times).map(|(column, times)| {
-        let mut signal = Signal { value: column.value.clone(), time_ns: times.time_ns, ..Signal::default() };
-        signal.sort();
-        signal
-    });
-    for choice in &choices.found {
-        let signal = read.next();
-        found.push(FoundSignal {
-            signal: choice.signal,
-            path: choice.spec.path.to_string(),
-            unit: choice.spec.unit.name().to_owned(),
-            reason: choice.reason.clone(),
-            values: signal.as_ref().map(Signal::len),
-            rate: signal.as_ref().and_then(rate),
-            messages: signal.as_ref().map(kind),
-        });
-    }
+    let steps = gathered.as_ref().map_or(&[][..], |gathered| &gathered.clock_steps);
+    let (found, not_finite) = found_signals(&choices, &columns, steps, &mut notes);
     let missing =
         |signal: SignalName| Missing { signal, required: signal.is_required(), candidates: resolve::nearest(signal, candidates.all()) };
     notes.append(&mut choices.notes);
@@ -237,6 +223,7 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
     Ok(LogSurvey {
         file,
         bytes: container.input.length(),
+        table: None,
         library: container.library.clone(),
         profile: container.profile.clone(),
         indexed: container.indexed,
@@ -254,6 +241,111 @@ fn survey_input(input: LogInput, file: String, source: &Source, depth: Depth, pr
         loss,
         notes,
     })
+}
+
+/// The chosen signals with their rates, if `columns` were read, and the numbers of values that are not finite.
+fn found_signals(
+    choices: &Choices,
+    columns: &[Column],
+    steps: &[ClockStep],
+    notes: &mut Vec<String>,
+) -> (Vec<FoundSignal>, BTreeMap<String, u64>) {
+    let times: Vec<SignalTimes> =
+        choices.found.iter().zip(columns).map(|(choice, column)| SignalTimes { signal: choice.signal, times: &column.times }).collect();
+    let (true_times, clock_notes) = true_times(&times, steps);
+    notes.extend(clock_notes);
+    let not_finite: BTreeMap<String, u64> = choices
+        .found
+        .iter()
+        .zip(columns)
+        .filter(|(_, column)| column.not_finite > 0)
+        .map(|(choice, column)| (choice.signal.key().to_owned(), column.not_finite))
+        .collect();
+    let mut read = columns.iter().zip(true_times).map(|(column, times)| {
+        let mut signal = Signal { value: column.value.clone(), time_ns: times.time_ns, ..Signal::default() };
+        signal.sort();
+        signal
+    });
+    let mut found = Vec::new();
+    for choice in &choices.found {
+        let signal = read.next();
+        found.push(FoundSignal {
+            signal: choice.signal,
+            path: choice.spec.path.to_string(),
+            unit: choice.spec.unit.name().to_owned(),
+            reason: choice.reason.clone(),
+            values: signal.as_ref().map(Signal::len),
+            rate: signal.as_ref().and_then(rate),
+            messages: signal.as_ref().map(kind),
+        });
+    }
+    (found, not_finite)
+}
+
+/// The content of a table: its columns as topics.
+fn survey_table(
+    format: TableFormat,
+    input: &Arc<LogInput>,
+    file: String,
+    source: &Source,
+    depth: Depth,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<LogSurvey> {
+    let open = OpenTable::open(format, input, source)?;
+    let mut notes = open.notes.clone();
+    let chosen = open.choose(source, &SignalName::ALL).unwrap_or_else(|error| {
+        notes.push(error.to_string());
+        ColumnChoices::default()
+    });
+    let mut gathered = match depth {
+        Depth::Everything => Some(open.gather(&chosen, &any_vehicle(), progress)?),
+        Depth::Summary => None,
+    };
+    let columns = gathered.as_mut().map(|gathered| std::mem::take(&mut gathered.columns)).unwrap_or_default();
+    let steps = gathered.as_ref().map_or(&[][..], |gathered| &gathered.clock_steps);
+    let (found, not_finite) = found_signals(&chosen.choices, &columns, steps, &mut notes);
+    notes.extend(gathered.iter().flat_map(|gathered| gathered.notes.clone()));
+    notes.extend(chosen.choices.notes.iter().cloned());
+    let missing = |signal: &SignalName| Missing { signal: *signal, required: signal.is_required(), candidates: open.nearest(*signal) };
+    let span_ns = gathered.as_ref().and_then(|gathered| gathered.span_ns);
+    let span_s = span_ns.map(|(first, last)| last.saturating_sub(first) as f64 / NS_PER_S);
+    let topic = |(k, head): (usize, &Head)| {
+        let messages = gathered.as_ref().filter(|_| chosen.columns.contains(&k)).map(|gathered| gathered.counts[k]);
+        Topic {
+            topic: head.name.clone(),
+            schema: None,
+            schema_encoding: None,
+            encoding: "column".to_owned(),
+            messages,
+            rate_hz: messages.zip(span_s).filter(|(_, span)| *span > 0.0).map(|(messages, span)| messages as f64 / span),
+        }
+    };
+    Ok(LogSurvey {
+        file,
+        bytes: input.length(),
+        table: Some(open.text()),
+        library: String::new(),
+        profile: String::new(),
+        indexed: false,
+        chunks: 0,
+        compression: Vec::new(),
+        start_ns: span_ns.and_then(|(first, _)| u64::try_from(first).ok()),
+        end_ns: span_ns.and_then(|(_, last)| u64::try_from(last).ok()),
+        messages: gathered.as_ref().map(|gathered| gathered.loss.messages_read).or(open.table.count()),
+        attachments: 0,
+        metadata: Vec::new(),
+        topics: open.heads.iter().enumerate().map(topic).collect(),
+        signals: found,
+        missing: chosen.choices.missing.iter().map(missing).collect(),
+        checked: gathered.is_some(),
+        loss: gathered.map(|gathered| Loss { not_finite, ..gathered.loss }),
+        notes,
+    })
+}
+
+/// Rates do not depend on the vehicle.
+fn any_vehicle() -> Vehicle {
+    Vehicle { wheelbase_m: 1.0, wheel_radius_m: 1.0, test_angle_deg: 90.0, torque_limit_nm: None, torque_full_scale_nm: Some(1.0) }
 }
 
 /// What the messages of a signal mean.

@@ -85,13 +85,11 @@ pub(crate) fn open(input: LogInput) -> Result<Container> {
 fn foreign(start: &[u8]) -> &'static str {
     if start.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
         "it is compressed as a whole: unpack it with `zstd -d` first"
-    } else if start.starts_with(b"SQLite format 3") {
-        "it is a rosbag2 database: convert it with `ros2 bag convert` to MCAP first"
     } else if start.starts_with(b"#ROSBAG") {
         "it is a ROS 1 bag: convert it with `mcap convert` first"
     } else if start.starts_with(&[0x1f, 0x8b]) {
         "it is compressed as a whole: unpack it with `gunzip` first"
     } else {
-        "its first bytes are not those of an MCAP file"
+        "its first bytes are not those of an MCAP file; a table of signals is read if its name ends in .csv, .tsv, .txt or .parquet"
     }
 }

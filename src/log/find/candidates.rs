@@ -7,6 +7,7 @@ use crate::log::file::container::Container;
 use crate::log::path::{MessagePath, PathStep, quoted};
 use crate::log::schema::{LONGEST_PATH, Layout, Leaf, LeafKind, Names};
 use crate::log::value::Raw;
+use crate::units::Unit;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -27,6 +28,19 @@ pub(crate) struct Candidate {
     pub names: Names,
     /// The value in the first message.
     pub sample: Option<f64>,
+    /// The parts of the name, if it is a column of a table.
+    pub column: Option<ColumnName>,
+}
+
+/// The name of a table's column in parts, without its unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ColumnName {
+    /// The last part, after a slash or a dot.
+    pub field: String,
+    /// What stands before it; empty for a name of one part.
+    pub around: String,
+    /// The unit in the header.
+    pub unit: Option<Unit>,
 }
 
 /// The candidates of a log, listed on first use. A complete signal map never needs them.
@@ -66,6 +80,7 @@ fn list(container: &Container, samples: &BTreeMap<u16, Vec<u8>>) -> Vec<Candidat
                 kind: leaf.kind,
                 names: leaf.names,
                 sample,
+                column: None,
             });
         }
     }

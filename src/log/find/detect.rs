@@ -72,18 +72,25 @@ struct Words {
 
 impl Words {
     fn new(candidate: &Candidate) -> Self {
+        if let Some(column) = &candidate.column {
+            let schema = words(candidate.schema.rsplit('/').next().unwrap_or_default());
+            return Self::of_parts(words(&column.field), schema, &column.around);
+        }
         let path = candidate.path.to_string();
         let topic = MessagePath::new(candidate.topic.clone(), Vec::new()).to_string();
         let inside = path.strip_prefix(&topic).unwrap_or(&path);
         let (around, field) = inside.rsplit_once('.').unwrap_or(("", inside));
         let mut around = words(around);
         around.extend(words(candidate.schema.rsplit(['/', '.']).next().unwrap_or_default()));
-        let mut field = words(field);
+        Self::of_parts(words(field), around, &candidate.topic)
+    }
+
+    fn of_parts(mut field: Vec<String>, around: Vec<String>, topic: &str) -> Self {
         if matches!(field.first().map(String::as_str), Some("data" | "value")) {
             // such a field name has no meaning: the topic's last part is the name
-            field.extend(words(candidate.topic.rsplit('/').next().unwrap_or_default()));
+            field.extend(words(topic.rsplit(['/', '.']).next().unwrap_or_default()));
         }
-        Self { field, around, topic: words(&candidate.topic) }
+        Self { field, around, topic: words(topic) }
     }
 
     /// Score of the nearest of `any`: 4 in the field's own name, 2 around it, 2 in the topic, 0 nowhere.
@@ -101,6 +108,9 @@ impl Words {
 
 /// The unit at the end of a value's name, or the unit prescribed by its type.
 fn unit(words: &Words, candidate: &Candidate, signal: SignalName) -> Option<(Unit, bool)> {
+    if let Some(unit) = candidate.column.as_ref().and_then(|column| column.unit) {
+        return Some((unit, true));
+    }
     let named = words.field.iter().rev().chain(words.around.iter().rev()).find_map(|word| {
         let name = match word.as_str() {
             "nm" => "N.m",
