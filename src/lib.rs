@@ -45,6 +45,7 @@ pub mod map;
 pub mod plan;
 mod record;
 pub mod report;
+pub mod scene;
 pub mod signal;
 mod sim;
 mod spelling;

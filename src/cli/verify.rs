@@ -10,6 +10,7 @@ use crate::import::{FullScale, read_map};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::{FolderWriter, sha256_hex, write_whole};
+use crate::scene::SceneFile;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::text::shown;
@@ -18,7 +19,7 @@ use crate::verify::{
     at_angles, recorded_pivots, replayed, verify_with,
 };
 use anyhow::{Context, bail};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Smallest turn of `--turn-deg` [°]: twice the threshold at which a turn ends.
 const SMALLEST_TURN_DEG: f64 = 2.0;
@@ -34,6 +35,7 @@ Examples:
   pivot-cal verify --angle 80                 also the pivots of the map for the wheel at 80°
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
+  pivot-cal verify --scene dock.toml          a manoeuvre in your own scene: slot, field, polyline or route (docs/manoeuvres.md)
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
   pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
   pivot-cal verify --controller 'python3 examples/controller.py'   your own controller as a process (docs/controller.md)
@@ -110,6 +112,10 @@ pub(crate) struct Arguments {
     /// the segment that begins there)
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
+    /// Drive the manoeuvre of this scene (TOML): a parking slot, the field of a U-turn, a polyline or a route with lateral errors; data/scenes has
+    /// examples. With no --scenario the scenes alone (may be repeated)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["controller", "table"])]
+    scene: Vec<PathBuf>,
     /// Vehicle (TOML): it drives the manoeuvres instead of the bundled scrubber, and its sensors, steering, torque step, dead band and rate
     /// limit act in the pivots
     #[arg(long, value_name = "FILE")]
@@ -132,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let gate = arguments.gate.as_deref().map(read_file).transpose()?;
     let (mut scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
-    if arguments.scenario.is_empty() && !arguments.turn_deg.is_empty() {
+    if arguments.scenario.is_empty() && !(arguments.turn_deg.is_empty() && arguments.scene.is_empty()) {
         scenarios.clear();
     }
     for turn in arguments.turn_deg.iter().flat_map(|size_deg| Scenario::turns(*size_deg)) {
@@ -164,6 +170,14 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         Some(path) => Some(VehicleFile::from_toml(&read_file(path)?).with_context(|| shown(path))?.settings()),
         None => None,
     };
+    let wheelbase_m = given.as_ref().unwrap_or(&defaults.vehicle).vehicle.wheelbase_m;
+    for path in &arguments.scene {
+        let manoeuvre = scene(path, wheelbase_m)?;
+        if let Some(taken) = manoeuvres.iter().find(|m| m.name == manoeuvre.name) {
+            bail!("{}: two scenes are named {}; give each a name of its own", shown(path), taken.name);
+        }
+        manoeuvres.push(manoeuvre);
+    }
     let driven = ManoeuvreSettings {
         manoeuvres,
         draws: arguments.draws.unwrap_or(defaults.draws),
@@ -247,6 +261,16 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         }
     }
     Ok(verdict.status.into())
+}
+
+/// The manoeuvre of a scene file, planned for a vehicle of this wheelbase [m].
+fn scene(path: &Path, wheelbase_m: f64) -> anyhow::Result<Manoeuvre> {
+    let file = SceneFile::from_toml_for(&read_file(path)?, wheelbase_m).with_context(|| shown(path))?;
+    let name = file.scene().name();
+    if Scenario::all().iter().any(|s| s.name == name) || Manoeuvre::all().iter().any(|m| m.name == name) {
+        bail!("{}: the name {name:?} is that of a scenario of the program (verify --list); give the scene another", shown(path));
+    }
+    Ok(Manoeuvre::of_scene(file))
 }
 
 /// The size of a turn on the command line [°].

@@ -49,6 +49,8 @@ pub enum Error {
         "the {what} numbers of the map are not whole counts of 16 bits; make them so with `pivot-cal invert --int16` and verify the map again"
     )]
     NotRaw { what: &'static str },
+    #[error("the plant of Table 1 cannot be made: {0}; fit again, or give --angle with a forward map")]
+    Plant(#[from] crate::sim::Error),
     #[error("lateral_table.json cannot be used by the run-time law: {0}; make it again with `pivot-cal lateral fit`")]
     Lateral(#[from] crate::control::Error),
     #[error(
