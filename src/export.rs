@@ -11,6 +11,7 @@ mod autoware;
 mod c;
 mod cdfx;
 mod constant;
+mod controller_c;
 mod dcm;
 mod error;
 mod file;
@@ -57,14 +58,26 @@ pub enum Format {
     A2l,
     /// `table2.json` with its JSON Schema.
     Json,
+    /// The whole pivot controller in C99.
+    ControllerC,
     /// The identified plant as FMI 2.0 and 3.0 units for co-simulation.
     Fmu,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 9] =
-        [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::A2l, Self::Json, Self::Fmu];
+    pub const ALL: [Self; 10] = [
+        Self::C,
+        Self::Rust,
+        Self::Autoware,
+        Self::Apollo,
+        Self::Dcm,
+        Self::Cdfx,
+        Self::A2l,
+        Self::Json,
+        Self::ControllerC,
+        Self::Fmu,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -77,6 +90,7 @@ impl Format {
             Self::Cdfx => "cdfx",
             Self::A2l => "a2l",
             Self::Json => "json",
+            Self::ControllerC => "controller-c",
             Self::Fmu => "fmu",
         }
     }
@@ -100,13 +114,14 @@ impl Format {
             Self::Cdfx => Ok(vec![cdfx::file(source, &settings.units)]),
             Self::A2l => Ok(vec![a2l::file(source, settings)?]),
             Self::Json => Ok(json::files(source)),
+            Self::ControllerC => controller_c::files(source, settings),
             Self::Fmu => fmu::files(source, settings),
         }
     }
 
     /// Whether its units are part of the form.
     fn has_own_units(self) -> bool {
-        matches!(self, Self::Autoware | Self::Apollo | Self::Json | Self::Fmu)
+        matches!(self, Self::Autoware | Self::Apollo | Self::Json | Self::ControllerC | Self::Fmu)
     }
 }
 

@@ -27,6 +27,8 @@ Examples:
   cdfx      pivot_map.cdfx                  ASAM CDF 2.0
   a2l       pivot_map.a2l                   ASAP2 1.71 of the exported C, addresses open
   json      pivot_map.json                  table2.json with its JSON Schema
+  controller-c  pivot_controller.{h,c}      the whole controller in C99 with settings and maps, bit for bit the verified one, and
+            pivot_controller_library.c      the template of a shared library for verify --controller
   fmu       plant_fmi2.fmu, plant_fmi3.fmu  the identified plant of Table 1 for co-simulation: C sources, and a binary where there is a C compiler
 
 Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.
@@ -34,7 +36,7 @@ The verdict on the map is in the header of every file. Without a verify.json tha
 written, unless --unverified is given; then every file says so.
 Exit status: 0 written, 3 the map is not verified, 1 error.")]
 pub(crate) struct Arguments {
-    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, a2l, json, fmu; several with commas
+    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, a2l, json, controller-c, fmu; several with commas
     #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = format)]
     format: Vec<Format>,
     /// Folder with table1.json and table2.json
