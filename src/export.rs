@@ -66,18 +66,8 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 10] = [
-        Self::C,
-        Self::Rust,
-        Self::Autoware,
-        Self::Apollo,
-        Self::Dcm,
-        Self::Cdfx,
-        Self::A2l,
-        Self::Json,
-        Self::ControllerC,
-        Self::Fmu,
-    ];
+    pub const ALL: [Self; 10] =
+        [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::A2l, Self::Json, Self::ControllerC, Self::Fmu];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {

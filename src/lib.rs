@@ -57,3 +57,5 @@ pub mod verify;
 pub use calibrate::{CalibrateSettings, Calibrated, Error, Result, calibrate};
 #[doc(no_inline)]
 pub use pivot_control as control;
+#[doc(hidden)]
+pub use pivot_library as library;

@@ -257,7 +257,8 @@ fn requests_and_readings_that_are_no_numbers_are_answered_as_by_the_library() {
         policy: pivot_cal::control::OutsidePolicy::Clamp,
     };
     let settings = PivotSettings::new(vehicle.wheelbase_m, vehicle.test_angle().rad());
-    let law = WaypointLawSettings { reaction_s: read.table2.dead_time_s + read.table2.lag_s, ..WaypointLawSettings::new(vehicle.wheelbase_m) };
+    let law =
+        WaypointLawSettings { reaction_s: read.table2.dead_time_s + read.table2.lag_s, ..WaypointLawSettings::new(vehicle.wheelbase_m) };
     let mut controller = PivotController::new(&settings, WaypointLaw::new(law, tables)).unwrap();
     let mut course = Course { input: format!("i 0{}\n", bits(&[settings.planning.right_angle_rad, 0.0])), expected: vec!["0".to_owned()] };
     let mut request = |controller: &mut PivotController<_>, turn_rad: f64, pose: Pose, answer: i32| {
@@ -306,13 +307,8 @@ fn requests_and_readings_that_are_no_numbers_are_answered_as_by_the_library() {
         };
         let command = controller.step(&inputs);
         wheel_rad += (command.wheel_angle_rad - wheel_rad).clamp(-0.1, 0.1);
-        let reals = bits(&[
-            inputs.speed_mps.unwrap_or(0.0),
-            inputs.wheel_angle_rad,
-            inputs.pose.x_m,
-            inputs.pose.y_m,
-            inputs.pose.heading_rad,
-        ]);
+        let reals =
+            bits(&[inputs.speed_mps.unwrap_or(0.0), inputs.wheel_angle_rad, inputs.pose.x_m, inputs.pose.y_m, inputs.pose.heading_rad]);
         let stop = i32::from(inputs.estop);
         writeln!(course.input, "s {}{reals} {} {stop}", i32::from(inputs.speed_mps.is_some()), gear_number(inputs.gear)).unwrap();
         course.expected.push(line(&command));
@@ -335,4 +331,90 @@ fn single_precision_and_whole_counts_are_refused_since_they_were_not_verified() 
     }
     let (status, _, errors) = run(folder.path(), &["export", "--format", "controller-c", "--speed-unit", "km/h"]);
     assert!(status == 1 && errors.contains("controller-c has units of its own"), "{errors}");
+}
+
+/// The verdict's scenarios, without what is said about them in words.
+fn figures(maps: &Path) -> Vec<(String, String, String)> {
+    let verdict: serde_json::Value = serde_json::from_str(&text(maps, "verify.json")).unwrap();
+    let scenarios = verdict["scenarios"].as_array().unwrap().iter();
+    scenarios.map(|s| (s["name"].to_string(), s["status"].to_string(), s["metrics"].to_string())).collect()
+}
+
+/// The shared library of C sources in `folder`.
+fn library(compiler: &Path, folder: &Path, sources: &[&str], name: &str) {
+    let mut command = std::process::Command::new(compiler);
+    command.current_dir(folder).args(["-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off", "-o", name]).args(sources).arg("-lm");
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_library_of_the_template_gets_the_verdict_of_the_bundled_controller_on_every_draw() {
+    let Some(compiler) = c_compiler() else { return readers::not_tested("the controller as a library", "there is no C compiler") };
+    let (folder, maps) = copied();
+    let out = folder.path().join("out");
+    assert_eq!(run(folder.path(), &["export", "--format", "controller-c", "-o", "out"]).0, 0);
+    library(&compiler, &out, &["pivot_controller.c", "pivot_controller_library.c"], "../law.so");
+    let all = ["--draws", "6", "--fresh"];
+    let (bundled, ..) = run(folder.path(), &[&["verify"], &all[..]].concat());
+    let expected = figures(&maps);
+    let (status, said, errors) = run(folder.path(), &[&["verify", "--controller", "law.so"], &all[..]].concat());
+    assert_eq!(status, bundled, "{said}{errors}");
+    assert!(said.contains("controller: the library `law.so`"), "{said}");
+    assert_eq!(figures(&maps), expected);
+    assert!(expected.len() > 15);
+    let verdict: serde_json::Value = serde_json::from_str(&text(&maps, "verify.json")).unwrap();
+    let bytes = std::fs::read(folder.path().join("law.so")).unwrap();
+    assert_eq!(verdict["controller_command"]["sha256"], pivot_cal::map::sha256_hex(&bytes));
+    // a verdict on a library is none on the map with the bundled controller
+    let (status, _, errors) = run(folder.path(), &["export", "--format", "c"]);
+    assert!(status == 3 && errors.contains("the verdict is about the library `law.so`"), "{errors}");
+}
+
+#[test]
+fn a_library_that_is_none_or_answers_nonsense_is_named_with_what_is_wrong() {
+    let Some(compiler) = c_compiler() else { return readers::not_tested("broken libraries", "there is no C compiler") };
+    let (folder, maps) = copied();
+    let out = folder.path().join("out");
+    assert_eq!(run(folder.path(), &["export", "--format", "controller-c", "-o", "out"]).0, 0);
+    let template = text(&out, "pivot_controller_library.c");
+    let one = |broken: &str, name: &str| {
+        std::fs::write(out.join("broken.c"), broken).unwrap();
+        library(&compiler, &out, &["pivot_controller.c", "broken.c"], &format!("../{name}"));
+        run(
+            folder.path(),
+            &["verify", "--controller", name, "--scenario", "left-90", "--draws", "1", "--controller-timeout-ms", "200", "--fresh"],
+        )
+    };
+    let (status, _, errors) = run(folder.path(), &["verify", "--controller", "absent.so"]);
+    assert!(status == 1 && errors.contains("absent.so cannot be started"), "{errors}");
+    std::fs::write(folder.path().join("text.so"), "no library").unwrap();
+    let (status, _, errors) = run(folder.path(), &["verify", "--controller", "text.so"]);
+    assert!(status == 1 && errors.contains("text.so is no controller") && errors.contains("pivot_controller_library.c"), "{errors}");
+    let (status, _, errors) = one(&template.replace("return 1u << 24", "return 2u << 24"), "old.so");
+    assert!(status == 1 && errors.contains("old.so is no controller: it is built for version 0x2"), "{errors}");
+    let (status, _, errors) = one(&template.replace("pivot_library_step", "pivot_library_steps"), "lacks.so");
+    assert!(status == 1 && errors.contains("pivot_library_step"), "{errors}");
+    let step = "pivot_controller_step((pivot_controller *)controller, inputs, outputs);\n";
+    assert!(template.contains(step));
+    for (change, name, fault) in [
+        ("outputs->torque_nm = outputs->phase == PIVOT_DRIVING ? 0.0 / 0.0 : 0.0;", "nan.so", "torque_nm is NaN; allowed"),
+        (
+            "if (outputs->phase == PIVOT_DRIVING) { outputs->phase = (pivot_phase)42; }",
+            "phase.so",
+            "the phase is number 42; allowed: 0 to 7",
+        ),
+        (
+            "if (outputs->phase == PIVOT_DRIVING) { outputs->gear = (pivot_gear)2; }",
+            "gear.so",
+            "the gear is number 2; allowed: 1, 0 and -1",
+        ),
+        ("if (outputs->phase == PIVOT_DRIVING) { volatile double x = 0.0; while (x < 4e8) { x += 1.0; } }", "late.so", "allowed: 200 ms"),
+    ] {
+        let (status, said, errors) = one(&template.replace(step, &format!("{step}    {change}\n")), name);
+        assert_eq!(status, 3, "{name}: {said}{errors}");
+        let verdict: serde_json::Value = serde_json::from_str(&text(&maps, "verify.json")).unwrap();
+        let notes = verdict["scenarios"][0]["notes"].to_string();
+        assert!(notes.contains("the controller broke: nominal run, at ") && notes.contains(fault), "{name}: {notes}");
+    }
 }

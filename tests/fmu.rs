@@ -166,7 +166,7 @@ fn the_sources_give_the_speed_of_the_simulator_and_every_factor_acts_as_there() 
 
 #[test]
 fn both_units_are_valid_and_simulate_packed_and_compiled_from_source_in_fmpy() {
-    let Some(python) = readers::python(&["fmpy", "numpy", "lxml"], "the FMUs in FMPy") else { return };
+    let Some(python) = readers::python(&["fmpy", "numpy", "lxml", "cmake"], "the FMUs in FMPy") else { return };
     if c_compiler().is_none() {
         return readers::not_tested("the FMUs in FMPy", "there is no C compiler");
     }
@@ -207,7 +207,11 @@ fn both_units_are_valid_and_simulate_packed_and_compiled_from_source_in_fmpy() {
         let off = worst(&column(&unit["noisy"], 0), &nominal);
         assert!(off > 1e-3 && off < 0.5, "{name}, with noise: {off} m/s");
         let restored = column(&serde_json::json!([unit["restored"]]), 0)[0];
-        assert!(restored > 0.05 && unit["restored"].as_array().unwrap().iter().all(|v| v.as_f64().unwrap() == restored), "{}", unit["restored"]);
+        assert!(
+            restored > 0.05 && unit["restored"].as_array().unwrap().iter().all(|v| v.as_f64().unwrap() == restored),
+            "{}",
+            unit["restored"]
+        );
     }
 }
 
@@ -215,7 +219,8 @@ fn both_units_are_valid_and_simulate_packed_and_compiled_from_source_in_fmpy() {
 fn without_a_compiler_the_sources_are_written_and_it_says_so() {
     let (folder, _) = copied();
     let mut command = assert_cmd::Command::cargo_bin("pivot-cal").unwrap();
-    let output = command.current_dir(folder.path()).env("PATH", folder.path()).args(["export", "--format", "fmu", "-o", "out"]).output().unwrap();
+    let output =
+        command.current_dir(folder.path()).env("PATH", folder.path()).args(["export", "--format", "fmu", "-o", "out"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && said.contains("sources only, no binary: there is no C compiler cc on the path"), "{said}");
     for name in ["plant_fmi2.fmu", "plant_fmi3.fmu"] {

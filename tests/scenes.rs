@@ -88,7 +88,10 @@ fn a_scene_that_cannot_be_driven_is_an_error_before_the_driving() {
     let before = text(&maps, "verify.json");
     for (file, found) in [
         (example("dock").replace("width_m = 1.35", "width_m = 1.0"), "scene.toml: line 15: parking.slot.width_m: the slot is 1.000 m wide"),
-        (example("dock").replace("name = \"dock\"", "name = \"parking\""), "scene.toml: the name \"parking\" is that of a scenario of the program"),
+        (
+            example("dock").replace("name = \"dock\"", "name = \"parking\""),
+            "scene.toml: the name \"parking\" is that of a scenario of the program",
+        ),
         ("name = \"none\"\n".to_owned(), "scene.toml: the file holds 0 of the sections"),
     ] {
         std::fs::write(folder.path().join("scene.toml"), file).unwrap();

@@ -85,10 +85,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     controller_settings: Option<PathBuf>,
     /// Judge this process instead of the bundled controller: it is asked one line of JSON per control period and answers one
-    /// (docs/controller.md). No shell reads the command; quotes keep spaces
+    /// (docs/controller.md). No shell reads the command; quotes keep spaces. A file that ends in .so, .dylib or .dll is a shared library, built
+    /// from the template that export --format controller-c writes
     #[arg(long, value_name = "CMD", conflicts_with_all = ["points", "table"])]
     controller: Option<String>,
-    /// Time that the process has for each answer [ms]
+    /// Time that process or library has for each answer [ms]
     #[arg(long, value_name = "MS", default_value_t = 1000, requires = "controller")]
     controller_timeout_ms: u64,
     /// Limits that replace the built-in ones
@@ -163,7 +164,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         None => None,
     };
     if let Some(manoeuvre) = manoeuvres.first().filter(|_| controller_command.is_some()) {
-        bail!("--controller drives pivots only, and {} is a manoeuvre; leave it out of --scenario", manoeuvre.name);
+        bail!("--controller drives pivots only, and {} is a manoeuvre; leave it out of --scenario and --scene", manoeuvre.name);
     }
     let defaults = ManoeuvreSettings::new()?;
     let given = match &arguments.vehicle {

@@ -164,7 +164,12 @@ impl ControllerSettings {
         let milliseconds = 1e3 * self.period_s;
         if !PERIOD_S.contains(&self.period_s) || (milliseconds - milliseconds.round()).abs() > 1e-9 {
             let allowed = format!("{} to {} in whole milliseconds", PERIOD_S.start(), PERIOD_S.end());
-            return Err(Error::Range { line: toml_line(text, ("", 0), "period_s"), key: "period_s".to_owned(), found: self.period_s, allowed });
+            return Err(Error::Range {
+                line: toml_line(text, ("", 0), "period_s"),
+                key: "period_s".to_owned(),
+                found: self.period_s,
+                allowed,
+            });
         }
         for (section, _, settings) in self.sections() {
             if let Some((setting, found)) = settings.iter().find_map(|s| Some((s, s.outside()?))) {

@@ -2,7 +2,9 @@
 
 use crate::export::lateral_source::LateralSource;
 use crate::export::{Error, Proof, Result};
-use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table1File, Table2File, TorqueMap, TorqueTable, WheelAngle};
+use crate::map::{
+    AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table1File, Table2File, TorqueMap, TorqueTable, WheelAngle,
+};
 use std::path::Path;
 
 /// A map whose hashes match.

@@ -56,7 +56,16 @@ impl CompensationScenario {
     pub fn new(direction: Gear) -> Self {
         let accumulation = CompensationSettings::default().accumulation;
         let steering_zero_deg = -direction.sign() * 0.8;
-        Self { direction, law: LawName::Lqr, yaw_deg: 1.0, steering_zero_deg, accumulation, learning_m: 50.0, measured_m: 35.0, route: None }
+        Self {
+            direction,
+            law: LawName::Lqr,
+            yaw_deg: 1.0,
+            steering_zero_deg,
+            accumulation,
+            learning_m: 50.0,
+            measured_m: 35.0,
+            route: None,
+        }
     }
 
     /// Along the route of a scene file.

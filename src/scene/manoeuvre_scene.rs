@@ -111,10 +111,7 @@ impl ManoeuvreScene {
         }
         let Some(keys) = &self.lateral else { return String::new() };
         let [yaw_deg, zero_deg] = keys.mounting_deg();
-        format!(
-            "given route, mounting yaw off by {yaw_deg}° and steering zero off by {zero_deg}°, compensated, in {} gear",
-            keys.gear()
-        )
+        format!("given route, mounting yaw off by {yaw_deg}° and steering zero off by {zero_deg}°, compensated, in {} gear", keys.gear())
     }
 }
 

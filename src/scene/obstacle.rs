@@ -30,6 +30,8 @@ pub(crate) fn polygon(text: &str, (section, nth): (&str, usize), key: &str, corn
     }
     let corners = corners_m.iter().map(|[x_m, y_m]| PlanePoint::new(*x_m, *y_m)).collect();
     Polygon::new(corners).map_err(|fault| {
-        shape(format!("{fault}; allowed: the corners of a convex shape, in order round it; write a shape that is not convex as several obstacles"))
+        shape(format!(
+            "{fault}; allowed: the corners of a convex shape, in order round it; write a shape that is not convex as several obstacles"
+        ))
     })
 }

@@ -12,17 +12,18 @@ const WHEEL_LIMIT_DEG: f64 = 60.0;
 /// The key that a planning error is about, as section and key, and what to do where the message does not say it.
 fn about(error: &Planning) -> (&'static str, &'static str, &'static str, &'static str) {
     match error {
-        Planning::SlotTooNarrow { .. } => ("parking.slot", "width_m", "parking.slot.width_m", "; widen the slot, or reduce safety_m or the body"),
-        Planning::RadiusTooLarge { .. } => ("parking.slot", "width_m", "parking.slot.width_m", "; widen the slot, or raise wheel_limit_deg"),
+        Planning::SlotTooNarrow { .. } => {
+            ("parking.slot", "width_m", "parking.slot.width_m", "; widen the slot, or reduce safety_m or the body")
+        }
+        Planning::RadiusTooLarge { .. } => {
+            ("parking.slot", "width_m", "parking.slot.width_m", "; widen the slot, or raise wheel_limit_deg")
+        }
         Planning::SlotTooNarrowToEnter { .. } => ("parking.slot", "width_m", "parking.slot.width_m", "; widen the slot"),
-        Planning::SlotTooShallow { .. } => ("parking.slot", "depth_m", "parking.slot.depth_m", "; deepen the slot, or reduce safety_m or the body"),
+        Planning::SlotTooShallow { .. } => {
+            ("parking.slot", "depth_m", "parking.slot.depth_m", "; deepen the slot, or reduce safety_m or the body")
+        }
         Planning::AisleTooNarrow { .. } => ("parking.slot", "aisle_m", "parking.slot.aisle_m", "; widen the aisle"),
-        Planning::NoPath { .. } => (
-            "parking.start",
-            "x_m",
-            "parking.start",
-            "; move the start, move the obstacles, or reduce clearance_m",
-        ),
+        Planning::NoPath { .. } => ("parking.start", "x_m", "parking.start", "; move the start, move the obstacles, or reduce clearance_m"),
         Planning::RunUpTooShort { .. } => ("u_turn", "run_up_m", "u_turn.run_up_m", "; lengthen the run-up, or lower speed_mps"),
         Planning::StopsInTurn { .. } => ("u_turn", "speed_mps", "u_turn.speed_mps", "; raise the speed"),
         Planning::NoUTurn { nearest_m, .. } if *nearest_m >= 0.0 => {
@@ -64,7 +65,11 @@ impl ManoeuvreScene {
                     "piece {piece} has a curvature of {per_m} 1/m; allowed for a wheelbase of {wheelbase_m} m: {most_per_m:.3} 1/m, a wheel angle \
                      of {WHEEL_LIMIT_DEG}°; widen the bend"
                 );
-                return Err(Error::Planning { line: toml_line(text, ("lateral.piece", piece - 1), "length_m"), key: "lateral.piece", message });
+                return Err(Error::Planning {
+                    line: toml_line(text, ("lateral.piece", piece - 1), "length_m"),
+                    key: "lateral.piece",
+                    message,
+                });
             }
         }
         Ok(())

@@ -79,11 +79,8 @@ impl PolylineKeys {
             ranged("start_heading_deg", self.start_heading_deg.unwrap_or(0.0), -360.0, 360.0),
         ];
         check(text, ("polyline", 0), &numbers)?;
-        let shape = |problem: String| Error::Shape {
-            line: toml_line(text, ("polyline", 0), "points"),
-            key: "polyline.points".to_owned(),
-            problem,
-        };
+        let shape =
+            |problem: String| Error::Shape { line: toml_line(text, ("polyline", 0), "points"), key: "polyline.points".to_owned(), problem };
         if self.points.len() > MOST_POINTS {
             return Err(shape(format!("{} points; allowed: {MOST_POINTS}", self.points.len())));
         }

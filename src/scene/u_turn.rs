@@ -4,11 +4,11 @@
 
 use crate::guidance::u_turn::{Car, Method, Ranges, UTurnScene, UTurnSettings};
 use crate::guidance::{BodyShape, PlanePoint, Polygon};
+use crate::map::toml_line;
 use crate::scene::obstacle::polygon;
 use crate::scene::plane_frame::PlaneFrame;
 use crate::scene::ranges::{check, check_pair, ranged};
 use crate::scene::{Error, Result};
-use crate::map::toml_line;
 use crate::units::RAD_PER_DEG;
 use serde::{Deserialize, Serialize};
 

@@ -75,8 +75,7 @@ impl<'a> PlantData<'a> {
         let names = ["forward", "reverse"];
         for (name, surface) in names.iter().zip(&surfaces) {
             let table = &surface.table;
-            for (part, values) in
-                [("speed", table.speed_mps().breaks()), ("torque", table.torque_nm().breaks()), ("accel", table.values())]
+            for (part, values) in [("speed", table.speed_mps().breaks()), ("torque", table.torque_nm().breaks()), ("accel", table.values())]
             {
                 let lines: Vec<String> = values
                     .chunks(PER_LINE)

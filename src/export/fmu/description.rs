@@ -176,9 +176,7 @@ impl Version {
                 let start = if has_start { format!(" start=\"{:?}\"", start_of(variable, start, angle)) } else { String::new() };
                 ("Real", "Float64", format!(" unit=\"{unit}\"{range}{start}"))
             }
-            Kind::Whole { start, range: [low, high] } => {
-                ("Integer", "Int32", format!(" min=\"{low}\" max=\"{high}\" start=\"{start}\""))
-            }
+            Kind::Whole { start, range: [low, high] } => ("Integer", "Int32", format!(" min=\"{low}\" max=\"{high}\" start=\"{start}\"")),
             Kind::Boolean => ("Boolean", "Boolean", " start=\"false\"".to_owned()),
         };
         let common = format!(

@@ -69,14 +69,13 @@ const fn parameter(name: &'static str, unit: &'static str, range: [f64; 2], abou
 /// The list. The start of `wheel_angle_rad` is the wheel angle of the map.
 pub(crate) const VARIABLES: [Variable; 25] = [
     input("torque_nm", "N.m", "torque command; positive drives the wheel forward, no effect in neutral"),
-    Variable {
-        name: "gear",
-        about: "1 forward, -1 reverse, 0 neutral",
-        role: Role::Input,
-        kind: Kind::Whole { start: 1, range: [-1, 1] },
-    },
+    Variable { name: "gear", about: "1 forward, -1 reverse, 0 neutral", role: Role::Input, kind: Kind::Whole { start: 1, range: [-1, 1] } },
     Variable { name: "emergency_stop", about: "no drive torque, brake applied", role: Role::Input, kind: Kind::Boolean },
-    input("wheel_angle_rad", "rad", "angle of the front wheel for pose and yaw rate, left positive; the surface is that of one wheel angle"),
+    input(
+        "wheel_angle_rad",
+        "rad",
+        "angle of the front wheel for pose and yaw rate, left positive; the surface is that of one wheel angle",
+    ),
     input("external_torque_nm", "N.m", "torque from outside on the wheel: a push, a slope"),
     output("speed_mps", "m/s", "front-wheel speed"),
     output("accel_mps2", "m/s2", "its derivative"),
