@@ -2,8 +2,8 @@
 //!
 //! In: the folder of a map, whose files must belong together. Out: files, as names and texts, each with the verdict on the map in its header,
 //! or the word UNVERIFIED. All are written from `table2.json`, except
-//! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal, and the lateral compensation from
-//! `lateral_table.json`. The same map gives the same bytes.
+//! Autoware's maps from `table1.json`, since they give acceleration over speed and pedal, the plant as FMU from the same file, and the lateral
+//! compensation from `lateral_table.json`. The same map gives the same bytes; the binary in an FMU is that of the compiler.
 
 mod a2l;
 mod apollo;
@@ -11,9 +11,11 @@ mod autoware;
 mod c;
 mod cdfx;
 mod constant;
+mod controller_c;
 mod dcm;
 mod error;
 mod file;
+mod fmu;
 mod json;
 mod lateral;
 mod lateral_source;
@@ -56,11 +58,16 @@ pub enum Format {
     A2l,
     /// `table2.json` with its JSON Schema.
     Json,
+    /// The whole pivot controller in C99.
+    ControllerC,
+    /// The identified plant as FMI 2.0 and 3.0 units for co-simulation.
+    Fmu,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 8] = [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::A2l, Self::Json];
+    pub const ALL: [Self; 10] =
+        [Self::C, Self::Rust, Self::Autoware, Self::Apollo, Self::Dcm, Self::Cdfx, Self::A2l, Self::Json, Self::ControllerC, Self::Fmu];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -73,6 +80,8 @@ impl Format {
             Self::Cdfx => "cdfx",
             Self::A2l => "a2l",
             Self::Json => "json",
+            Self::ControllerC => "controller-c",
+            Self::Fmu => "fmu",
         }
     }
 
@@ -95,12 +104,14 @@ impl Format {
             Self::Cdfx => Ok(vec![cdfx::file(source, &settings.units)]),
             Self::A2l => Ok(vec![a2l::file(source, settings)?]),
             Self::Json => Ok(json::files(source)),
+            Self::ControllerC => controller_c::files(source, settings),
+            Self::Fmu => fmu::files(source, settings),
         }
     }
 
     /// Whether its units are part of the form.
     fn has_own_units(self) -> bool {
-        matches!(self, Self::Autoware | Self::Apollo | Self::Json)
+        matches!(self, Self::Autoware | Self::Apollo | Self::Json | Self::ControllerC | Self::Fmu)
     }
 }
 

@@ -19,6 +19,7 @@ pub use crate::map::files::lateral_table_file::LateralTableFile;
 pub use crate::map::numbers::AccelMaps;
 pub use crate::plan::expected::{ExpectedCell, expected};
 pub use crate::record::{Campaign, RunGroup, Torques, record};
+pub use crate::scene::SceneFile;
 pub use crate::sim::{
     GearSurface, IdentifiedSettings, MotionSettings, PhysicalSettings, Truth, VehicleFile, World, WorldCommand, WorldSettings,
 };

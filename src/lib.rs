@@ -45,6 +45,7 @@ pub mod map;
 pub mod plan;
 mod record;
 pub mod report;
+pub mod scene;
 pub mod signal;
 mod sim;
 mod spelling;
@@ -56,3 +57,5 @@ pub mod verify;
 pub use calibrate::{CalibrateSettings, Calibrated, Error, Result, calibrate};
 #[doc(no_inline)]
 pub use pivot_control as control;
+#[doc(hidden)]
+pub use pivot_library as library;

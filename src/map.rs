@@ -26,7 +26,7 @@ pub(crate) use files::{
     FolderWriter, LATERAL_TABLE_FORMAT, LateralCurve, LateralEntry, LateralMean, MapFolder, Mismatch, ResidualCells, ResidualTimes,
     RunTrace, StoredFile, TABLE1_FORMAT, TABLE2_FORMAT, csv_name, read_settled,
 };
-pub(crate) use files::{LateralTableFile, read_whole, read_whole_text, toml_text, write_whole};
+pub(crate) use files::{LateralTableFile, read_whole, read_whole_text, toml_line, toml_text, write_whole};
 pub(crate) use numbers::AccelMaps;
 pub(crate) use numbers::{ACCEL_AXIS, SPEED_AXIS, TORQUE_AXIS, check_values, decimal};
 pub use numbers::{AccelTable, AngleFamily, Axis, CellStatus, Gear, Matrix, RawUnit, RawUnits, Side, TorqueTable, WheelAngle};

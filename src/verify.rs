@@ -10,6 +10,7 @@ pub(crate) mod bench;
 mod comparison;
 mod conclusion;
 mod controller_command;
+mod controller_library;
 mod controller_process;
 mod controller_protocol;
 mod controller_under_test;

@@ -101,7 +101,7 @@ fn read_all(maps: &Path, inverts: bool) {
     let _ = Maps::read(maps, true);
     if let Ok(source) = MapSource::read(maps) {
         for format in Format::ALL {
-            let _ = format.files(&source, &ExportSettings::default());
+            let _ = format.files(&source, &ExportSettings { without_binary: true, ..ExportSettings::default() });
         }
     }
     for file in ["table1.json", "table2.json"] {

@@ -28,13 +28,16 @@ Examples:
   cdfx      pivot_map.cdfx                  ASAM CDF 2.0
   a2l       pivot_map.a2l                   ASAP2 1.71 of the exported C, addresses open
   json      pivot_map.json                  table2.json with its JSON Schema
+  controller-c  pivot_controller.{h,c}      the whole controller in C99 with settings and maps, bit for bit the verified one, and
+            pivot_controller_library.c      the template of a shared library for verify --controller
+  fmu       plant_fmi2.fmu, plant_fmi3.fmu  the identified plant of Table 1 for co-simulation: C sources, and a binary where there is a C compiler
 
 Reverse gear is in the same file, or in one with .reverse before its extension. A map whose hashes do not match is refused.
 The verdict on the map is in the header of every file. Without a verify.json that judged every pivot of this map and passed, nothing is
 written, unless --unverified is given; then every file says so.
 Exit status: 0 written, 3 the map is not verified, 1 error.")]
 pub(crate) struct Arguments {
-    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, a2l, json; several with commas
+    /// Form of the map: c, rust, autoware, apollo, dcm, cdfx, a2l, json, controller-c, fmu; several with commas
     #[arg(long, value_name = "NAME", required = true, value_delimiter = ',', value_parser = OneOf::new(Format::ALL.map(Format::name), format),
         hide_possible_values = true)]
     format: Vec<Format>,
@@ -74,6 +77,9 @@ pub(crate) struct Arguments {
     /// Tables as whole counts of 16 bits (C and Rust), of a map that was inverted with --int16 or raw units
     #[arg(long)]
     int16: bool,
+    /// FMUs with their C sources alone, without a binary for this machine
+    #[arg(long)]
+    sources_only: bool,
     /// Tables and look-up in single precision (C and Rust)
     #[arg(long)]
     float: bool,
@@ -118,7 +124,7 @@ fn settings(arguments: &Arguments, source: &MapSource) -> anyhow::Result<ExportS
     });
     let precision = if arguments.float { Precision::Float } else { Precision::Double };
     let units = UserUnits { speed: speed.transpose()?, torque: torque.transpose()? };
-    Ok(ExportSettings { precision, int16: arguments.int16, units, full_scale_nm })
+    Ok(ExportSettings { precision, int16: arguments.int16, units, full_scale_nm, without_binary: arguments.sources_only })
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
@@ -159,10 +165,10 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let mut written = Vec::new();
     for (format, file) in files {
         let path = if printed { folder.clone() } else { folder.join(&file.name) };
-        write_whole(&path, file.text.as_bytes())?;
+        write_whole(&path, file.content())?;
         let note = file.note.as_ref().map_or(String::new(), |note| format!(" ({note})"));
         ui.say(format!("written: {}{note}", shown(&path)));
-        let (bytes, sha256) = (file.text.len(), sha256_hex(file.text.as_bytes()));
+        let (bytes, sha256) = (file.content().len(), sha256_hex(file.content()));
         written.push(Written { format: format.name(), file: shown(&path), bytes, sha256, note: file.note });
     }
     ui.document(&written)?;

@@ -11,6 +11,7 @@ use crate::import::{FullScale, read_map};
 use crate::log::Preset;
 use crate::manoeuvre::{Manoeuvre, ManoeuvreSettings, judge_manoeuvres};
 use crate::map::{FolderWriter, sha256_hex, write_whole};
+use crate::scene::SceneFile;
 use crate::sim::VehicleFile;
 use crate::spelling::edits;
 use crate::text::shown;
@@ -19,7 +20,7 @@ use crate::verify::{
     at_angles, recorded_pivots, replayed, verify_with,
 };
 use anyhow::{Context, bail};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Smallest turn of `--turn-deg` [°]: twice the threshold at which a turn ends.
 const SMALLEST_TURN_DEG: f64 = 2.0;
@@ -35,6 +36,7 @@ Examples:
   pivot-cal verify --angle 80                 also the pivots of the map for the wheel at 80°
   pivot-cal verify --scenario polyline-lqr -v one manoeuvre (all of them: manoeuvres)
   pivot-cal verify --scenario polyline-mpc --points yard.csv   the same along your own points
+  pivot-cal verify --scene dock.toml          a manoeuvre in your own scene: slot, field, polyline or route (docs/manoeuvres.md)
   pivot-cal verify --gate strict.toml         your own limits, over the built-in ones
   pivot-cal verify --controller-settings data/controllers/plain.toml   another controller, here the published law with nothing added
   pivot-cal verify --controller 'python3 examples/controller.py'   your own controller as a process (docs/controller.md)
@@ -84,10 +86,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     controller_settings: Option<PathBuf>,
     /// Judge this process instead of the bundled controller: it is asked one line of JSON per control period and answers one
-    /// (docs/controller.md). No shell reads the command; quotes keep spaces
+    /// (docs/controller.md). No shell reads the command; quotes keep spaces. A file that ends in .so, .dylib or .dll is a shared library, built
+    /// from the template that export --format controller-c writes
     #[arg(long, value_name = "CMD", conflicts_with_all = ["points", "table"])]
     controller: Option<String>,
-    /// Time that the process has for each answer [ms]
+    /// Time that process or library has for each answer [ms]
     #[arg(long, value_name = "MS", default_value_t = 1000, requires = "controller")]
     controller_timeout_ms: u64,
     /// Limits that replace the built-in ones
@@ -111,6 +114,10 @@ pub(crate) struct Arguments {
     /// the segment that begins there)
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
+    /// Drive the manoeuvre of this scene (TOML): a parking slot, the field of a U-turn, a polyline or a route with lateral errors; data/scenes has
+    /// examples. With no --scenario the scenes alone (may be repeated)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["controller", "table"])]
+    scene: Vec<PathBuf>,
     /// Vehicle (TOML): it drives the manoeuvres instead of the bundled scrubber, and its sensors, steering, torque step, dead band and rate
     /// limit act in the pivots
     #[arg(long, value_name = "FILE")]
@@ -133,7 +140,7 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     }
     let gate = arguments.gate.as_deref().map(read_file).transpose()?;
     let (mut scenarios, mut manoeuvres) = chosen(&arguments.scenario)?;
-    if arguments.scenario.is_empty() && !arguments.turn_deg.is_empty() {
+    if arguments.scenario.is_empty() && !(arguments.turn_deg.is_empty() && arguments.scene.is_empty()) {
         scenarios.clear();
     }
     for turn in arguments.turn_deg.iter().flat_map(|size_deg| Scenario::turns(*size_deg)) {
@@ -158,13 +165,21 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         None => None,
     };
     if let Some(manoeuvre) = manoeuvres.first().filter(|_| controller_command.is_some()) {
-        bail!("--controller drives pivots only, and {} is a manoeuvre; leave it out of --scenario", manoeuvre.name);
+        bail!("--controller drives pivots only, and {} is a manoeuvre; leave it out of --scenario and --scene", manoeuvre.name);
     }
     let defaults = ManoeuvreSettings::new()?;
     let given = match &arguments.vehicle {
         Some(path) => Some(VehicleFile::from_toml(&read_file(path)?).with_context(|| shown(path))?.settings()),
         None => None,
     };
+    let wheelbase_m = given.as_ref().unwrap_or(&defaults.vehicle).vehicle.wheelbase_m;
+    for path in &arguments.scene {
+        let manoeuvre = scene(path, wheelbase_m)?;
+        if let Some(taken) = manoeuvres.iter().find(|m| m.name == manoeuvre.name) {
+            bail!("{}: two scenes are named {}; give each a name of its own", shown(path), taken.name);
+        }
+        manoeuvres.push(manoeuvre);
+    }
     let driven = ManoeuvreSettings {
         manoeuvres,
         draws: arguments.draws.unwrap_or(defaults.draws),
@@ -248,6 +263,16 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
         }
     }
     Ok(verdict.status.into())
+}
+
+/// The manoeuvre of a scene file, planned for a vehicle of this wheelbase [m].
+fn scene(path: &Path, wheelbase_m: f64) -> anyhow::Result<Manoeuvre> {
+    let file = SceneFile::from_toml_for(&read_file(path)?, wheelbase_m).with_context(|| shown(path))?;
+    let name = file.scene().name();
+    if Scenario::all().iter().any(|s| s.name == name) || Manoeuvre::all().iter().any(|m| m.name == name) {
+        bail!("{}: the name {name:?} is that of a scenario of the program (verify --list); give the scene another", shown(path));
+    }
+    Ok(Manoeuvre::of_scene(file))
 }
 
 /// The size of a turn on the command line [°].

@@ -4,7 +4,7 @@ use crate::controller::module_sections::{MonitoringKeys, SpotTurnKeys, SteeringK
 use crate::controller::sections::{AdditionKeys, FinishKeys, LoopKeys, PlanningKeys, PreviewKeys};
 use crate::controller::setting::{Setting, Shown};
 use crate::controller::{Error, Result};
-use crate::map::{sha256_hex, toml_text};
+use crate::map::{sha256_hex, toml_line, toml_text};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
@@ -164,11 +164,16 @@ impl ControllerSettings {
         let milliseconds = 1e3 * self.period_s;
         if !PERIOD_S.contains(&self.period_s) || (milliseconds - milliseconds.round()).abs() > 1e-9 {
             let allowed = format!("{} to {} in whole milliseconds", PERIOD_S.start(), PERIOD_S.end());
-            return Err(Error::Range { line: line_of(text, "", "period_s"), key: "period_s".to_owned(), found: self.period_s, allowed });
+            return Err(Error::Range {
+                line: toml_line(text, ("", 0), "period_s"),
+                key: "period_s".to_owned(),
+                found: self.period_s,
+                allowed,
+            });
         }
         for (section, _, settings) in self.sections() {
             if let Some((setting, found)) = settings.iter().find_map(|s| Some((s, s.outside()?))) {
-                let line = line_of(text, section, setting.key);
+                let line = toml_line(text, (section, 0), setting.key);
                 return Err(Error::Range { line, key: format!("{section}.{}", setting.key), found, allowed: setting.allowed() });
             }
         }
@@ -193,22 +198,6 @@ impl ControllerSettings {
         }
         Ok(())
     }
-}
-
-/// The line of a key in a section, from 1; `None` if it is written in another way.
-fn line_of(text: &str, section: &str, key: &str) -> Option<usize> {
-    let mut current = "";
-    for (k, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.split(']').next()) {
-            current = name.trim();
-        }
-        let is_key = line.split_once('=').is_some_and(|(name, _)| name.trim() == key);
-        if current == section && is_key {
-            return Some(k + 1);
-        }
-    }
-    None
 }
 
 #[cfg(test)]

@@ -49,6 +49,14 @@ pub enum Error {
         "the {what} numbers of the map are not whole counts of 16 bits; make them so with `pivot-cal invert --int16` and verify the map again"
     )]
     NotRaw { what: &'static str },
+    #[error("{format} computes in double precision, as it was verified; leave out --float and --int16, or choose c or rust")]
+    DoubleOnly { format: &'static str },
+    #[error("the controller cannot be set up for this map: {0}; change the controller file and verify with it again")]
+    Controller(crate::control::Error),
+    #[error(transparent)]
+    ControllerFile(#[from] crate::controller::Error),
+    #[error("the plant of Table 1 cannot be made: {0}; fit again, or give --angle with a forward map")]
+    Plant(#[from] crate::sim::Error),
     #[error("lateral_table.json cannot be used by the run-time law: {0}; make it again with `pivot-cal lateral fit`")]
     Lateral(#[from] crate::control::Error),
     #[error(

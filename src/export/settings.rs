@@ -14,4 +14,6 @@ pub struct ExportSettings {
     pub units: UserUnits,
     /// Torque that is 100 % of a pedal in Autoware and Apollo [N·m]. Default the vehicle's limit, or the largest torque of the map.
     pub full_scale_nm: Option<f64>,
+    /// Whether FMUs hold their C sources alone, without a binary for this machine. Default no.
+    pub without_binary: bool,
 }

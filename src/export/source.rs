@@ -2,7 +2,9 @@
 
 use crate::export::lateral_source::LateralSource;
 use crate::export::{Error, Proof, Result};
-use crate::map::{AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table2File, TorqueMap, TorqueTable, WheelAngle};
+use crate::map::{
+    AccelTable, CsvRef, Gear, MapFolder, Matrix, Mismatch, StoredFile, Table1File, Table2File, TorqueMap, TorqueTable, WheelAngle,
+};
 use std::path::Path;
 
 /// A map whose hashes match.
@@ -12,6 +14,8 @@ pub struct MapSource {
     pub table2: Table2File,
     /// Its text, byte for byte.
     pub table2_json: String,
+    /// The `table1.json` from which it was made.
+    pub table1: Table1File,
     /// Wheel angles [°] whose maps `table2.json` also holds.
     pub other_angles_deg: Vec<f64>,
     /// Table 2 per gear at the test angle, forward first. Never empty.
@@ -92,7 +96,7 @@ impl MapSource {
             None => None,
         };
         let table2_json = json2.text().map_err(|e| unread(folder, "table2.json", e))?.to_owned();
-        Ok(Self { table2, table2_json, other_angles_deg, torque, accel, proof, lateral })
+        Ok(Self { table2, table2_json, table1: files.table1.clone(), other_angles_deg, torque, accel, proof, lateral })
     }
 
     /// The torque that is 100 % of a pedal [N·m]: the vehicle's limit, or without one the largest torque in Table 2.

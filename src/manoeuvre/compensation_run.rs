@@ -12,13 +12,14 @@ use crate::manoeuvre::endings::DriveEnd;
 use crate::manoeuvre::lateral_metrics::{LateralFigures, LateralMetrics, compared};
 use crate::manoeuvre::legs_driver::LegsDriver;
 use crate::map::{Gear, LateralTableFile};
+use crate::scene::RouteKeys;
 use crate::sim;
 use crate::units::RAD_PER_DEG;
 use crate::verify::Values;
 use serde::Serialize;
 
 /// The task and the mounting errors.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompensationScenario {
     /// Direction of travel.
     pub direction: Gear,
@@ -34,6 +35,9 @@ pub struct CompensationScenario {
     pub learning_m: f64,
     /// Distance on which both drives are compared [m]: a straight, a bend of 90° and a straight. Default 35.
     pub measured_m: f64,
+    /// The pieces of a route of the user's in place of that path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) route: Option<Vec<ClothoidPiece>>,
 }
 
 /// Control periods in which 5 m pass at the usual 0.8 m/s.
@@ -52,11 +56,30 @@ impl CompensationScenario {
     pub fn new(direction: Gear) -> Self {
         let accumulation = CompensationSettings::default().accumulation;
         let steering_zero_deg = -direction.sign() * 0.8;
-        Self { direction, law: LawName::Lqr, yaw_deg: 1.0, steering_zero_deg, accumulation, learning_m: 50.0, measured_m: 35.0 }
+        Self {
+            direction,
+            law: LawName::Lqr,
+            yaw_deg: 1.0,
+            steering_zero_deg,
+            accumulation,
+            learning_m: 50.0,
+            measured_m: 35.0,
+            route: None,
+        }
     }
 
-    /// The path: straight, then the measured stretch with its bend.
+    /// Along the route of a scene file.
+    pub(crate) fn of_route(keys: &RouteKeys) -> Self {
+        let ([yaw_deg, steering_zero_deg], [learning_m, measured_m]) = (keys.mounting_deg(), keys.stretches_m());
+        let (direction, law, accumulation) = (keys.gear(), keys.law(), keys.accumulation());
+        Self { direction, law, yaw_deg, steering_zero_deg, accumulation, learning_m, measured_m, route: Some(keys.pieces()) }
+    }
+
+    /// The path: straight, then the measured stretch with its bend; or the route of a scene file.
     pub fn path(&self, wheelbase_m: f64) -> PosePath {
+        if let Some(route) = &self.route {
+            return course(route, wheelbase_m);
+        }
         let bend = [
             ClothoidPiece::bend(2.0, 0.0, 0.2),
             ClothoidPiece::bend(2.5 * std::f64::consts::PI - 2.0, 0.2, 0.2),

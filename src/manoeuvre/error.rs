@@ -14,6 +14,8 @@ pub enum Error {
     Polyline(#[from] guidance::route::polyline::PolylineError),
     #[error("the manoeuvre cannot be planned: {0}")]
     Planning(#[from] guidance::Error),
+    #[error("the scene has neither a slot nor a field to plan in")]
+    NothingToPlan,
     #[error("the plant cannot be simulated: {0}")]
     Sim(#[from] sim::Error),
     #[error("the controller cannot be set up: {0}")]

@@ -89,8 +89,9 @@ impl ManoeuvreStage<'_> {
         let (settings, vehicle) = (self.settings, &self.settings.vehicle);
         let (name, class) = (&manoeuvre.name, manoeuvre.class);
         if let Some(why) = manoeuvre.reason_against(self.maps, vehicle) {
+            let not_tested = ScenarioVerdict::not_tested(name, &manoeuvre.what, class, why);
             return Ok(JudgedManoeuvre {
-                verdict: ScenarioVerdict::not_tested(name, &manoeuvre.what, class, why),
+                verdict: ScenarioVerdict { scene: manoeuvre.scene.clone(), ..not_tested },
                 trace: None,
                 logs: Vec::new(),
             });
@@ -129,6 +130,7 @@ impl ManoeuvreStage<'_> {
         let metrics = MetricSummary::all(&nominal, &runs.iter().map(|run| run.0).collect::<Vec<_>>());
         let mut verdict = ScenarioVerdict::new(name, what, class, (metrics, runs.len()), &settings.gate);
         verdict.about = ManoeuvreTorque::about(self.maps);
+        verdict.scene.clone_from(&manoeuvre.scene);
         verdict.notes.extend(endings(&verdict, &nominal_end, &runs));
         let worst = worst_run(runs.iter().map(|run| &run.0), &verdict.checks).filter(|_| self.wanted.worst_logs);
         let mut logs = Vec::new();

@@ -2,11 +2,13 @@
 
 use crate::guidance::{BodyShape, PlanePoint, Polygon, PosePath, parking, u_turn};
 use crate::manoeuvre::Result;
+use crate::manoeuvre::error::Error;
+use crate::scene::{ManoeuvreScene, UTurnTask};
 use crate::units::RAD_PER_DEG;
 use serde::Serialize;
 
 /// The task that is planned and driven.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlannedTask {
     /// Into a slot, in reverse or nose in.
@@ -24,6 +26,8 @@ pub enum PlannedTask {
     ParkingShuffle,
     /// A U-turn around the end of a shelf into the next aisle.
     UTurn,
+    /// The slot or the field of a scene file.
+    Given(Box<ManoeuvreScene>),
 }
 
 /// A task planned for a vehicle.
@@ -53,8 +57,8 @@ impl PlannedTask {
     ///
     /// # Errors
     /// A wheelbase for which no path is found.
-    pub fn plan(self, wheelbase_m: f64) -> Result<Planned> {
-        match self {
+    pub fn plan(&self, wheelbase_m: f64) -> Result<Planned> {
+        match *self {
             Self::Parking { angle_deg, obstacle_right, nose_in } => {
                 let (mut scene, start) = parking_scene(wheelbase_m, angle_deg, obstacle_right);
                 scene.nose_in = nose_in;
@@ -83,8 +87,29 @@ impl PlannedTask {
                     moves: None,
                 })
             }
+            Self::Given(ref scene) => {
+                if let Some(task) = scene.parking_task(wheelbase_m)? {
+                    return parked(&task.scene, task.start, task.cruise_mps);
+                }
+                turned_round(scene.u_turn_task(wheelbase_m)?.ok_or(Error::NothingToPlan)?)
+            }
         }
     }
+}
+
+/// The plan of a U-turn, in the frame of its scene file.
+fn turned_round(task: UTurnTask) -> Result<Planned> {
+    let found = u_turn::search(&task.car, &task.scene, &task.ranges, &task.settings)?;
+    let poses = found.track.path(0.02).poses.iter().map(|pose| task.frame.pose_outside(pose)).collect();
+    Ok(Planned {
+        path: PosePath { poses },
+        body: task.car.body,
+        field: Some(task.field),
+        obstacles: task.obstacles,
+        cruise_mps: found.turn.speed_mps,
+        clearance_m: found.margins.smallest_m(),
+        moves: None,
+    })
 }
 
 /// The plan of a parking scene, driven at `cruise_mps`.
@@ -123,10 +148,8 @@ pub(crate) fn parking_scene(wheelbase_m: f64, angle_deg: f64, obstacle_right: bo
     let mut scene = parking::ParkingScene::new(body, slot);
     scene.look_ahead.wheel_limit_rad = WHEEL_LIMIT_RAD;
     scene.look_ahead.distance_m = 0.4 * wheelbase_m;
-    (
-        scene,
-        parking::ParkingStart { x_m: -2.2 * wheelbase_m, y_m: 1.1 * scene.line_m(), heading_rad: -3.0 * RAD_PER_DEG, wheel_angle_rad: 0.0 },
-    )
+    let y_m = 1.1 * scene.line_m();
+    (scene, parking::ParkingStart { x_m: -2.2 * wheelbase_m, y_m, heading_rad: -3.0 * RAD_PER_DEG, wheel_angle_rad: 0.0 })
 }
 
 /// The U-turn's vehicle, scene, ranges and settings for a wheelbase: two aisles of 1.6 m and a shelf between them, wider in proportion for a vehicle

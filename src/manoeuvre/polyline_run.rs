@@ -154,26 +154,27 @@ impl<'b> Observer<ManoeuvreDriver<'b>> for PolylineMetrics<'_> {
     }
 }
 
-/// Drives the points and computes the metrics.
+/// Drives a plan that was made with these settings, and computes the metrics.
 pub(crate) fn run(
     bench: &ManoeuvreBench<'_>,
     law: LawName,
-    points: &[PolylinePoint],
+    (plan, planning): (&PolylinePlan, &PolylineSettings),
     plant: &sim::WorldSettings,
     seed: u64,
     observer: impl ManoeuvreObserver,
 ) -> Result<(Values, DriveEnd)> {
-    let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
-    let (settings, turn) = polyline_settings(bench, law);
-    let mut driver = PolylineDriver::new(&plan, settings, turn);
+    let (mut settings, turn) = polyline_settings(bench, law);
+    settings.speed = planning.speed;
+    let mut driver = PolylineDriver::new(plan, settings, turn);
     let controller = |inputs: &Inputs| {
         let command = driver.step(inputs, &bench.torque, 0.0);
         Commanded { command, compensation_rad: 0.0, leg: driver.leg() }
     };
     let first = plan.legs[0].poses[0];
-    let pose = Pose { x_m: first.x_m, y_m: first.y_m, heading_rad: first.heading_rad };
+    let heading_rad = planning.start_heading_rad.unwrap_or(first.heading_rad);
+    let pose = Pose { x_m: first.x_m, y_m: first.y_m, heading_rad };
     let start = ManoeuvreStart { pose, wheel_angle_rad: 0.0 };
-    let mut observers = (PolylineMetrics::new(&plan, settings.stop_m()), observer);
+    let mut observers = (PolylineMetrics::new(plan, settings.stop_m()), observer);
     let end = drive_manoeuvre(plant, seed, &start, &Mounting::default(), settings.limits.period_s, controller, &mut observers)?;
     Ok((observers.0.values(end.stage), end))
 }

@@ -1,5 +1,6 @@
 //! One manoeuvre on one vehicle.
 
+use crate::guidance::route::polyline::PolylinePlan;
 use crate::manoeuvre::Result;
 use crate::manoeuvre::bench::ManoeuvreBench;
 use crate::manoeuvre::drive::{ManoeuvreMoment, ManoeuvreObserver};
@@ -23,7 +24,10 @@ impl Manoeuvre {
         observer: impl ManoeuvreObserver,
     ) -> Result<(Values, DriveEnd)> {
         match &self.kind {
-            ManoeuvreKind::Polyline { law, points } => polyline_run::run(bench, *law, points, plant, seed, observer),
+            ManoeuvreKind::Polyline { law, points, settings } => {
+                let plan = PolylinePlan::new(points, settings)?;
+                polyline_run::run(bench, *law, (&plan, settings), plant, seed, observer)
+            }
             ManoeuvreKind::Compensation(scenario) => scenario.run(bench, plant, seed, uncompensated, observer),
             ManoeuvreKind::Planned(task) => match bench.planned {
                 Some(planned) => planned_run::run(bench, planned, plant, seed, observer),

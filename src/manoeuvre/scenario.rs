@@ -9,6 +9,7 @@ use crate::manoeuvre::compensation_run::{CompensationScenario, PERIODS};
 use crate::manoeuvre::planned_task::{Planned, PlannedTask};
 use crate::manoeuvre::polyline_run::{DEMO_SPEEDS_MPS, demo_points};
 use crate::map::Gear;
+use crate::scene::SceneFile;
 use crate::sim;
 use crate::verify::{Class, Maps};
 use serde::Serialize;
@@ -23,6 +24,8 @@ pub enum ManoeuvreKind {
         law: LawName,
         /// The points, with the set speeds of their segments.
         points: Vec<PolylinePoint>,
+        /// Settings of the plan.
+        settings: PolylineSettings,
     },
     /// A path with mounting errors, without and with compensation.
     Compensation(CompensationScenario),
@@ -41,6 +44,9 @@ pub struct Manoeuvre {
     pub class: Class,
     /// Task.
     pub kind: ManoeuvreKind,
+    /// The file that it was read from, if it is none of the program's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene: Option<SceneFile>,
 }
 
 impl Manoeuvre {
@@ -52,7 +58,8 @@ impl Manoeuvre {
                 name: format!("polyline-{}", law.name()),
                 what: format!("8 segments with turns on the spot, forward and reverse, tracked by {}", law.title()),
                 class: Class::Polyline,
-                kind: ManoeuvreKind::Polyline { law, points: demo_points() },
+                kind: ManoeuvreKind::Polyline { law, points: demo_points(), settings: PolylineSettings::default() },
+                scene: None,
             })
             .collect();
         let speeds = demo_points().into_iter().zip(DEMO_SPEEDS_MPS);
@@ -63,7 +70,9 @@ impl Manoeuvre {
             kind: ManoeuvreKind::Polyline {
                 law: LawName::Lqr,
                 points: speeds.map(|(point, speed_mps)| PolylinePoint { speed_mps, ..point }).collect(),
+                settings: PolylineSettings::default(),
             },
+            scene: None,
         });
         let by_distance = CompensationSettings::default().accumulation;
         for (accumulation, suffix, by) in [(by_distance, "", ""), (PERIODS, "-periods", ", means by control periods")] {
@@ -73,6 +82,7 @@ impl Manoeuvre {
                     what: format!("mounting yaw off by 1.0° and steering zero off by 0.8°, compensated, in {direction} gear{by}"),
                     class: Class::Compensation,
                     kind: ManoeuvreKind::Compensation(CompensationScenario { accumulation, ..CompensationScenario::new(direction) }),
+                    scene: None,
                 });
             }
         }
@@ -81,6 +91,7 @@ impl Manoeuvre {
             what: what.to_owned(),
             class: Class::Parking,
             kind: ManoeuvreKind::Planned(PlannedTask::Parking { angle_deg, obstacle_right, nose_in }),
+            scene: None,
         };
         all.push(parking("parking", "backing into a perpendicular slot between two obstacles", 90.0, true, false));
         all.push(parking("parking-open", "the same without an obstacle on the right: the smallest circle", 90.0, false, false));
@@ -92,20 +103,37 @@ impl Manoeuvre {
             what: "as parking, by the published line and circle: through the vehicle, and of the smallest radius".to_owned(),
             class: Class::Parking,
             kind: ManoeuvreKind::Planned(PlannedTask::ParkingPublished),
+            scene: None,
         });
         all.push(Self {
             name: "parking-shuffle".to_owned(),
             what: "backing into a slot from a narrow aisle, askew, with a large turning circle".to_owned(),
             class: Class::Parking,
             kind: ManoeuvreKind::Planned(PlannedTask::ParkingShuffle),
+            scene: None,
         });
         all.push(Self {
             name: "u-turn".to_owned(),
             what: "U-turn around a shelf into the next aisle, with the largest margin that a search finds".to_owned(),
             class: Class::UTurn,
             kind: ManoeuvreKind::Planned(PlannedTask::UTurn),
+            scene: None,
         });
         all
+    }
+
+    /// The manoeuvre of a scene file.
+    pub fn of_scene(file: SceneFile) -> Self {
+        let scene = file.scene();
+        let (class, kind) = if let Some(keys) = &scene.polyline {
+            (Class::Polyline, ManoeuvreKind::Polyline { law: keys.law(), points: keys.points(), settings: keys.settings() })
+        } else if let Some(keys) = &scene.lateral {
+            (Class::Compensation, ManoeuvreKind::Compensation(CompensationScenario::of_route(keys)))
+        } else {
+            let class = if scene.parking.is_some() { Class::Parking } else { Class::UTurn };
+            (class, ManoeuvreKind::Planned(PlannedTask::Given(Box::new(scene.clone()))))
+        };
+        Self { name: scene.name().to_owned(), what: scene.what(), class, kind, scene: Some(file) }
     }
 
     /// The same along other points, if it is a polyline.
@@ -113,8 +141,8 @@ impl Manoeuvre {
     /// # Errors
     /// Points that are not a path, with the nearest valid choice.
     pub fn along(mut self, points: &[PolylinePoint]) -> Result<Self> {
-        if let ManoeuvreKind::Polyline { law, points: own } = &mut self.kind {
-            let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
+        if let ManoeuvreKind::Polyline { law, points: own, settings } = &mut self.kind {
+            let plan = PolylinePlan::new(points, settings)?;
             self.what = format!("{} given segments with turns on the spot, tracked by {}", plan.segments.len(), law.title());
             *own = points.to_vec();
         }
@@ -144,8 +172,8 @@ impl Manoeuvre {
     /// Points that are not a path.
     pub fn reference(&self, wheelbase_m: f64) -> Result<PosePath> {
         match &self.kind {
-            ManoeuvreKind::Polyline { points, .. } => {
-                let plan = PolylinePlan::new(points, &PolylineSettings::default())?;
+            ManoeuvreKind::Polyline { points, settings, .. } => {
+                let plan = PolylinePlan::new(points, settings)?;
                 Ok(PosePath { poses: plan.legs.into_iter().flat_map(|leg| leg.poses).collect() })
             }
             ManoeuvreKind::Compensation(scenario) => Ok(scenario.path(wheelbase_m)),

@@ -55,4 +55,4 @@ pub use table1_file::{
     Units,
 };
 pub use table2_file::{DeadBand, GridPoint, RoundTripErrors, Table2File, TorqueMap};
-pub(crate) use toml_text::toml_text;
+pub(crate) use toml_text::{toml_line, toml_text};

@@ -55,7 +55,9 @@ fn controller(file: &ControllerFile, command: Option<&ControllerCommand>) -> Mar
         h3 { "Controller" }
         @if let Some(command) = command {
             p {
-                "The verdict is about a process of the user's, " code { (shown(&command.command)) } ", with " (command.timeout_ms)
+                "The verdict is about " @if command.is_library() { "a library" } @else { "a process" } " of the user's, " code { (shown(&command.command)) }
+                @if let Some(sha256) = &command.sha256 { " (SHA-256 " code { (sha256) } ")" }
+                ", with " (command.timeout_ms)
                 " ms for an answer, and not about the bundled controller. The settings are those of the plan that it was judged by."
             }
         }

@@ -21,6 +21,9 @@ pub(crate) fn manoeuvres(inputs: &ReportFiles) -> Section {
                 "Paths driven on a physical vehicle: the torque map at its wheel angle, the vehicle's exact inverse elsewhere. Pictures and \
                  first figures are the nominal run; in brackets the largest over " (traces.draws) " perturbed vehicles."
             }
+            @for scene in traces.manoeuvres.iter().filter_map(|m| m.verdict.scene.as_ref()) {
+                p { "Scene of the user's: " b { (scene.scene().name()) } ", SHA-256 " code { (scene.sha256()) } "." }
+            }
             @if let Some(about) = traces.manoeuvres.iter().find_map(|m| m.verdict.about.as_ref()) {
                 p { "A pass here proves " (about) "." }
             }
@@ -43,12 +46,22 @@ fn of(class: Class, traces: &ManoeuvreTraces) -> Vec<&ManoeuvreTrace> {
 
 /// The same segments driven by every tracking law.
 fn polylines(figures: &mut Figures, all: &[&ManoeuvreTrace]) -> Markup {
-    let Some(first) = all.first() else { return html! {} };
+    if all.is_empty() {
+        return html! {};
+    }
+    let (given, own): (Vec<&ManoeuvreTrace>, Vec<&ManoeuvreTrace>) = all.iter().partition(|trace| trace.verdict.scene.is_some());
     let metrics = [Metric::CornerErrorM, Metric::SegmentErrorM, Metric::SegmentRmsM, Metric::TimeS];
     html! {
         h3 { "Polyline with turns on the spot" }
         p { "Corners are turned on the spot about the rear axle's middle. Below: the lateral error of each tracking law while it drives." }
-        (figures.svg(overhead(first, "manoeuvre-polyline", &format!("the segments, driven by {}", law(first)), 1010.0)))
+        @if let Some(first) = own.first() {
+            (figures.svg(overhead(first, "manoeuvre-polyline", &format!("the segments, driven by {}", law(first)), 1010.0)))
+        }
+        @for trace in given {
+            @let number = figures.pictures.len() + 1;
+            @let title = format!("{}, driven by {}", trace.verdict.name, law(trace));
+            (figures.svg(overhead(trace, &format!("manoeuvre-{}", slug(&trace.verdict.name, number)), &title, 1010.0)))
+        }
         (figures.chart(&polyline_errors(all)))
         (results(all, &metrics))
     }
@@ -57,7 +70,10 @@ fn polylines(figures: &mut Figures, all: &[&ManoeuvreTrace]) -> Markup {
 fn polyline_errors(all: &[&ManoeuvreTrace]) -> Chart {
     let line = |e: &ErrorTrace| Line { name: "", class: "a", points: e.t_s.iter().copied().zip(millimetres(e)).collect() };
     let panel = |trace: &&ManoeuvreTrace| Panel {
-        title: format!("{}: lateral error [mm]", law(trace)),
+        title: match &trace.verdict.scene {
+            Some(scene) => format!("{}, {}: lateral error [mm]", scene.scene().name(), law(trace)),
+            None => format!("{}: lateral error [mm]", law(trace)),
+        },
         lines: trace.errors.iter().map(line).collect(),
         with_zero: true,
         ..Panel::default()
@@ -242,6 +258,7 @@ mod tests {
             wheel_angle_deg: None,
             draws: None,
             about: None,
+            scene: None,
             notes: Vec::new(),
             metrics: vec![summary(Metric::FinalPositionM), summary(Metric::ClearanceM)],
             checks: Vec::new(),

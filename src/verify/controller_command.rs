@@ -1,8 +1,10 @@
 //! The command line of a controller that is a process of the user's.
 
+use crate::map::sha256_hex;
 use crate::text::shown;
 use crate::verify::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
@@ -13,27 +15,55 @@ pub struct ControllerCommand {
     pub command: String,
     /// Time for each answer [ms].
     pub timeout_ms: u64,
+    /// SHA-256 of the file, if it is a shared library.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
 }
+
+/// Extensions of shared libraries.
+const LIBRARIES: [&str; 3] = ["so", "dylib", "dll"];
 
 impl ControllerCommand {
     /// From a command line: words between spaces; quotes, single or double, keep spaces in a word. No shell reads it.
     ///
     /// # Errors
-    /// No word, a quote that is not closed, or a time of 0.
+    /// No word, a quote that is not closed, a time of 0, or a shared library that cannot be read.
     pub fn new(command: &str, timeout_ms: u64) -> Result<Self> {
-        let parsed = Self { command: command.to_owned(), timeout_ms };
+        let mut parsed = Self { command: command.to_owned(), timeout_ms, sha256: None };
         let fault = match words(command) {
             None => "a quote is not closed",
             Some(words) if words.first().is_none_or(String::is_empty) => "it names no program",
             Some(_) if timeout_ms == 0 => "no answer can come within 0 ms",
-            Some(_) => return Ok(parsed),
+            Some(_) => {
+                if parsed.is_library() {
+                    let path = parsed.program();
+                    let bytes = std::fs::read(&path).map_err(|source| Error::ControllerStart { command: shown(&path), source })?;
+                    parsed.sha256 = Some(sha256_hex(&bytes));
+                }
+                return Ok(parsed);
+            }
         };
         Err(Error::ControllerCommand { command: shown(command), fault })
     }
 
     /// The command as it is shown.
     pub(crate) fn label(&self) -> String {
-        format!("the process `{}`", shown(&self.command))
+        let kind = if self.is_library() { "library" } else { "process" };
+        format!("the {kind} `{}`", shown(&self.command))
+    }
+
+    /// Whether it is a shared library: one word that ends as such.
+    pub(crate) fn is_library(&self) -> bool {
+        let words = words(&self.command).unwrap_or_default();
+        let extension = words.first().and_then(|word| Path::new(word).extension());
+        words.len() == 1 && extension.is_some_and(|extension| LIBRARIES.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+    }
+
+    /// The program or library. A library in the current folder gets that folder, so that it is not searched for elsewhere.
+    pub(crate) fn program(&self) -> String {
+        let program = words(&self.command).unwrap_or_default().into_iter().next().unwrap_or_default();
+        let bare = self.is_library() && Path::new(&program).components().count() == 1;
+        if bare { format!("./{program}") } else { program }
     }
 
     /// Time for each answer.

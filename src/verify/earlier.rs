@@ -85,9 +85,9 @@ fn with_earlier<T: Clone>(now: Vec<T>, earlier: &[T], file: impl Fn(&T) -> &Stri
     all
 }
 
-/// Whether an earlier failure stands against a pass on fewer perturbed vehicles.
+/// Whether an earlier failure stands against a pass on fewer perturbed vehicles. One in another scene of this name does not.
 fn outlasts(before: &ScenarioVerdict, now: &ScenarioVerdict) -> bool {
-    before.status == Status::Fail && now.status != Status::Fail && now.draws < before.draws
+    before.scene == now.scene && before.status == Status::Fail && now.status != Status::Fail && now.draws < before.draws
 }
 
 /// Place in the display order: pivots of the list, other turns, pivots at other wheel angles, manoeuvres.

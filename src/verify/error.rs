@@ -64,6 +64,8 @@ pub enum Error {
     Control(#[from] crate::control::Error),
     #[error("the controller {command:?}: {fault}; allowed: a program and its arguments, and at least 1 ms for an answer")]
     ControllerCommand { command: String, fault: &'static str },
+    #[error("{path} is no controller: {fault}")]
+    ControllerLibrary { path: String, fault: String },
     #[error("{command} cannot be started: {source}; give a program and its arguments to --controller, as \"python3 my_controller.py\"")]
     ControllerStart { command: String, source: std::io::Error },
     #[error("the log of a run cannot be written: {0}")]

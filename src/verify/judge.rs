@@ -7,6 +7,7 @@ use crate::sim;
 use crate::verify::basis::Basis;
 use crate::verify::bench::PivotMoment;
 use crate::verify::comparison::{compare, comparison_runs};
+use crate::verify::controller_library::LibraryLaw;
 use crate::verify::drive::EachMoment;
 use crate::verify::metric::{MetricSummary, Values};
 use crate::verify::notes::notes;
@@ -181,6 +182,7 @@ fn judge_scenarios(
         let log = logs.then(|| PivotLog::new(stage.maps, scenario));
         let runs = match &settings.controller_command {
             _ if perfect => judged(stage.run_all(scenario, varied, || WaypointLaw::new(stage.law, &stage.exact), log, || ())?),
+            Some(command) if command.is_library() => judged(stage.run_all(scenario, varied, || LibraryLaw { command }, log, || ())?),
             Some(command) => judged(stage.run_all(scenario, varied, || stage.process_law(command), log, || ())?),
             None => judged(stage.run_all(scenario, varied, || stage.map_law(), log, || ())?),
         };

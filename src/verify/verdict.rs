@@ -3,6 +3,7 @@
 use crate::control::HeadingLawSettings;
 use crate::controller::ControllerFile;
 use crate::map::{Check, parse_file};
+use crate::scene::SceneFile;
 use crate::verify::basis::Basis;
 use crate::verify::controller_command::ControllerCommand;
 use crate::verify::gate::{Gate, Limit, LimitCheck};
@@ -162,6 +163,9 @@ pub struct ScenarioVerdict {
     /// What a pass is about, if it is not about the map: a manoeuvre whose torque did not come from it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<String>,
+    /// The scene file of a manoeuvre of the user's, with its hash.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<SceneFile>,
     /// Notes: why it was not tested, and assumptions.
     pub notes: Vec<String>,
     /// The metrics.
@@ -223,6 +227,7 @@ impl ScenarioVerdict {
             wheel_angle_deg: None,
             draws: None,
             about: None,
+            scene: None,
             notes: vec![why],
             metrics: Vec::new(),
             checks: Vec::new(),
@@ -241,6 +246,7 @@ impl ScenarioVerdict {
             wheel_angle_deg: None,
             draws: Some(draws),
             about: None,
+            scene: None,
             notes: Vec::new(),
             metrics,
             checks,

@@ -29,7 +29,7 @@ pub(crate) struct Tree {
 }
 
 /// Rooms that are a crate of their own within `src`, with the crate's name.
-const CRATES: [(&str, &str); 1] = [("control", "pivot_control")];
+const CRATES: [(&str, &str); 2] = [("control", "pivot_control"), ("library", "pivot_library")];
 
 /// Reads every `.rs` file in `folder/src`. A room that is a crate of its own is read as a module of the library.
 pub(crate) fn texts(folder: &Path) -> Texts {

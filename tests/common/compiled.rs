@@ -19,10 +19,15 @@ fn compile(command: &mut Command) {
 
 /// A harness with a C source of the folder.
 pub(crate) fn c_program(compiler: &Path, folder: &Path, harness: &str, source: &str, optimise: &str) -> PathBuf {
+    c_program_of(compiler, folder, harness, &[source], optimise)
+}
+
+/// A harness with C sources of the folder and the library of mathematics.
+pub(crate) fn c_program_of(compiler: &Path, folder: &Path, harness: &str, sources: &[&str], optimise: &str) -> PathBuf {
     std::fs::write(folder.join("main.c"), harness).unwrap();
     let program = folder.join(format!("c{optimise}"));
-    let sources = [folder.join("main.c"), folder.join(source)];
-    compile(Command::new(compiler).args(WARNINGS).arg(optimise).args(sources).arg("-o").arg(&program));
+    let sources = std::iter::once(&"main.c").chain(sources).map(|name| folder.join(name));
+    compile(Command::new(compiler).args(WARNINGS).args([optimise, "-ffp-contract=off"]).args(sources).arg("-o").arg(&program).arg("-lm"));
     program
 }
 

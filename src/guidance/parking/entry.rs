@@ -64,7 +64,7 @@ pub(crate) fn entry_circle(scene: &ParkingScene) -> Result<SlotEntry> {
     }
     // the corner's clearance grows with the width; double it until a circle fits, then bisect
     let fits = |width_m: f64| {
-        let mut wider = *scene;
+        let mut wider = scene.clone();
         wider.slot.width_m = width_m;
         smallest(&wider).is_some()
     };

@@ -23,7 +23,7 @@ const RADII: [f64; 7] = [1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75];
 /// A scene or start with a number out of range; a slot too small; a radius too large for it; no path that passes the checks. Each names the nearest
 /// feasible parameter.
 pub(crate) fn plan(scene: &ParkingScene, start: ParkingStart) -> Result<ParkingPlan> {
-    let scene = scene.checked()?;
+    let scene = scene.clone().checked()?;
     finite_start(start.x_m, start.y_m, start.heading_rad)?;
     finite_start(0.0, 0.0, start.wheel_angle_rad)?;
     let scene = scene.with_line_for(start);
@@ -86,7 +86,7 @@ fn no_path(start: ParkingStart, best: &ParkingPlan, nearest: String) -> Error {
 /// The narrowest aisle in which a start on the first line is planned; `None` if eight times the aisle does not suffice.
 fn nearest_aisle_m(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry) -> Option<f64> {
     narrowest_m(scene.slot.aisle_m.max(0.1), &[2.0, 4.0, 8.0], |aisle_m| {
-        let mut wider = *scene;
+        let mut wider = scene.clone();
         wider.slot.aisle_m = aisle_m;
         attempt(&wider, start, entry).1
     })
@@ -95,7 +95,7 @@ fn nearest_aisle_m(scene: &ParkingScene, start: ParkingStart, entry: &SlotEntry)
 /// The narrowest slot into which a start on the first line is planned; `None` if four times the width does not suffice.
 fn nearest_slot_m(scene: &ParkingScene, start: ParkingStart) -> Option<f64> {
     narrowest_m(scene.slot.width_m, &[1.25, 1.5, 2.0, 4.0], |width_m| {
-        let mut wider = *scene;
+        let mut wider = scene.clone();
         wider.slot.width_m = width_m;
         entry_circle(&wider).is_ok_and(|entry| attempt(&wider, start, &entry).1)
     })

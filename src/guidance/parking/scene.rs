@@ -41,7 +41,7 @@ impl Slot {
 }
 
 /// The inputs of planning.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct ParkingScene {
     /// Outline.
     pub body: BodyShape,
@@ -61,6 +61,8 @@ pub(crate) struct ParkingScene {
     pub tolerance: Tolerance,
     /// Choices where this planner departs from the published method.
     pub method: ParkingMethod,
+    /// Further obstacles beside those that bound slot and aisle. Default none. No path is planned around them: they refuse paths.
+    pub others: Vec<Polygon>,
 }
 
 impl ParkingScene {
@@ -76,6 +78,7 @@ impl ParkingScene {
             wheel_reserve_rad: 5.0_f64.to_radians(),
             tolerance: Tolerance::default(),
             method: ParkingMethod::default(),
+            others: Vec::new(),
         }
     }
 
@@ -127,10 +130,10 @@ impl ParkingScene {
     /// The scene with the first line that the method chooses for a start: within the aisle, the safety distance from its borders.
     pub(crate) fn with_line_for(&self, start: ParkingStart) -> Self {
         if self.method.first_line == FirstLine::SetDistance {
-            return *self;
+            return self.clone();
         }
         let most_m = (self.slot.aisle_m - self.body.width_m - self.safety_m).max(self.safety_m);
-        Self { line_distance_m: (start.y_m - 0.5 * self.body.width_m).max(self.safety_m).min(most_m), ..*self }
+        Self { line_distance_m: (start.y_m - 0.5 * self.body.width_m).max(self.safety_m).min(most_m), ..self.clone() }
     }
 
     /// Direction of travel into the slot.
@@ -166,7 +169,7 @@ impl ParkingScene {
         PlanePoint::new(if self.nose_in { -half } else { half }, 0.0)
     }
 
-    /// The obstacles: the neighbours, the end of the slot, the other side of the aisle.
+    /// The obstacles: the neighbours, the end of the slot, the other side of the aisle, and the further ones.
     pub(crate) fn obstacles(&self) -> Vec<Polygon> {
         let (slot, (sin, cos)) = (&self.slot, self.slot.angle_rad.sin_cos());
         let (dx, dy) = (-slot.depth_m * cos, -slot.depth_m * sin);
@@ -196,6 +199,7 @@ impl ParkingScene {
         if slot.obstacle_left {
             all.push(neighbour(-half - far, -half));
         }
+        all.extend(self.others.iter().cloned());
         all
     }
 }
@@ -219,14 +223,14 @@ mod tests {
     fn a_slot_too_small_is_an_error_with_the_nearest_feasible_size() {
         let mut narrow = usual_scene(90.0);
         narrow.slot.width_m = 1.0;
-        let error = narrow.checked().unwrap_err();
+        let error = narrow.clone().checked().unwrap_err();
         let Error::SlotTooNarrow { nearest_m, .. } = error else { panic!("{error}") };
         assert!((nearest_m - 1.12).abs() < 1e-12, "0.72 m and twice 0.2 m");
         narrow.slot.width_m = nearest_m;
         assert!(narrow.checked().is_ok());
         let mut shallow = usual_scene(90.0);
         shallow.slot.depth_m = 1.2;
-        let Err(Error::SlotTooShallow { nearest_m, .. }) = shallow.checked() else { panic!() };
+        let Err(Error::SlotTooShallow { nearest_m, .. }) = shallow.clone().checked() else { panic!() };
         shallow.slot.depth_m = nearest_m;
         assert!(shallow.checked().is_ok());
     }
