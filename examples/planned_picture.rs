@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (table1, table2) = known_maps(&settings.vehicle)?;
     let maps = Maps::new(table1, table2)?;
     let manoeuvre = Manoeuvre::all().into_iter().find(|m| m.name == name).ok_or("no such manoeuvre")?;
-    let ManoeuvreKind::Planned(task) = manoeuvre.kind else { return Err("not a planned manoeuvre".into()) };
+    let ManoeuvreKind::Planned(task) = &manoeuvre.kind else { return Err("not a planned manoeuvre".into()) };
     let mut driven = Vec::new();
     let values = replay_manoeuvre(&maps, &settings, &manoeuvre, |moment| driven.push((moment.state.x_m, moment.state.y_m)))?;
     let figure = |metric| values.get(metric).unwrap_or(f64::NAN);
