@@ -35,6 +35,7 @@ pub(crate) mod survey;
 mod table_columns;
 pub(crate) mod timing;
 mod value;
+mod value_range;
 mod vehicle;
 
 pub use error::Error;
@@ -53,6 +54,7 @@ pub(crate) use reference_path::ReferencePath;
 pub use signal_map::{SignalMap, SignalName, VehicleOverrides};
 pub(crate) use split_bag::read_split;
 pub use survey::{Depth, FoundSignal, LogSurvey, Missing, Topic, survey};
+pub use value_range::ValueRange;
 pub(crate) use vehicle::SCENARIO_METADATA;
 
 /// Where the signals of a log are.

@@ -146,7 +146,7 @@ fn text(survey: &LogSurvey) -> String {
         if let Some(kind) = found.messages.filter(|kind| *kind != log::MessageKind::Periodic) {
             let _ = write!(rates, ", {kind}");
         }
-        let values = found.values.map_or_else(String::new, |values| format!(", {values} values"));
+        let values = found.values.map_or_else(String::new, |values| format!(", {values} values{}", range_text(found.range)));
         let _ = writeln!(text, "  {:16} {} [{}]{values}{rates}: {}", found.signal.key(), found.path, found.unit, found.reason);
     }
     for missing in &survey.missing {
@@ -162,6 +162,30 @@ fn text(survey: &LogSurvey) -> String {
         let _ = writeln!(text, "(from {part} alone; --runs reads every message)");
     }
     text.trim_end().to_owned()
+}
+
+/// Between which values a signal lies, in which steps, and whether it stays at a limit.
+fn range_text(range: Option<log::ValueRange>) -> String {
+    let Some(range) = range else { return String::new() };
+    // four digits, without a minus before zero
+    let short = |value: f64| {
+        let digits = if value == 0.0 { 0 } else { (3 - value.abs().log10().floor() as i32).clamp(0, 9) };
+        let text = format!("{value:.*}", digits as usize);
+        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text };
+        if text == "-0" { "0".to_owned() } else { text }
+    };
+    let mut text = if range.lowest < range.highest {
+        format!(" from {} to {}", short(range.lowest), short(range.highest))
+    } else {
+        format!(", all {}", short(range.lowest))
+    };
+    if let Some(step) = range.step {
+        let _ = write!(text, " in steps of {}", short(step));
+    }
+    if let Some(share) = range.at_limit_share {
+        let _ = write!(text, ", {:.0} % of them at a limit", 100.0 * share);
+    }
+    text
 }
 
 fn span(survey: &LogSurvey) -> String {

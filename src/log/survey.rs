@@ -21,6 +21,7 @@ use crate::log::signal_map::SignalName;
 use crate::log::timing::log_clock::ClockStep;
 use crate::log::timing::message_times::SignalTimes;
 use crate::log::timing::true_times;
+use crate::log::value_range::ValueRange;
 use crate::log::{Error, MessageKind, Result, Signal, Source};
 use crate::map::Vehicle;
 use crate::text::shown;
@@ -104,6 +105,8 @@ pub struct FoundSignal {
     pub reason: String,
     /// Number of values, if checked.
     pub values: Option<usize>,
+    /// Between which values it lies, if checked.
+    pub range: Option<ValueRange>,
     /// Rates, if checked.
     pub rate: Option<Rate>,
     /// What its messages mean, if checked.
@@ -275,6 +278,7 @@ fn found_signals(
             unit: choice.spec.unit.name().to_owned(),
             reason: choice.reason.clone(),
             values: signal.as_ref().map(Signal::len),
+            range: signal.as_ref().and_then(|signal| ValueRange::of(&signal.value)),
             rate: signal.as_ref().and_then(rate),
             messages: signal.as_ref().map(kind),
         });
