@@ -23,6 +23,7 @@ pub(crate) use folder::read_table1;
 pub use invert_stage::invert_folder;
 pub(crate) use logs::read_operation_logs;
 pub use logs::{read_logs, survey};
+pub(crate) use report_stage::report_with;
 pub use report_stage::{WrittenReport, report_folder};
 pub use settings::{CalibrateSettings, FitStage, InvertStage, LogSource};
 pub(crate) use verify_stage::put_verdict;

@@ -1,22 +1,24 @@
 //! Judges a map: ours, or one of another system. The check does not stop at the first flaw; it reports every broken rule with its place.
 //!
 //! In: a file. Out: a [`CheckReport`] of findings. The format follows from the content: JSON by its `format` field; a corner cell
-//! `rows\columns` is one of our CSVs; `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form
+//! `rows\columns` is one of our CSVs; `KENNFELD`, `<MSRSW`, `static const` and `static FORWARD: Table` are DCM, CDFX, C and Rust;
+//! `calibration {` is Apollo's text; a header that names speed, acceleration and a command is long-form
 //! CSV; any other CSV is an Autoware map. Coast sign, dead band and hashes are rules of our own maps; on foreign ones they are notes.
 
 pub(crate) mod campaign_checks;
 pub(crate) mod change_checks;
 mod finding;
-pub(crate) mod foreign;
 mod foreign_rules;
 mod grid_rules;
 mod loss_check;
 mod own;
 mod point_rules;
+mod tool_rules;
 
 pub use finding::{CheckReport, Count, Rule, RuleBreach, Severity};
 
-use crate::check::foreign::{cells_of_csv, says_long_form};
+use crate::import::MapFormat;
+use crate::import::foreign::{cells_of_csv, says_long_form};
 use crate::map::{Error, Result, read_whole};
 use crate::text::shown;
 use std::path::Path;
@@ -66,6 +68,10 @@ impl Map<'_> {
         let extension = Path::new(&self.name).extension().map(std::ffi::OsStr::to_ascii_lowercase).unwrap_or_default();
         if text.trim_start().starts_with('{') || extension == "json" {
             return self.own_json(text, settings);
+        }
+        let format = MapFormat::of(&self.name, text);
+        if matches!(format, MapFormat::Dcm | MapFormat::Cdfx | MapFormat::C | MapFormat::Rust) {
+            return self.tool_file(format, text, settings);
         }
         let words = || text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
         if extension == "txt" || extension == "pb" || (text.contains('{') && words().any(|w| w == "calibration")) {
@@ -119,6 +125,17 @@ mod tests {
             "]",
             "null",
             "\u{feff}",
+            "KENNFELD M 2 2",
+            "ST/X",
+            "ST/Y",
+            "WERT",
+            "END",
+            "<MSRSW>",
+            "<SW-INSTANCE>",
+            "</SW-INSTANCE>",
+            "static const double forward_speed_mps[2] = {",
+            "static FORWARD: Table = Table {",
+            "Numbers { numbers: &[",
         ];
         prop_oneof![prop::sample::select(fixed.to_vec()).prop_map(str::to_owned), any::<i8>().prop_map(|v| v.to_string()), ".{0,3}"]
     }

@@ -95,7 +95,7 @@ enum CliCommand {
     Report(report::Arguments),
     /// Fit, invert, verify and report in one go
     Calibrate(calibrate::Arguments),
-    /// Judge any map: ours, Autoware's, Apollo's, long-form CSV
+    /// Judge any map: ours and its exports, Autoware's, Apollo's, long-form CSV
     Check(check::Arguments),
     /// Write the map as C, Rust, Autoware CSV, Apollo text, DCM, CDFX, A2L or JSON
     Export(export::Arguments),

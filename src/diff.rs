@@ -20,7 +20,7 @@ mod significance;
 
 pub(crate) use compare::compare;
 pub(crate) use comparison::{DiffSettings, DiffVerdict, MapComparison, MapDiff, Significant};
-pub(crate) use edited::edited;
+pub(crate) use edited::{EditedMap, edited};
 pub(crate) use error::{Error, Result};
 pub(crate) use html::html;
 pub(crate) use sheet::{DiffSide, Table};

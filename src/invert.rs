@@ -17,6 +17,7 @@ mod settings;
 pub(crate) use crate::map::ZeroRow;
 pub use error::Error;
 pub(crate) use error::Result;
+pub(crate) use product::described_tables;
 pub use product::{Inversion, invert};
 pub use raw::RawSettings;
 pub use settings::InvertSettings;

@@ -9,6 +9,7 @@ mod closed_loop;
 mod coverage;
 mod delay;
 mod error;
+mod foreign_table;
 mod friction;
 mod heat;
 mod html;

@@ -319,7 +319,7 @@ fn a_signal_map_names_the_columns_of_a_table_and_the_unit_of_its_times() {
     assert_eq!(recording.signals.speed.time_ns[1], 20_000_000);
     assert!((recording.signals.speed.value[100] - 1.0 / 3.6).abs() < 1e-12);
     assert_eq!(map_read("time = 'clock'\ntime_unit = 'ms'").unwrap().signals.speed.time_ns[1], 20_000);
-    let words = text.replace(",12,", ",twelve,").replace(",0,1.5708", ",none,1.5708").into_bytes();
+    let words = text.replace(",12,", ",twelve,").replace(",0,1.5708", ",zero,1.5708").into_bytes();
     let error =
         read_bytes(words, "a.csv", &Source::Map(map("time = 'clock'").unwrap()), &VehicleOverrides::default()).unwrap_err().to_string();
     assert!(error.contains("torque_command [Nm] gives no value") && error.contains("200 are no number"), "{error}");

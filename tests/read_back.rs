@@ -15,7 +15,8 @@ fn edited(folder: &Path, file: &Path) -> Value {
     let (status, out, errors) = run(folder, &["diff", "--edited", "maps", file.to_str().unwrap(), "--torque-full-scale", "44", "--json"]);
     assert!(errors.is_empty(), "{errors}");
     let found: Value = serde_json::from_str(&out).unwrap();
-    let cells = found["cells"].as_array().unwrap().len();
+    let of_table1 = found["accel_cells"].as_array().map_or(0, Vec::len);
+    let cells = found["cells"].as_array().unwrap().len() + of_table1;
     assert_eq!(status, if cells == 0 { 0 } else { 3 });
     found
 }
@@ -52,11 +53,11 @@ fn every_format_comes_back_as_it_went_to_the_last_digit() {
     let (folder, maps) = copied();
     let out = |name: &str| maps.join("export").join(name);
     let exports: [&[&str]; 4] = [
-        &["--format", "dcm,cdfx,c,apollo,json"],
-        &["--format", "dcm,cdfx,c", "--speed-unit", "km/h", "--torque-unit", "%", "--torque-full-scale", "44", "-o", "percent"],
+        &["--format", "dcm,cdfx,c,rust,autoware,apollo,json"],
+        &["--format", "dcm,cdfx,c,rust", "--speed-unit", "km/h", "--torque-unit", "%", "--torque-full-scale", "44", "-o", "percent"],
         &[
             "--format",
-            "dcm,c",
+            "dcm,c,rust",
             "--speed-unit",
             "raw",
             "--speed-scale",
@@ -68,7 +69,7 @@ fn every_format_comes_back_as_it_went_to_the_last_digit() {
             "-o",
             "raw",
         ],
-        &["--format", "c", "--float", "-o", "float"],
+        &["--format", "c,rust", "--float", "-o", "float"],
     ];
     for arguments in exports {
         let (status, _, errors) = run(folder.path(), &[&["export"], arguments].concat());
@@ -84,14 +85,20 @@ fn every_format_comes_back_as_it_went_to_the_last_digit() {
         (out("pivot_map.dcm"), true),
         (out("pivot_map.cdfx"), true),
         (out("pivot_map.c"), true),
+        (out("pivot_map.rs"), true),
+        (out("accel_map.csv"), false),
+        (out("brake_map.csv"), false),
+        (out("accel_map.reverse.csv"), false),
         (out("pivot_map.json"), true),
         (out("calibration_table.pb.txt"), false),
         (out("calibration_table.reverse.pb.txt"), false),
         (at("percent/pivot_map.dcm"), true),
         (at("percent/pivot_map.cdfx"), true),
         (at("percent/pivot_map.c"), true),
+        (at("percent/pivot_map.rs"), true),
         (at("raw/pivot_map.dcm"), true),
         (at("raw/pivot_map.c"), true),
+        (at("raw/pivot_map.rs"), true),
         (maps.join("table2.csv"), false),
         (maps.join("table2.reverse.csv"), false),
         (at("sheet.csv"), false),
@@ -100,15 +107,18 @@ fn every_format_comes_back_as_it_went_to_the_last_digit() {
     for (file, whole) in files {
         let found = edited(folder.path(), &file);
         assert_eq!(found["cells"], serde_json::json!([]), "{}", file.display());
+        assert_eq!(found.get("accel_cells"), None, "{}", file.display());
         assert_eq!(found["outside"], 0, "{}", file.display());
         let compared = found["compared"].as_u64().unwrap() as usize;
         assert!(compared > if whole { map.torque_nm.concat().len() } else { 300 }, "{}: {compared}", file.display());
     }
     // single precision has its own digits
-    let found = edited(folder.path(), &at("float/pivot_map.c"));
-    let largest =
-        found["cells"].as_array().unwrap().iter().map(|c| (c["edited_nm"].as_f64().unwrap() - c["measured_nm"].as_f64().unwrap()).abs());
-    assert!(largest.fold(0.0, f64::max) < 3e-6);
+    for name in ["float/pivot_map.c", "float/pivot_map.rs"] {
+        let found = edited(folder.path(), &at(name));
+        let number = |cell: &Value, key: &str| cell[key].as_f64().unwrap();
+        let changes = found["cells"].as_array().unwrap().iter().map(|c| (number(c, "edited_nm") - number(c, "measured_nm")).abs());
+        assert!(changes.fold(0.0, f64::max) < 3e-6, "{name}");
+    }
 }
 
 #[test]
@@ -136,6 +146,66 @@ fn a_cell_that_a_person_changed_is_found_in_every_format_with_its_reported_error
             (number("edited_nm") - number("measured_nm") - 2.0).abs() < 1e-9 && (number("errors") - 2.0 / error).abs() < 1e-6 * 2.0 / error
         );
     }
+}
+
+#[test]
+fn a_pedal_map_is_compared_with_table_1_and_judged_as_its_inverse() {
+    let (folder, maps) = copied();
+    assert_eq!(run(folder.path(), &["export", "--format", "autoware"]).0, 0);
+    // without the other pedal's map beside it
+    let original = text(&maps, "export/accel_map.csv");
+    let mut lines: Vec<String> = original.lines().map(str::to_owned).collect();
+    let mut cells: Vec<String> = lines[4].split(',').map(str::to_owned).collect();
+    let before: f64 = cells[3].parse().unwrap();
+    cells[3] = (before + 0.02).to_string();
+    lines[4] = cells.join(",");
+    std::fs::write(folder.path().join("accel_map.csv"), lines.join("\n")).unwrap();
+    let found = edited(folder.path(), &folder.path().join("accel_map.csv"));
+    let changed = found["accel_cells"].as_array().unwrap();
+    assert_eq!((changed.len(), found["cells"].as_array().unwrap().len()), (1, 0));
+    let number = |key: &str| changed[0][key].as_f64().unwrap();
+    assert!((number("edited_mps2") - number("measured_mps2") - 0.02).abs() < 1e-8 && number("errors") > 0.0, "{changed:?}");
+    let header: Vec<&str> = lines[0].split(',').collect();
+    assert_eq!(number("speed_mps"), header[3].parse::<f64>().unwrap());
+    let (status, said, errors) = run(folder.path(), &["diff", "--edited", "maps/table1.json", "accel_map.csv"]);
+    assert!(status == 3 && said.contains("map [m/s²]") && said.contains("1 of"), "{said}{errors}");
+    let draws = ["--scenario", "left-90", "--scenario", "right-90", "--draws", "2"];
+    let (status, said, errors) = run(folder.path(), &[&["verify", "--table", "maps/export/accel_map.csv"][..], &draws].concat());
+    assert!(status == 0 && said.contains("Autoware, 1 table(s)"), "{said}{errors}");
+}
+
+#[test]
+fn check_judges_what_was_exported_and_finds_what_a_person_broke_in_it() {
+    let (folder, maps) = copied();
+    assert_eq!(run(folder.path(), &["export", "--format", "dcm,cdfx,c,rust"]).0, 0);
+    let map = forward(&maps);
+    let (i, j) = (4, map.accel_mps2.iter().position(|a| *a > 0.25).unwrap());
+    let value = map.torque_nm[i][j].to_string();
+    for name in ["pivot_map.dcm", "pivot_map.cdfx", "pivot_map.c", "pivot_map.rs"] {
+        let (status, said, errors) = run(folder.path(), &["check", &format!("maps/export/{name}")]);
+        assert!(status == 0 && said.contains("sound") && said.contains("reverse"), "{name}: {said}{errors}");
+        let broken = text(&maps, &format!("export/{name}")).replacen(&value, "-30.0", 1);
+        std::fs::write(folder.path().join(name), broken).unwrap();
+        let (status, said, _) = run(folder.path(), &["check", name]);
+        let place = format!("forward gear, speed {}, acceleration {}", map.speed_mps[i], map.accel_mps2[j]);
+        assert!(status == 3 && said.contains(&place) && said.contains("not monotone"), "{name}: {said}");
+    }
+    std::fs::write(folder.path().join("cut.dcm"), "KONSERVIERUNG_FORMAT 2.0\nKENNFELD M 2 2\n ST/X 0 x\nEND\n").unwrap();
+    let (status, said, _) = run(folder.path(), &["check", "cut.dcm"]);
+    assert!(status == 3 && said.contains("line 3") && said.contains("\"x\" is not a finite number"), "{said}");
+}
+
+#[test]
+fn report_shows_a_table_that_came_back_and_no_verdict_that_is_not_its_own() {
+    let (folder, maps) = copied();
+    assert_eq!(run(folder.path(), &["export", "--format", "dcm"]).0, 0);
+    std::fs::rename(maps.join("export/pivot_map.dcm"), folder.path().join("tuned.dcm")).unwrap();
+    let (status, said, errors) = run(folder.path(), &["report", "--table", "tuned.dcm", "-o", "tuned.html"]);
+    assert!(status == 0 && said.contains("note: Table 2 is that of tuned.dcm (DCM)"), "{said}{errors}");
+    let page = std::fs::read_to_string(folder.path().join("tuned.html")).unwrap();
+    assert!(page.contains("tuned.dcm") && !said.contains("verdict: pass"), "{said}");
+    let (status, _, errors) = run(folder.path(), &["report", "--table", "tuned.dcm"]);
+    assert!(status == 2 && errors.contains("--output"), "{errors}");
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Rules of Autoware's, Apollo's and long-form maps.
 
-use crate::check::foreign::{
-    CellGrid, CommandPoints, CsvLine, Pedal, cells_of_csv, grid_of_autoware, points_of_apollo, points_of_long_csv,
-};
 use crate::check::grid_rules::{GridAxis, JudgedGrid, Meaning, misread};
 use crate::check::point_rules::{SignRule, judge};
 use crate::check::{CheckReport, CheckSettings, Map, Rule, RuleBreach, Severity};
+use crate::import::foreign::{
+    CellGrid, CommandPoints, CsvLine, Pedal, cells_of_csv, grid_of_autoware, points_of_apollo, points_of_long_csv,
+};
 
 impl Map<'_> {
     pub(crate) fn apollo(&self, text: &str) -> CheckReport {

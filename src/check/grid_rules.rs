@@ -1,7 +1,7 @@
 //! Rules of a matrix with breaks.
 
-use crate::check::foreign::{CellGrid, Misread, MisreadKind};
 use crate::check::{CheckSettings, Rule, RuleBreach, Severity};
+use crate::import::foreign::{CellGrid, Misread, MisreadKind};
 
 /// An axis of the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

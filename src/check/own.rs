@@ -3,9 +3,9 @@
 //! The JSON is judged as raw values, not by [`crate::map::MapFolder`]: that reader refuses a damaged file at its first flaw, while the
 //! check reports every flaw. The reader is used at the end for what only it checks (statuses, standard errors, and every other array).
 
-use crate::check::foreign::{CellGrid, CsvLine};
 use crate::check::grid_rules::{GridAxis, JudgedGrid, Meaning, misread};
 use crate::check::{CheckReport, CheckSettings, Map, Rule, RuleBreach, Severity};
+use crate::import::foreign::{CellGrid, CsvLine};
 use crate::map::{
     ACCEL_AXIS, CellStatus, FORMAT_VERSION, SPEED_AXIS, TABLE1_FORMAT, TABLE2_FORMAT, TORQUE_AXIS, Table1File, Table2File, sha256_hex,
 };
@@ -13,13 +13,13 @@ use serde_json::Value;
 
 /// The table of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum OwnTable {
+pub(crate) enum OwnTable {
     One,
     Two,
 }
 
 impl OwnTable {
-    fn meaning(self) -> Meaning {
+    pub(crate) fn meaning(self) -> Meaning {
         let rising = true;
         match self {
             Self::One => Meaning { rows: "torque", columns: "speed", along: GridAxis::Rows, rising, plateau: Severity::Error },
@@ -188,7 +188,7 @@ fn has_hash(reference: &Value, bytes: &[u8]) -> bool {
 }
 
 /// The rules of a matrix, and the number of places judged.
-fn judge(
+pub(crate) fn judge(
     table: OwnTable,
     judged: &JudgedGrid,
     settings: CheckSettings,
@@ -278,7 +278,7 @@ fn unreachable(map: &Value) -> Vec<Vec<bool>> {
 }
 
 /// Without the JSON: cells at the table's largest or smallest value count as the torque limit.
-fn extremes(grid: &CellGrid) -> Vec<Vec<bool>> {
+pub(crate) fn extremes(grid: &CellGrid) -> Vec<Vec<bool>> {
     let values = || grid.values.iter().flatten().copied().flatten();
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     grid.values.iter().map(|row| row.iter().map(|v| v.is_some_and(|v| v == least || v == most)).collect()).collect()

@@ -1,8 +1,8 @@
 //! Rules of a map that is a list of points: Apollo's table and long-form CSV.
 
-use crate::check::foreign::{CommandPoint, CommandPoints};
 use crate::check::grid_rules::{LONG_STEP, long_steps_of};
 use crate::check::{Rule, RuleBreach, Severity};
+use crate::import::foreign::{CommandPoint, CommandPoints};
 
 /// Which signs of command and acceleration contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

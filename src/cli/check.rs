@@ -14,9 +14,10 @@ const SHOWN: usize = 5;
 Examples:
   pivot-cal check maps/table1.json maps/table2.json maps/table2.csv
   pivot-cal check accel_map.csv brake_map.csv calibration_table.pb.txt
+  pivot-cal check tuned.dcm pivot_map.c
   pivot-cal check --json maps/table2.json
 
-Reads table1 and table2 (CSV and JSON), Autoware's accel and brake maps, Apollo's calibration tables (also inside a control
+Reads table1 and table2 (CSV and JSON), exported DCM, CDFX, C and Rust files, Autoware's accel and brake maps, Apollo's calibration tables (also inside a control
 configuration) and long-form CSV (a header that names speed, acceleration and command). Errors and warnings are findings; notes are not.
 Exit status: 0 no finding, 3 findings, 1 a file cannot be opened.")]
 pub(crate) struct Arguments {

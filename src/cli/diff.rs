@@ -2,12 +2,12 @@
 
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
-use crate::diff::{DiffSettings, DiffSide, DiffVerdict, MapComparison, MapDiff, compare, edited, html};
+use crate::diff::{DiffSettings, DiffSide, DiffVerdict, EditedMap, MapComparison, MapDiff, compare, edited, html};
 use crate::import::{FullScale, read_map};
-use crate::map::write_whole;
+use crate::map::{Gear, write_whole};
 use crate::text::shown;
 use comfy_table::{CellAlignment, Table, presets};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Number of changes that are listed without `-v`.
 const SHOWN: usize = 10;
@@ -26,7 +26,7 @@ Exit status: 0 the same, 3 changed or incompatible, 1 a file cannot be read.")]
 pub(crate) struct Arguments {
     /// The first map: table1.json, table2.json, or a folder
     a: PathBuf,
-    /// The second map; with --edited a file that came back: DCM, CDFX, C, Apollo, matrix or long CSV, JSON
+    /// The second map; with --edited a file that came back: DCM, CDFX, C, Rust, Autoware, Apollo, matrix or long CSV, JSON
     b: PathBuf,
     /// List the cells of b that a person changed
     #[arg(long, conflicts_with = "html")]
@@ -71,38 +71,51 @@ pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
 
 /// The cells that a person changed.
 fn run_edited(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
-    let map = DiffSide::read(&arguments.a)?;
-    if map.table != crate::diff::Table::Table2 {
-        anyhow::bail!("{}: --edited compares with a Table 2; give its folder or its table2.json", shown(&arguments.a));
-    }
+    let mut map = DiffSide::read(&arguments.a)?;
     let vehicle = &map.vehicle;
     let full =
         FullScale { torque_nm: arguments.torque_full_scale.or(vehicle.torque_full_scale_nm), wheel_radius_m: vehicle.wheel_radius_m };
-    let found = edited(&map, &shown(&arguments.b), &read_map(&arguments.b, full)?);
+    let imported = read_map(&arguments.b, full)?;
+    let is_table1 = !imported.accel_tables.is_empty();
+    if is_table1 && map.table == crate::diff::Table::Table2 {
+        let folder = if arguments.a.is_dir() { arguments.a.clone() } else { arguments.a.parent().unwrap_or(Path::new("")).to_owned() };
+        map = DiffSide::read(&folder.join("table1.json"))?;
+    } else if !is_table1 && map.table != crate::diff::Table::Table2 {
+        anyhow::bail!("{}: --edited compares with a Table 2; give its folder or its table2.json", shown(&arguments.a));
+    }
+    let found = edited(&map, &shown(&arguments.b), &imported);
     ui.document(&found)?;
-    let (count, compared) = (found.cells.len(), found.compared);
+    let (count, compared) = (found.cells.len() + found.accel_cells.len(), found.compared);
     ui.say(format!("{} ({}): {count} of {compared} cells were changed{}", found.file, found.format, outside(found.outside)));
     found.notes.iter().for_each(|note| ui.say(format!("  note: {note}")));
     if count > 0 {
-        let mut table = comfy_table::Table::new();
-        let header = ["gear", "speed [m/s]", "acceleration [m/s²]", "map [N·m]", "file [N·m]", "change [N·m]", "reported errors"];
-        table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header.to_vec());
-        for cell in found.cells.iter().take(if ui.is_verbose() { usize::MAX } else { SHOWN }) {
-            let errors = cell.errors.map_or("not known here".to_owned(), |errors| format!("{errors:+.1}"));
-            table.add_row([
-                cell.gear.to_string(),
-                cell.speed_mps.to_string(),
-                cell.accel_mps2.to_string(),
-                format!("{:.4}", cell.measured_nm),
-                format!("{:.4}", cell.edited_nm),
-                format!("{:+.4}", cell.edited_nm - cell.measured_nm),
-                errors,
-            ]);
-        }
-        ui.say(table.to_string());
+        ui.say(edited_cells(&found, if ui.is_verbose() { usize::MAX } else { SHOWN }));
         ui.say(format!("`pivot-cal verify --table {}` judges the file on the measured plant", found.file));
     }
     Ok(if count == 0 { Outcome::Done } else { Outcome::Rejected })
+}
+
+/// The changed cells as a table.
+fn edited_cells(found: &EditedMap, shown: usize) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED);
+    let mut add = |gear: Gear, places: [f64; 2], [map, file]: [f64; 2], errors: Option<f64>| {
+        let errors = errors.map_or("not known here".to_owned(), |errors| format!("{errors:+.1}"));
+        let [row, column] = places.map(|place| place.to_string());
+        table.add_row([gear.to_string(), row, column, format!("{map:.4}"), format!("{file:.4}"), format!("{:+.4}", file - map), errors]);
+    };
+    for cell in found.cells.iter().take(shown) {
+        add(cell.gear, [cell.speed_mps, cell.accel_mps2], [cell.measured_nm, cell.edited_nm], cell.errors);
+    }
+    for cell in found.accel_cells.iter().take(shown) {
+        add(cell.gear, [cell.torque_nm, cell.speed_mps], [cell.measured_mps2, cell.edited_mps2], cell.errors);
+    }
+    table.set_header(if found.accel_cells.is_empty() {
+        ["gear", "speed [m/s]", "acceleration [m/s²]", "map [N·m]", "file [N·m]", "change [N·m]", "reported errors"]
+    } else {
+        ["gear", "torque [N·m]", "speed [m/s]", "map [m/s²]", "file [m/s²]", "change [m/s²]", "reported errors"]
+    });
+    table.to_string()
 }
 
 fn outside(count: usize) -> String {

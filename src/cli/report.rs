@@ -1,9 +1,11 @@
 //! `report`: the page with the verdict on a map.
 
-use crate::calibrate::report_folder;
+use crate::calibrate::report_with;
 use crate::cli::Ui;
 use crate::cli::outcome::Outcome;
 use crate::cli::verify_text::show_checks;
+use crate::diff::DiffSide;
+use crate::import::{FullScale, read_map};
 use crate::report::coverage_text;
 use crate::text::shown;
 use std::path::PathBuf;
@@ -15,6 +17,7 @@ Examples:
   pivot-cal report                            the page of the map in ./maps
   pivot-cal report --svg figures              also the figures as SVG files
   pivot-cal report --maps maps/monday -o monday.html
+  pivot-cal report --table tuned.dcm -o tuned.html        a map that came back from a tool, in place of Table 2
 
 Reads table1.json and, if they exist, table2.json, verify.json, fit_traces.json, verify_traces.json,
 manoeuvre_traces.json (of verify --scenario manoeuvres) and plan.json (of plan). The page is one file that needs no
@@ -29,12 +32,27 @@ pub(crate) struct Arguments {
     /// Also write every figure as an SVG file into this folder
     #[arg(long, value_name = "DIR")]
     svg: Option<PathBuf>,
+    /// Show the tables of this file in place of Table 2: DCM, CDFX, C, Rust, Autoware, Apollo, CSV or JSON
+    #[arg(long, value_name = "FILE", requires = "output")]
+    table: Option<PathBuf>,
+    /// Torque that is 100 % [N·m], for a --table in % that does not say it
+    #[arg(long, value_name = "NM", requires = "table")]
+    torque_full_scale: Option<f64>,
 }
 
 pub(crate) fn run(arguments: &Arguments, ui: Ui) -> anyhow::Result<Outcome> {
     let ui = ui.beside(arguments.output.as_deref())?;
     let output = arguments.output.clone().unwrap_or_else(|| arguments.maps.join("report.html"));
-    let made = report_folder(&arguments.maps, &output, arguments.svg.as_deref())?;
+    let imported = match &arguments.table {
+        Some(path) => {
+            let vehicle = DiffSide::read(&arguments.maps.join("table1.json"))?.vehicle;
+            let torque_nm = arguments.torque_full_scale.or(vehicle.torque_full_scale_nm);
+            Some((path.as_path(), read_map(path, FullScale { torque_nm, wheel_radius_m: vehicle.wheel_radius_m })?))
+        }
+        None => None,
+    };
+    let table = imported.as_ref().map(|(path, imported)| (*path, imported));
+    let made = report_with(&arguments.maps, &output, arguments.svg.as_deref(), table)?;
     let (judgement, reason) = made.files.judgement();
     ui.document(&serde_json::json!({
         "file": shown(&output),

@@ -1,7 +1,7 @@
 //! Matrix and long CSV, with the separators, decimal commas and byte-order marks of spreadsheets.
 
-use crate::check::foreign::{CellGrid, CsvLine, points_of_long_csv, says_long_form};
 use crate::import::error::TextFault;
+use crate::import::foreign::{CellGrid, CsvLine, points_of_long_csv, says_long_form};
 use crate::import::full_scale::FullScale;
 use crate::import::imported::{ImportedPoint, ImportedTable};
 use crate::import::number::WrittenNumber;
@@ -29,7 +29,7 @@ fn long(cells: &[CsvLine], header: &CsvLine, gear: Gear, full: FullScale) -> Res
             cells.and_then(|c| c.texts.iter().filter_map(|t| WrittenNumber::parse(t)).find(|w| w.value.to_bits() == value.to_bits()));
         written.unwrap_or(WrittenNumber { value, last_digit: 0.0 })
     };
-    let point = |p: &crate::check::foreign::CommandPoint| ImportedPoint {
+    let point = |p: &crate::import::foreign::CommandPoint| ImportedPoint {
         speed_mps: speed.0 * p.speed + speed.1,
         accel_mps2: p.accel,
         torque_nm: text(p.line, p.command).scaled(torque.0, torque.1),

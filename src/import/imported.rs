@@ -23,6 +23,26 @@ pub(crate) struct ImportedTable {
     pub(crate) points: Vec<ImportedPoint>,
 }
 
+/// A point of a Table 1 in SI units, gear frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ImportedAccelPoint {
+    /// Torque [N·m].
+    pub(crate) torque_nm: f64,
+    /// Speed [m/s].
+    pub(crate) speed_mps: f64,
+    /// Acceleration [m/s²], with the worth of its last digit.
+    pub(crate) accel_mps2: WrittenNumber,
+}
+
+/// The points of one gear, by torque, each row by speed.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ImportedAccelTable {
+    /// Gear.
+    pub(crate) gear: Gear,
+    /// The points.
+    pub(crate) points: Vec<ImportedAccelPoint>,
+}
+
 /// A map that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ImportedMap {
@@ -30,8 +50,10 @@ pub(crate) struct ImportedMap {
     pub(crate) format: &'static str,
     /// SHA-256 of the file.
     pub(crate) sha256: String,
-    /// Its tables, forward first.
+    /// Its tables, forward first; of a Table 1 their inverses.
     pub(crate) tables: Vec<ImportedTable>,
+    /// Its tables if they are Table 1s, as Autoware's.
+    pub(crate) accel_tables: Vec<ImportedAccelTable>,
 }
 
 /// Breaks that differ by less are one [m/s or m/s²].

@@ -5,7 +5,7 @@ use crate::invert::inverse::Inverse;
 use crate::invert::round_trip::round_trip;
 use crate::invert::{Error, InvertSettings, Result, breaks, optimal, raw};
 use crate::map::{
-    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, IdentifiedDrive, RawUnits, TABLE2_FORMAT, Table1File, Table2File,
+    AccelMap, Axis, CellStatus, CsvRef, DeadBand, FORMAT_VERSION, Gear, IdentifiedDrive, RawUnits, TABLE2_FORMAT, Table1File, Table2File,
     TorqueMap, TorqueTable, Units, ZeroRow, csv_name, sha256_hex,
 };
 
@@ -124,8 +124,46 @@ fn invert_map(
         };
     }
     let table = TorqueTable::new(speed_axis, accel_axis, nodes)?;
-    let csv = table.to_matrix().to_csv();
+    let inverted = described(&inverse, (map, other), limit, &table, test_angle_deg, settings.zero_row)?;
+    Ok((inverted, table.to_matrix().to_csv()))
+}
 
+/// Tables that somebody else made, described by Table 1: status, standard error and round trip of each cell. A gear that Table 1 does not have
+/// is left out.
+///
+/// # Errors
+/// A Table 1 that does not rise with torque.
+pub(crate) fn described_tables(file: &Table1File, tables: &[(Gear, TorqueTable)], zero_row: ZeroRow) -> Result<Vec<TorqueMap>> {
+    let limit_nm = file.torque_limit_nm();
+    let limit = DeliveredTorque {
+        least_nm: -limit_nm,
+        most_nm: &|v| file.most_torque_nm(v),
+        is_governed: &|v| file.is_governed(v),
+        node_limit_nm: limit_nm,
+    };
+    let angle = file.vehicle.test_angle();
+    let mut maps = Vec::new();
+    for (gear, table) in tables {
+        let Some(map) = file.map(*gear, angle) else { continue };
+        let other = file.maps.iter().find(|m| m.gear != *gear && m.angle().is_same(angle));
+        let inverse = Inverse::new(map.surface.table()?, map.gear)?;
+        maps.push(described(&inverse, (map, other), &limit, table, file.vehicle.test_angle_deg, zero_row)?);
+    }
+    Ok(maps)
+}
+
+/// What Table 1 says of each cell of `table`.
+fn described(
+    inverse: &Inverse,
+    (map, other): (&AccelMap, Option<&AccelMap>),
+    limit: &DeliveredTorque,
+    table: &TorqueTable,
+    test_angle_deg: f64,
+    zero_row: ZeroRow,
+) -> Result<TorqueMap> {
+    let (speeds, accels) = (table.speed_mps().breaks().to_vec(), table.accel_mps2().breaks().to_vec());
+    let tested = [map.torque_nm[0], map.torque_nm[map.torque_nm.len() - 1]].map(|u| limit.clamp(0.0, u));
+    let csv = table.to_matrix().to_csv();
     let reach: Vec<[f64; 2]> = speeds.iter().map(|v| limit.reach_nm(*v).map(|u| round6(inverse.accel_mps2(*v, u)))).collect();
     let known = map.table()?;
     let status_of = |v: f64, torque: f64| {
@@ -169,8 +207,8 @@ fn invert_map(
                 .collect()
         })
         .collect();
-    let trip = round_trip(&inverse, &table, &status, |v, u| status_of(v, u) == CellStatus::Measured);
-    let inverted = TorqueMap {
+    let trip = round_trip(inverse, table, &status, |v, u| status_of(v, u) == CellStatus::Measured);
+    Ok(TorqueMap {
         gear: map.gear,
         wheel_angle_deg: map.wheel_angle_deg,
         csv: CsvRef { file: csv_name("table2", map.gear, map.wheel_angle_deg, test_angle_deg), sha256: sha256_hex(csv.as_bytes()) },
@@ -181,10 +219,9 @@ fn invert_map(
         status,
         reachable_accel_mps2: reach,
         dead_band: dead_band(map, other),
-        zero_row: settings.zero_row,
+        zero_row,
         round_trip: trip,
-    };
-    Ok((inverted, csv))
+    })
 }
 
 /// Breaks as given, placed, or by default.

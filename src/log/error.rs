@@ -45,6 +45,8 @@ pub enum Error {
     Utf16,
     #[error("line {line} is longer than {allowed} bytes: no table has such lines")]
     LongLine { line: u64, allowed: usize },
+    #[error("the table has {found} columns; at most {allowed} are read: leave out those that are no signals")]
+    TooManyColumns { found: usize, allowed: usize },
     #[error("the Parquet file cannot be used: {reason}")]
     BrokenParquet { reason: String },
     #[error(

@@ -18,6 +18,10 @@ pub enum Error {
     #[error("{}: {source}", shown(path))]
     Map { path: PathBuf, source: crate::map::Error },
     #[error("{}: {source}", shown(path))]
+    Described { path: PathBuf, source: crate::invert::Error },
+    #[error("there is no table2.json, whose place the table is to take: run `pivot-cal invert` first")]
+    NoTable2,
+    #[error("{}: {source}", shown(path))]
     Verdict { path: PathBuf, source: crate::verify::Error },
     #[error(transparent)]
     Table(#[from] crate::map::Error),

@@ -12,6 +12,9 @@ use crate::units::Unit;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+/// More columns than any vehicle has signals.
+const MOST_COLUMNS: usize = 20_000;
+
 /// A CSV file whose header has been read.
 #[derive(Debug)]
 pub(crate) struct CsvTable {
@@ -49,6 +52,9 @@ impl CsvTable {
         if names.iter().all(|name| name.trim().is_empty() || number(name).is_some()) {
             let found = crate::text::name_from_outside(header.trim()).into_owned();
             return Err(Error::NoHeader { line: skipped, found });
+        }
+        if names.len() > MOST_COLUMNS {
+            return Err(Error::TooManyColumns { found: names.len(), allowed: MOST_COLUMNS });
         }
         let second = lines.next()?.map(|line| text(&line).into_owned()).unwrap_or_default();
         let second = cells(&second, separator);
@@ -211,6 +217,12 @@ mod tests {
         assert!(read(b"t,angle [\xb0]\n0,1\n").0[1].contains("deg"));
         let utf16 = CsvTable::open(Arc::new(LogInput::Memory(vec![0xff, 0xfe, b't', 0, b'\n', 0])));
         assert!(matches!(utf16, Err(Error::Utf16)));
+    }
+
+    #[test]
+    fn a_line_of_separators_is_no_header_of_a_million_columns() {
+        let table = CsvTable::open(Arc::new(LogInput::Memory(format!("time{}\n", ",x".repeat(MOST_COLUMNS)).into_bytes())));
+        assert!(matches!(table, Err(Error::TooManyColumns { found: 20_001, .. })));
     }
 
     #[test]

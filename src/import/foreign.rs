@@ -1,4 +1,4 @@
-//! Maps of other systems, read without judging them: unreadable parts stay empty, with their place, for [`crate::check`] to report.
+//! Maps of other systems, read without judging them: unreadable parts stay empty, with their place, for `check` to report.
 
 mod apollo;
 mod autoware;

@@ -3,7 +3,7 @@
 //! Source: the documented behaviour of `raw_vehicle_cmd_converter` (`CSVLoader`): at least two columns, rows of one length; along every
 //! column acceleration rises strictly with the accel pedal, or falls strictly with the brake pedal.
 
-use crate::check::foreign::{CellGrid, CsvLine, Misread};
+use crate::import::foreign::{CellGrid, CsvLine, Misread};
 
 /// Which pedal a map belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! A matrix with breaks, some of whose cells may be unreadable.
 
-use crate::check::foreign::CsvLine;
+use crate::import::foreign::CsvLine;
 
 /// A part that could not be read, and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,7 +100,7 @@ impl CellGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::foreign::cells_of_csv;
+    use crate::import::foreign::cells_of_csv;
 
     #[test]
     fn every_unreadable_cell_is_reported_and_the_others_are_kept() {

@@ -1,7 +1,7 @@
 //! Apollo's calibration table: protobuf text of `calibration { speed: … acceleration: … command: … }`, alone or inside a control
 //! configuration. Command is per cent of throttle when positive, of brake when negative.
 
-use crate::check::foreign::{CommandPoint, CommandPoints, Misread, MisreadKind};
+use crate::import::foreign::{CommandPoint, CommandPoints, Misread, MisreadKind};
 
 /// Reads every `calibration { … }` message, at any depth; other messages are skipped.
 pub(crate) fn points_of_apollo(text: &str) -> (CommandPoints, Vec<Misread>) {

@@ -1,6 +1,6 @@
 //! Long-form CSV: a header that names speed, acceleration and command, and a line per point.
 
-use crate::check::foreign::{CommandPoint, CommandPoints, CsvLine, Misread, MisreadKind};
+use crate::import::foreign::{CommandPoint, CommandPoints, CsvLine, Misread, MisreadKind};
 
 const SPEED: &[&str] = &["speed", "velocity", "vel", "v"];
 const ACCEL: &[&str] = &["acceleration", "accel", "acc", "a"];
@@ -56,7 +56,7 @@ pub(crate) fn points_of_long_csv(cells: &[CsvLine]) -> (CommandPoints, Vec<Misre
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::foreign::cells_of_csv;
+    use crate::import::foreign::cells_of_csv;
 
     #[test]
     fn columns_are_found_by_name_whatever_their_order_and_unit() {
