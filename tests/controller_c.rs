@@ -8,12 +8,11 @@ mod compiled;
 #[path = "common/map_copy.rs"]
 mod map_copy;
 #[path = "common/readers.rs"]
-#[allow(dead_code)]
 mod readers;
 
 use compiled::{answers, c_compiler, c_program_of};
 use map_copy::{copied, run, text};
-use pivot_cal::control::{DriveStep, Failure, Gear, Outputs, Phase, SteeringFault, WheelPolicy};
+use pivot_cal::control::{Failure, Gear, Outputs, Phase, SteeringFault, WheelPolicy};
 use pivot_cal::controller::ControllerFile;
 use pivot_cal::internals::{PivotMoment, replay};
 use pivot_cal::verify::{Maps, Scenario, VerifySettings};
@@ -145,17 +144,18 @@ fn phase_numbers(phase: Phase) -> [i32; 2] {
 /// The line that the harness must answer with for the commands of a period.
 fn line(command: &Outputs) -> String {
     let [phase, failure] = phase_numbers(command.phase);
-    let drive = command.drive.unwrap_or(DriveStep::default());
+    let drive = command.drive.unwrap_or_default();
     let flags = [command.restore, command.drive.is_some(), drive.limited, drive.outside_table, drive.end_reached].map(i32::from);
     let mut line = format!("{} {phase} {failure}", gear_number(command.gear));
-    flags.iter().for_each(|flag| write!(line, " {flag}").unwrap());
+    for flag in flags {
+        write!(line, " {flag}").unwrap();
+    }
     let reals = [command.torque_nm, command.wheel_angle_rad, drive.target_speed_mps, drive.speed_mps, drive.accel_mps2, drive.arc_m];
-    reals.iter().for_each(|real| write!(line, " {:x}", real.to_bits()).unwrap());
-    line
+    line + &bits(&reals)
 }
 
 fn bits(reals: &[f64]) -> String {
-    reals.iter().map(|real| format!(" {:x}", real.to_bits())).collect()
+    reals.iter().fold(String::new(), |line, real| format!("{line} {:x}", real.to_bits()))
 }
 
 /// The input lines and expected answers of a scenario as the verdict drives it, and whether every kind of end was there.

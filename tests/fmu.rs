@@ -15,6 +15,7 @@ use pivot_cal::internals::{MotionSettings, World, WorldCommand, WorldSettings};
 use pivot_cal::map::{Gear, Table1File};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::Path;
 
 /// Torque [N·m], gear and emergency stop of every millisecond: up, hold, coast, brake, reverse, less than breakaway, a stop on the way.
@@ -139,7 +140,10 @@ fn the_sources_give_the_speed_of_the_simulator_and_every_factor_acts_as_there() 
     }
     let program = compiled::c_program_of(&compiler, folder.path(), HARNESS, &["pivot_plant.c"], "-O2");
     let schedule = schedule();
-    let lines: String = schedule.iter().map(|(torque, gear, stop)| format!("{torque:?} {gear} {}\n", i32::from(*stop))).collect();
+    let lines = schedule.iter().fold(String::new(), |mut lines, (torque, gear, stop)| {
+        writeln!(lines, "{torque:?} {gear} {}", i32::from(*stop)).unwrap();
+        lines
+    });
     let world = plant(&maps);
     let mut moved = Vec::new();
     for factors in [[1.0; 4], [1.4, 1.0, 1.0, 1.0], [1.0, 0.7, 1.0, 1.0], [1.0, 1.0, 2.0, 1.0], [1.0, 1.0, 1.0, 1.37]] {

@@ -335,7 +335,7 @@ const GROUPS: [&str; 3] = ["pivots", "manoeuvres", "all"];
 /// The names of all scenarios and manoeuvres, and of the groups.
 fn scenario_names() -> Vec<String> {
     let scenarios = Scenario::all().into_iter().map(|s| s.name);
-    GROUPS.into_iter().map(str::to_owned).chain(scenarios).chain(Manoeuvre::all().into_iter().map(|m| m.name.to_string())).collect()
+    GROUPS.into_iter().map(str::to_owned).chain(scenarios).chain(Manoeuvre::all().into_iter().map(|m| m.name)).collect()
 }
 
 /// The named scenarios and manoeuvres, in the order of the command line; without a name all pivots. Groups: `pivots`, `manoeuvres`, `all`.

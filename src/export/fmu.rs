@@ -16,7 +16,7 @@ use crate::map::sha256_hex;
 use crate::sim::WorldSettings;
 use binary::{Compiled, compiled};
 use data::PlantData;
-use description::Version;
+use description::{Version, token};
 
 const HEADER: &str = include_str!("template/pivot_plant.h.in");
 const SOURCE: &str = include_str!("template/pivot_plant.c.in");
@@ -44,7 +44,7 @@ pub(crate) fn files(source: &MapSource, settings: &ExportSettings) -> Result<Vec
         .into_iter()
         .map(|version| {
             let whole = format!("{data}{SOURCE}{HEADER}{}{}", version.source(), source.table2.generation);
-            let token = version.token(&sha256_hex(whole.as_bytes()));
+            let token = token(&sha256_hex(whole.as_bytes()));
             let sources = [
                 ("pivot_plant_data.h".to_owned(), format!("/*\n{}\n */\n{data}", provenance.join("\n"))),
                 ("pivot_plant.h".to_owned(), fill(HEADER, &token)),

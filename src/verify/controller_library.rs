@@ -127,7 +127,7 @@ impl LibraryUnderTest {
         }
         let sign = gear.map_or(1.0, Gear::sign);
         let shows = answer.has_drive != 0 && matches!(self.phase, Phase::Driving | Phase::WaitingForStandstill);
-        let drive = shows.then(|| DriveStep {
+        let drive = shows.then_some(DriveStep {
             torque_nm: sign * answer.torque_nm,
             target_speed_mps: answer.target_speed_mps,
             speed_mps: answer.drive_speed_mps,

@@ -47,12 +47,6 @@ impl Version {
         }
     }
 
-    /// The identifier by which description and binary know that they belong together, from a hash of the unit.
-    pub(crate) fn token(self, sha256: &str) -> String {
-        let part = |from: usize, to: usize| sha256.get(from..to).unwrap_or_default();
-        format!("{{{}-{}-{}-{}-{}}}", part(0, 8), part(8, 12), part(12, 16), part(16, 20), part(20, 32))
-    }
-
     /// Place of the binary of this machine in the archive; `None` if the standard has no name for it.
     pub(crate) fn binary_path(self) -> Option<String> {
         let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
@@ -118,11 +112,12 @@ impl Version {
         };
         text.push_str("  <UnitDefinitions>\n");
         for (name, [kg, m, s, rad]) in UNITS {
-            let base: String = [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
-                .iter()
-                .filter(|(_, exponent)| *exponent != 0)
-                .map(|(unit, exponent)| format!(" {unit}=\"{exponent}\""))
-                .collect();
+            let mut base = String::new();
+            for (unit, exponent) in [("kg", kg), ("m", m), ("s", s), ("rad", rad)] {
+                if exponent != 0 {
+                    let _ = write!(base, " {unit}=\"{exponent}\"");
+                }
+            }
             let _ = writeln!(text, "    <Unit name=\"{name}\"><BaseUnit{base}/></Unit>");
         }
         text.push_str("  </UnitDefinitions>\n");
@@ -143,7 +138,10 @@ impl Version {
         text.push_str("  </ModelVariables>\n  <ModelStructure>\n");
         let outputs = VARIABLES.iter().enumerate().filter(|(_, v)| v.role == Role::Output).map(|(k, _)| k + 1);
         if self == Self::Two {
-            let unknowns: String = outputs.map(|index| format!("      <Unknown index=\"{index}\"/>\n")).collect();
+            let unknowns = outputs.fold(String::new(), |mut text, index| {
+                let _ = writeln!(text, "      <Unknown index=\"{index}\"/>");
+                text
+            });
             let _ = writeln!(text, "    <Outputs>\n{unknowns}    </Outputs>");
             let _ = writeln!(text, "    <InitialUnknowns>\n{unknowns}    </InitialUnknowns>");
         } else {
@@ -189,6 +187,12 @@ impl Version {
             Self::Three => format!("    <{type_3} {common}{fields}/>\n"),
         }
     }
+}
+
+/// The identifier by which description and binary know that they belong together, from a hash of the unit.
+pub(crate) fn token(sha256: &str) -> String {
+    let part = |from: usize, to: usize| sha256.get(from..to).unwrap_or_default();
+    format!("{{{}-{}-{}-{}-{}}}", part(0, 8), part(8, 12), part(12, 16), part(16, 20), part(20, 32))
 }
 
 /// Text of an attribute.
