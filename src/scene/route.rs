@@ -29,7 +29,7 @@ pub(crate) struct RouteKeys {
     piece: Vec<PieceKeys>,
     /// Direction of travel.
     #[serde(default)]
-    direction: Direction,
+    direction: RouteDirection,
     /// Tracking law; that of the calibration.
     #[serde(default = "law")]
     law: LawName,
@@ -50,7 +50,7 @@ pub(crate) struct RouteKeys {
 /// Direction of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Direction {
+enum RouteDirection {
     /// Forward.
     #[default]
     Forward,
@@ -137,7 +137,7 @@ impl RouteKeys {
 
     /// The pieces.
     pub(crate) fn pieces(&self) -> Vec<ClothoidPiece> {
-        let turned = |piece: ClothoidPiece| if self.direction == Direction::Reverse { piece.reversed() } else { piece };
+        let turned = |piece: ClothoidPiece| if self.direction == RouteDirection::Reverse { piece.reversed() } else { piece };
         let piece = |p: &PieceKeys| turned(ClothoidPiece::bend(p.length_m, p.from_per_m, p.to_per_m.unwrap_or(p.from_per_m)));
         self.piece.iter().map(piece).collect()
     }
@@ -145,8 +145,8 @@ impl RouteKeys {
     /// Direction of travel.
     pub(crate) fn gear(&self) -> Gear {
         match self.direction {
-            Direction::Forward => Gear::Forward,
-            Direction::Reverse => Gear::Reverse,
+            RouteDirection::Forward => Gear::Forward,
+            RouteDirection::Reverse => Gear::Reverse,
         }
     }
 

@@ -1,7 +1,7 @@
 //! `modelDescription.xml` of both versions of the standard, and how their archives differ.
 
 use crate::export::MapSource;
-use crate::export::fmu::variable::{Kind, Role, UNITS, VARIABLES, Variable, start_of};
+use crate::export::fmu::variable::{Role, UNITS, VARIABLES, Variable, VariableKind, start_of};
 use crate::map::WheelAngle;
 use std::fmt::Write as _;
 
@@ -164,18 +164,20 @@ impl Version {
         };
         let variability = match (variable.role, variable.kind) {
             (Role::Parameter, _) => "fixed",
-            (_, Kind::Real { .. }) => "continuous",
+            (_, VariableKind::Real { .. }) => "continuous",
             _ => "discrete",
         };
         let has_start = variable.role != Role::Output;
         let (type_2, type_3, fields) = match variable.kind {
-            Kind::Real { start, range, unit } => {
+            VariableKind::Real { start, range, unit } => {
                 let range = range.map_or(String::new(), |[low, high]| format!(" min=\"{low:?}\" max=\"{high:?}\""));
                 let start = if has_start { format!(" start=\"{:?}\"", start_of(variable, start, angle)) } else { String::new() };
                 ("Real", "Float64", format!(" unit=\"{unit}\"{range}{start}"))
             }
-            Kind::Whole { start, range: [low, high] } => ("Integer", "Int32", format!(" min=\"{low}\" max=\"{high}\" start=\"{start}\"")),
-            Kind::Boolean => ("Boolean", "Boolean", " start=\"false\"".to_owned()),
+            VariableKind::Whole { start, range: [low, high] } => {
+                ("Integer", "Int32", format!(" min=\"{low}\" max=\"{high}\" start=\"{start}\""))
+            }
+            VariableKind::Boolean => ("Boolean", "Boolean", " start=\"false\"".to_owned()),
         };
         let common = format!(
             "name=\"{}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"{variability}\"{initial} description=\"{}\"",

@@ -16,7 +16,7 @@ pub(crate) enum Role {
 
 /// Type with start value and, of parameters, the allowed range.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum VariableKind {
     /// A real number.
     Real {
         /// Value at the start.
@@ -47,30 +47,35 @@ pub(crate) struct Variable {
     /// Role.
     pub(crate) role: Role,
     /// Type.
-    pub(crate) kind: Kind,
+    pub(crate) kind: VariableKind,
 }
 
 const fn input(name: &'static str, unit: &'static str, about: &'static str) -> Variable {
-    Variable { name, about, role: Role::Input, kind: Kind::Real { start: 0.0, range: None, unit } }
+    Variable { name, about, role: Role::Input, kind: VariableKind::Real { start: 0.0, range: None, unit } }
 }
 
 const fn output(name: &'static str, unit: &'static str, about: &'static str) -> Variable {
-    Variable { name, about, role: Role::Output, kind: Kind::Real { start: 0.0, range: None, unit } }
+    Variable { name, about, role: Role::Output, kind: VariableKind::Real { start: 0.0, range: None, unit } }
 }
 
 const fn factor(name: &'static str, least: f64, about: &'static str) -> Variable {
-    Variable { name, about, role: Role::Parameter, kind: Kind::Real { start: 1.0, range: Some([least, 100.0]), unit: "1" } }
+    Variable { name, about, role: Role::Parameter, kind: VariableKind::Real { start: 1.0, range: Some([least, 100.0]), unit: "1" } }
 }
 
 const fn parameter(name: &'static str, unit: &'static str, range: [f64; 2], about: &'static str) -> Variable {
-    Variable { name, about, role: Role::Parameter, kind: Kind::Real { start: 0.0, range: Some(range), unit } }
+    Variable { name, about, role: Role::Parameter, kind: VariableKind::Real { start: 0.0, range: Some(range), unit } }
 }
 
 /// The list. The start of `wheel_angle_rad` is the wheel angle of the map.
 pub(crate) const VARIABLES: [Variable; 25] = [
     input("torque_nm", "N.m", "torque command; positive drives the wheel forward, no effect in neutral"),
-    Variable { name: "gear", about: "1 forward, -1 reverse, 0 neutral", role: Role::Input, kind: Kind::Whole { start: 1, range: [-1, 1] } },
-    Variable { name: "emergency_stop", about: "no drive torque, brake applied", role: Role::Input, kind: Kind::Boolean },
+    Variable {
+        name: "gear",
+        about: "1 forward, -1 reverse, 0 neutral",
+        role: Role::Input,
+        kind: VariableKind::Whole { start: 1, range: [-1, 1] },
+    },
+    Variable { name: "emergency_stop", about: "no drive torque, brake applied", role: Role::Input, kind: VariableKind::Boolean },
     input(
         "wheel_angle_rad",
         "rad",
@@ -96,13 +101,13 @@ pub(crate) const VARIABLES: [Variable; 25] = [
         name: "noise_factor",
         about: "on disturbance, run-to-run offset and sensor noise; 0 for none",
         role: Role::Parameter,
-        kind: Kind::Real { start: 0.0, range: Some([0.0, 100.0]), unit: "1" },
+        kind: VariableKind::Real { start: 0.0, range: Some([0.0, 100.0]), unit: "1" },
     },
     Variable {
         name: "seed",
         about: "of everything random",
         role: Role::Parameter,
-        kind: Kind::Whole { start: 1, range: [0, 2_147_483_647] },
+        kind: VariableKind::Whole { start: 1, range: [0, 2_147_483_647] },
     },
     parameter("initial_speed_mps", "m/s", [-20.0, 20.0], "front-wheel speed at the start"),
     parameter("torque_step_nm", "N.m", [0.0, 1000.0], "step of the torque command's encoding; 0 for none"),
@@ -137,9 +142,9 @@ pub(crate) fn references() -> String {
 pub(crate) fn tables() -> String {
     let of = |character: &dyn Fn(&Variable) -> char| -> String { VARIABLES.iter().map(character).collect() };
     let kinds = of(&|v| match v.kind {
-        Kind::Real { .. } => 'r',
-        Kind::Whole { .. } => 'n',
-        Kind::Boolean => 'b',
+        VariableKind::Real { .. } => 'r',
+        VariableKind::Whole { .. } => 'n',
+        VariableKind::Boolean => 'b',
     });
     let roles = of(&|v| match v.role {
         Role::Input => 'i',
@@ -160,18 +165,18 @@ pub(crate) fn in_c(angle: WheelAngle) -> [String; 2] {
     for variable in &VARIABLES {
         let name = constant(variable);
         let (array, start) = match variable.kind {
-            Kind::Real { start, .. } => ("real", format!("{:?}", start_of(variable, start, angle))),
-            Kind::Whole { start, .. } => ("integer", start.to_string()),
-            Kind::Boolean => ("integer", "0".to_owned()),
+            VariableKind::Real { start, .. } => ("real", format!("{:?}", start_of(variable, start, angle))),
+            VariableKind::Whole { start, .. } => ("integer", start.to_string()),
+            VariableKind::Boolean => ("integer", "0".to_owned()),
         };
         let _ = writeln!(starts, "    plant->{array}[{name}] = {start};");
         if variable.role != Role::Parameter {
             continue;
         }
         let (low, high) = match variable.kind {
-            Kind::Real { range: Some([low, high]), .. } => (format!("{low:?}"), format!("{high:?}")),
-            Kind::Whole { range: [low, high], .. } => (low.to_string(), high.to_string()),
-            Kind::Real { range: None, .. } | Kind::Boolean => continue,
+            VariableKind::Real { range: Some([low, high]), .. } => (format!("{low:?}"), format!("{high:?}")),
+            VariableKind::Whole { range: [low, high], .. } => (low.to_string(), high.to_string()),
+            VariableKind::Real { range: None, .. } | VariableKind::Boolean => continue,
         };
         let _ = writeln!(
             checks,
